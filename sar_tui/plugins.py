@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import platformdirs
 
 import sar_tui
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 
 if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
@@ -113,7 +114,7 @@ def load_task(folder: Path) -> "type[Task]":
     name = _package_of(folder)
     try:
         module = _import(folder, f"{name}.task")
-    except (Exception, SystemExit) as error:
+    except PLUGIN_ERRORS as error:
         raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
     own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
     found = [value for value in own if _is_task(value)]
@@ -133,7 +134,7 @@ def view_module(task: "type[Task]") -> types.ModuleType | None:
         package = _package_of(folder)
     try:
         return _import(folder, f"{package}.view")
-    except (Exception, SystemExit) as error:
+    except PLUGIN_ERRORS as error:
         raise PluginError(f"The view of the task {task.name} cannot be loaded: {_why(error)}") from error
 
 
@@ -166,7 +167,7 @@ def _installed_tasks() -> "Iterable[EntryPoint]":
 def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
     try:
         found = entry.load()
-    except Exception as error:
+    except PLUGIN_ERRORS as error:
         raise PluginError(f"The task {entry.name} cannot be loaded: {_why(error)}") from error
     if not _is_task(found):
         raise PluginError(f"The entry point {entry.name} ({entry.value}) is not a Task.")

@@ -320,13 +320,13 @@ def test_the_details_and_texts_of_the_task_are_stored(with_taps: Catalogue, data
 @pytest.mark.parametrize(
     ("method", "signature"), [("stimulus", "self, situation"), ("perceived", "self, trial, percept")]
 )
+@pytest.mark.parametrize("error", ["KeyError: 'missing'", "SystemExit: 3"])
 def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_stored(
-    own: Path, data: Path, method: str, signature: str
+    own: Path, data: Path, method: str, signature: str, error: str
 ) -> None:
-    write(own, "minimal", MINIMAL + f"\n    def {method}({signature}):\n        raise KeyError('missing')\n")
-    with pytest.raises(
-        Failed, match=r"The task minimal failed \(KeyError: 'missing', line \d+ of task\.py\)\. What was done"
-    ):
+    raises = "raise {}({})".format(*error.split(": "))
+    write(own, "minimal", MINIMAL + f"\n    def {method}({signature}):\n        {raises}\n")
+    with pytest.raises(Failed, match=rf"The task minimal failed \({error}, line \d+ of task\.py\)\. What was done"):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     (left,) = sessions.listing(connect(data), data)
     assert left["status"] == "interrupted"
@@ -339,6 +339,13 @@ def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(own: Pat
     with pytest.raises(Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     assert sessions.listing(connect(data), data) == []
+
+
+@pytest.mark.parametrize("levels", ["None", "0", "2.5"])
+def test_levels_that_are_no_number_are_refused_with_a_sentence(own: Path, data: Path, levels: str) -> None:
+    write(own, "minimal", MINIMAL + f"\n    levels = property(lambda self: {levels})\n")
+    with pytest.raises(Failed, match=rf"its levels are {levels}, not a whole number from 1 on\."):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
 
 
 def test_change_is_described_correctly_in_either_direction() -> None:

@@ -8,6 +8,7 @@ from rich.text import Text
 from sar_tui.framework.bus import Bus
 from sar_tui.framework.messages import AttemptEnded, Prompt
 from sar_tui.framework.node import Node
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.prompt_lines import Line, plain_lines
@@ -27,7 +28,7 @@ class GuardedView(Node):
 
     def __init__(self, task: Task) -> None:
         super().__init__()
-        self._faults: list[tuple[str, Exception]] = []
+        self._faults: list[tuple[str, BaseException]] = []
         self._failed: set[str] = set()
         self._view = self._try("load", lambda: view_of(type(task))(task), TaskView(task))
         self._view.name = self.name
@@ -72,7 +73,7 @@ class GuardedView(Node):
             return fallback
         try:
             return call()
-        except Exception as error:
+        except PLUGIN_ERRORS as error:
             self._failed.add(place)
             if hasattr(self, "bus"):
                 self.bus.report(self.name, place, error)

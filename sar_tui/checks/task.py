@@ -14,6 +14,7 @@ from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.declaration import Field, ParameterError
 from sar_tui.framework.messages import Fault
 from sar_tui.framework.parameters import TaskParameters, build, changed, fields
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
@@ -54,7 +55,7 @@ def check(folder: Path) -> Iterator[Check]:
     yield _check("describes every parameter: title, help, bounds", lambda: _parameters(kind))
     try:
         task = kind(build(kind.Parameters, {"attempts": ATTEMPTS}))
-    except Exception as error:
+    except PLUGIN_ERRORS as error:
         yield _check("can be set up with its defaults", _reason(error))
         return
     yield Check("can be set up with its defaults")
@@ -74,12 +75,12 @@ def _check(name: str, problem: str | Callable[[], str]) -> Check:
     """Return a check with the problem given or found; an exception is a problem as well."""
     try:
         found = problem if isinstance(problem, str) else problem()
-    except Exception as error:
+    except PLUGIN_ERRORS as error:
         found = _reason(error)
     return Check(name, (found,) if found else ())
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     if isinstance(error, ParameterError | Failed):
         return str(error)
     raised = f"It raised {type(error).__name__}: {error}."
@@ -168,7 +169,7 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             name = f"runs a whole session with a{'n' if person.name[0] in 'aeiou' else ''} {person.name} participant"
             try:
                 simulated = _simulate(kind, parameters, person, Path(folder))
-            except Exception as error:
+            except PLUGIN_ERRORS as error:
                 yield _check(name, _reason(error))
                 return
             yield _check(name, _outcome(simulated, parameters))

@@ -8,6 +8,7 @@ from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.messages import AttemptEnded, Fault, Prompt, Recall, SessionEnded, Waiting
 from sar_tui.framework.node import Node, on
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -112,5 +113,5 @@ class _Screen(Node):
     def _check_findings(self, attempts: Sequence[AttemptEnded]) -> None:
         try:
             sentences(view_of(type(self._task)).findings(attempts, self._task.metric))
-        except Exception as error:
+        except PLUGIN_ERRORS as error:
             self.problems["findings"] = f"Its findings failed ({type(error).__name__}: {error})."

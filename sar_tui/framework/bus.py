@@ -14,6 +14,7 @@ from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.messages import Fault, Message
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -179,7 +180,7 @@ class Bus:
             self._inputs.append((topic, message))
             self.drain()
 
-    def report(self, owner: str, place: str, error: Exception) -> None:
+    def report(self, owner: str, place: str, error: BaseException) -> None:
         """Publish a Fault for an exception that was caught elsewhere, in this cascade or the next."""
         self._derived.append((FAULT, _fault(owner, place, error)))
 
@@ -221,12 +222,12 @@ class Bus:
         for owner, handler in self._handlers.get(topic.name, ()):
             try:
                 handler(message)
-            except Exception as error:
+            except PLUGIN_ERRORS as error:
                 if topic is not FAULT:
                     self._derived.append((FAULT, _fault(owner, topic.name, error)))
 
 
-def _fault(owner: str, topic: str, error: Exception) -> Fault:
+def _fault(owner: str, topic: str, error: BaseException) -> Fault:
     return Fault(
         node=owner,
         topic=topic,
@@ -236,7 +237,7 @@ def _fault(owner: str, topic: str, error: Exception) -> Fault:
     )
 
 
-def _place(error: Exception) -> str:
+def _place(error: BaseException) -> str:
     """Return where an exception was raised: "line 12 of task.py"."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
     return f"line {frame.lineno} of {PurePath(frame.filename).name}"

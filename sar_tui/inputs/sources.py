@@ -9,6 +9,7 @@ from urllib.parse import parse_qsl
 import msgspec
 
 from sar_tui.framework.clock import Clock
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.inputs.imu import ImuSource, SourceError
 
 GROUP = "sar_tui.inputs"
@@ -42,7 +43,7 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
                 source: ImuSource = entry.load()(text)
             except SourceError:
                 raise
-            except Exception as error:
+            except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
                 raise SourceError(f"The sensor {kind} ({entry.value}) cannot be loaded: {why}.") from error
             if missing := [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]:

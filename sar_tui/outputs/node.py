@@ -8,6 +8,7 @@ from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import MS, SECOND, Handle
 from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.node import Node, on
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.output import Output, OutputError, Report
@@ -73,7 +74,7 @@ class OutputNode(Node):
         super().attach(bus)
         try:
             self.output.open(self._theme, bus.clock, self._receive)
-        except Exception as error:
+        except PLUGIN_ERRORS as error:
             self._open_error = f"It could not be opened ({describe(error)})."
         self.emit(OUTPUT, m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))))
 
@@ -128,7 +129,7 @@ class OutputNode(Node):
             self._stopping.left |= lasting
         try:
             self.output.stop(halt.action)
-        except Exception as error:
+        except PLUGIN_ERRORS as error:
             why = as_text(error) if isinstance(error, OutputError) else f"It could not be stopped ({describe(error)})."
             if self._stopping and halt.reason == "stopped":
                 self._stopping.details.append(why)
@@ -156,7 +157,7 @@ class OutputNode(Node):
             return
         try:
             getattr(self.output, part)(action, *what)
-        except Exception as error:
+        except PLUGIN_ERRORS as error:
             why = as_text(error) if isinstance(error, OutputError) else f"{describe(error)}."
             self._end(action, part, "failed", why)
 

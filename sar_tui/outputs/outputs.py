@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING
 
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, OutputError
@@ -112,7 +113,7 @@ def _plugged_in(kind: str, text: str) -> Output:
                     output = make(text)
             except OutputError:
                 raise
-            except Exception as error:
+            except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
                 raise OutputError(f"The output {kind} ({entry.value}) cannot be loaded: {why}.") from error
             if not isinstance(output, Output):

@@ -36,6 +36,6 @@ def as_text(value: object) -> str:
     return text[:LONGEST_DETAIL].encode("utf-8", "replace").decode()
 
 
-def describe(error: Exception) -> str:
+def describe(error: BaseException) -> str:
     """Describe an exception for use in a sentence."""
     return as_text(f"{type(error).__name__}: {as_text(error)}")

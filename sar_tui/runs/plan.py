@@ -8,6 +8,7 @@ import msgspec
 
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
@@ -153,8 +154,10 @@ def set_up(kind: type[Task], parameters: TaskParameters) -> Task:
     try:
         task = kind(parameters)
         levels = task.levels
-    except Exception as error:
+    except PLUGIN_ERRORS as error:
         raise Failed(f"The task {kind.name} cannot be set up ({type(error).__name__}: {error}).") from error
+    if type(levels) is not int or levels < 1:
+        raise Failed(f"The task {kind.name} cannot be set up: its levels are {levels!r}, not a whole number from 1 on.")
     for name in ("start_level", "min_level"):
         if (level := getattr(parameters, name)) > levels:
             raise ParameterError(

@@ -16,6 +16,7 @@ from rich.text import Text
 from sar_tui.framework.language import Language
 from sar_tui.framework.messages import AttemptEnded, Prompt
 from sar_tui.framework.node import Node
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import PluginError, view_module
@@ -99,7 +100,7 @@ def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Met
     """Return a view's facts about a session in the database; none if the view fails."""
     try:
         return sentences(view_of(task).facts(attempts, metric, tr))
-    except Exception:  # third-party code: the rest of the summary is still right
+    except PLUGIN_ERRORS:  # third-party code: the rest of the summary is still right
         return []
 
 
@@ -107,5 +108,5 @@ def stored_findings(task: type[Task], attempts: Sequence[AttemptEnded], metric: 
     """Return a view's findings about a session in the database; none if the view fails."""
     try:
         return sentences(view_of(task).findings(attempts, metric))
-    except Exception:
+    except PLUGIN_ERRORS:
         return []

@@ -58,6 +58,18 @@ async def test_an_existing_code_is_reported(data: Path, catalogue: Catalogue) ->
     assert stored(data, "SELECT code FROM participants") == [("P01",)]
 
 
+async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_chosen(
+    data: Path, catalogue: Catalogue, tmp_path: Path
+) -> None:
+    broken = tmp_path / "tasks" / "aaa" / "task.py"
+    broken.parent.mkdir(parents=True)
+    broken.write_text("raise RuntimeError('not yet')")
+    known(data, "P01")
+    async with open_app(data, Catalogue((broken.parent.parent,))) as driver:
+        assert driver.sees("aaa (does not load)")
+        assert driver.sees("P01: Keyboard reaction")
+
+
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.fail_to_start("Choose or add a participant first.")

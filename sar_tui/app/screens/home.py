@@ -83,7 +83,7 @@ class HomeScreen(Screen[None]):
                 tasks.add_option(Option(self.app.catalogue.task(name).title, id=name))
             except PluginError:
                 tasks.add_option(Option(f"{name} (does not load)", id=name, disabled=True))
-        tasks.highlighted = 0
+        tasks.action_first()  # that loads
         self._list_participants()
         self._list_themes()
         self._list_recent()
