@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown
     from sar_tui.framework.task import Task
 
 _PACKAGE = "sar_tui_tasks"
+_installed: dict[str, str] = {}
+"""Tasks of installed packages by the module of their class."""
 DEFAULT_THEME = "calm"
 CURRENT_NAMES = "The names of this version are in docs/write-your-own-task.md."
 """Hint for a task that uses a name that sar-tui does not have."""
@@ -125,6 +127,13 @@ def load_task(folder: Path) -> "type[Task]":
     return _checked(found[0], folder.name)
 
 
+def task_of_module(name: str) -> str:
+    """Return the task that a module belongs to; empty if it is no task's."""
+    if name.startswith(f"{_PACKAGE}."):
+        return name.split(".")[1]
+    return _installed.get(name, "")
+
+
 def view_module(task: "type[Task]") -> types.ModuleType | None:
     """Load the ``view.py`` beside a task's module; None if there is none. Raises PluginError."""
     folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
@@ -171,6 +180,7 @@ def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
         raise PluginError(f"The task {entry.name} cannot be loaded: {_why(error)}") from error
     if not _is_task(found):
         raise PluginError(f"The entry point {entry.name} ({entry.value}) is not a Task.")
+    _installed[found.__module__] = entry.name
     return _checked(found, entry.name)
 
 

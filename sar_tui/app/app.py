@@ -18,6 +18,7 @@ from textual.widget import Widget
 
 from sar_tui.app.exit_message import UNSAVED, exit_message
 from sar_tui.app.opening import OpeningApp
+from sar_tui.app.task_watchdog import TaskWatchdog
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
@@ -301,6 +302,20 @@ class SarTui(OpeningApp):
         lines = exit_message(code, self.failure, self.live, self.folder, tasks, names_ended_session=one)
         return [*lines, *filter(None, (self.pending_notice,))]
 
+    def abandon(self, task: str) -> None:
+        """End the program at once. For another thread, while this app's own hangs in the code of a task."""
+        if self._open:
+            self._open.write_rest()
+        with contextlib.suppress(Exception):  # the terminal may be gone
+            if self._driver:
+                self._driver.stop_application_mode()
+                self._driver.close()
+        self.failure = f"The task {task} does not return from its own code. All earlier trials are kept."
+        for line in self.exit_lines(1):
+            with contextlib.suppress(OSError):
+                print(line, file=sys.__stderr__, flush=True)
+        os._exit(1)
+
     # --- help ------------------------------------------------------------------------------------------------
 
     def get_key_display(self, binding: Binding) -> str:
@@ -345,7 +360,8 @@ def run_app(
         from sar_tui.widgets.picture import find_pictures
 
         app.picture = find_pictures()
-    code = app.run_here()
+    with TaskWatchdog(app.abandon):
+        code = app.run_here()
     app.close_session()
     code = code or int(bool(app.failure or (app.live and (app.live.unsaved or app.live.rescued))))
     for line in app.exit_lines(code):

@@ -162,6 +162,12 @@ class LiveSession:
         """Return True if a stopped session has written all that it can, at the latest after ``seconds``."""
         return not isinstance(self.clock, LiveClock) or self.run.recorder.wait(seconds)
 
+    def write_rest(self) -> bool:
+        """Let the storage thread write what is left, and stop. Return False if that takes too long. From any thread."""
+        self._stopping = True
+        self.run.recorder.wake()
+        return self.is_written(LAST_WRITE_SECONDS)
+
     def close(self, app: "App[int]") -> None:
         """Stop both workers, write the remaining messages, and close the session.
 

@@ -73,11 +73,9 @@ def test_a_participant_cannot_be_in_two_live_sessions(data: Path) -> None:
             assert b"live session already" in second.output
 
 
-def test_a_task_that_raises_is_reported_and_finished_trials_are_stored(data: Path, tmp_path: Path) -> None:
-    task = tmp_path / "tasks" / "brittle"
-    task.mkdir(parents=True)
-    (task / "task.py").write_text(
-        """
+_BRITTLE = """
+import time
+
 from sar_tui.framework.task import Metric, Result, Stimulus, Task
 
 
@@ -95,24 +93,56 @@ class Brittle(Task):
 
     def stimulus(self, situation):
         if situation.trial == 3:
-            raise RuntimeError("no third")
+            THIRD
         return Stimulus("j", "j", "Press: j")
 
     def perceived(self, trial, percept):
         return Result(response=percept.key, correct=True, response_at=percept.at, value=trial.latency_ms(percept.at))
 """
-    )
+
+
+def _brittle_command(data: Path, folder: Path, third: str) -> list[str]:
+    """Write a task whose third trial executes a statement; return the command that runs it."""
+    task = folder / "tasks" / "brittle"
+    task.mkdir(parents=True)
+    (task / "task.py").write_text(_BRITTLE.replace("THIRD", third))
     words = ["run", "brittle", "-p", "P01", "--data", str(data), "--tasks", str(task.parent)]
-    with Terminal(command(*words, "--set=quiet_ms=40", "--set=foreperiod_max_ms=500")) as terminal:
-        ScriptedParticipant(terminal, random_answers(5, 120, 180)).run(2)
+    return command(*words, "--set=quiet_ms=40", "--set=foreperiod_max_ms=500")
+
+
+@pytest.mark.parametrize(
+    ("third", "error"),
+    [
+        ("raise RuntimeError('no third')", b"RuntimeError: no third"),
+        pytest.param("while True: pass", b"NotResponding: it took longer than 10 s", marks=pytest.mark.slow),
+    ],
+)
+def test_a_task_that_raises_or_never_returns_is_reported_and_finished_trials_are_stored(
+    data: Path, tmp_path: Path, third: str, error: bytes
+) -> None:
+    with Terminal(_brittle_command(data, tmp_path, third)) as terminal:
+        _answer(terminal, 2)
         terminal.wait_for("Please fetch the experimenter")
         terminal.settle()
         terminal.press("enter")
         assert terminal.wait() == 1
-        assert b"no third" in terminal.output
+        assert error in terminal.output
         assert b"Traceback" not in terminal.output
     assert rows(data, "SELECT count(*) FROM trials") == [(2,)]
     assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(1,)]
+
+
+@pytest.mark.slow
+def test_a_task_that_no_error_can_end_ends_the_program_with_its_name(data: Path, tmp_path: Path) -> None:
+    with Terminal(_brittle_command(data, tmp_path, "time.sleep(600)")) as terminal:
+        before = terminal.modes()
+        _answer(terminal, 2)
+        assert terminal.wait() == 1
+        assert terminal.modes() == before
+        after = terminal.output.rpartition(_LEAVE_ALTERNATE_SCREEN)[2]
+        assert b"The task brittle does not return from its own code." in after
+        assert b"sar-tui resume" in after
+    assert rows(data, "SELECT trial FROM trials") == [(1,)], "the task never returned from the end of the second"
 
 
 def test_a_session_that_was_quit_is_listed_and_resumed_at_the_next_trial(data: Path) -> None:
