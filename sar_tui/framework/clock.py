@@ -113,6 +113,12 @@ class VirtualClock:
         """Set the time without running the callbacks due until then; they run late."""
         self._now = now
 
+    def next_at(self) -> int | None:
+        """Return the time of the next callback; None if there is none."""
+        while self._queue and self._queue[0][2].callback is None:
+            heapq.heappop(self._queue)
+        return self._queue[0][0] if self._queue else None
+
     def step(self, until: int | None = None) -> bool:
         """Jump to the next callback (not beyond ``until``) and run it; False if there is none."""
         while self._queue:

@@ -8,6 +8,7 @@ from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import MS, SECOND, Handle
 from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.node import Node, on
+from sar_tui.framework.paced_clock import PacedClock
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
@@ -44,7 +45,8 @@ class _Stop:
 class OutputNode(Node):
     """Connects the loop to an output. Reports each part as ``queued``, and once as over, whatever the output does.
 
-    An output that raises or never reports has failed; the session continues.
+    An output that raises or never reports has failed; the session continues. In a simulation an output that requests no
+    timer of the clock works on a thread of its own: the clock keeps real time until it reports.
 
     Args:
         output: the medium.
@@ -68,6 +70,7 @@ class OutputNode(Node):
         self._stopping: _Stop | None = None
         self._open_error = ""
         self._closed = False
+        self._uses_clock = False
 
     def attach(self, bus: Bus) -> None:
         """Join a bus, open the output, and announce its parts."""
@@ -155,11 +158,18 @@ class OutputNode(Node):
         if self._open_error:
             self._end(action, part, "failed", self._open_error)
             return
+        clock = self.bus.clock
+        timers = clock.timers if isinstance(clock, PacedClock) else 0
         try:
             getattr(self.output, part)(action, *what)
         except PLUGIN_ERRORS as error:
             why = as_text(error) if isinstance(error, OutputError) else f"{describe(error)}."
             self._end(action, part, "failed", why)
+            return
+        if isinstance(clock, PacedClock) and part != "show":
+            self._uses_clock = self._uses_clock or clock.timers > timers
+            if not self._uses_clock:
+                clock.begin_work((self.name, action, part))
 
     # --- reports of the output -------------------------------------------------------------------------------
 
@@ -187,6 +197,8 @@ class OutputNode(Node):
     def _end(self, action: str, part: ActionPart, state: PartState, detail: str = "", at: int | None = None) -> None:
         if opened := self._open.pop((action, part), None):
             opened.give_up.cancel()
+            if isinstance(self.bus.clock, PacedClock):
+                self.bus.clock.end_work((self.name, action, part))
             ended = self.bus.clock.now() if at is None else at
             self._report(action, part, state, ended, detail)
             stop = self._stopping

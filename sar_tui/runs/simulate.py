@@ -5,6 +5,7 @@ from pathlib import Path
 
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.node import Node
+from sar_tui.framework.paced_clock import PacedClock
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -28,6 +29,8 @@ def simulate(
 ) -> str:
     """Run a whole session into the database, and return its id.
 
+    It takes no longer than computing it, unless an output works on a thread of its own, which is waited for.
+
     Args:
         plan: the session.
         person: the simulated participant.
@@ -41,7 +44,7 @@ def simulate(
         StoreError, PluginError, ParameterError: as ``start``.
         Failed: the task raised.
     """
-    clock = VirtualClock()
+    clock = VirtualClock() if set(plan.parameters.outputs) <= {"screen"} else PacedClock()
 
     def make_nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
         others = [*([SimulatedOperator(operator, seed)] if operator else []), *output_nodes(task, theme)]
