@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import functools
+import os
 import sqlite3
 import sys
 from collections.abc import Iterable, Sequence

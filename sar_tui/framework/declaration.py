@@ -31,7 +31,8 @@ def meta(
             keeps its heading.
         renamed: former spellings of a choice, each with its present one: ``{"thesis": "consecutive"}``. Stored
             settings and `--set` may still use them; ``current_values`` translates.
-        bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
+        bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``. Those of a tuple's
+            items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)], ...]``.
     """
     extra = {"unit": unit, "takes": takes, "group": group, "renamed": dict(renamed)}
     return Meta(title=title, description=help or None, extra=extra, **bounds)
@@ -80,9 +81,16 @@ class Field(msgspec.Struct, frozen=True):
         """The allowed values, in words: "1 to 200"."""
         if self.choices:
             return ", ".join(self.choices)
-        if self.ge is not None and self.le is not None:
-            return f"{self.ge:g} to {self.le:g}" if self.le < 1e5 else f"{self.ge:g} or more"
-        return {"bool": "yes or no", "list": f"{self.items}, spaced"}.get(self.kind, "")
+        if self.kind == "list":
+            return f"{self.items}{self._range}, spaced"
+        return "yes or no" if self.kind == "bool" else self._range.strip()
+
+    @property
+    def _range(self) -> str:
+        """The bounds of a number, or of each in a list: " 1 to 200"; empty without bounds."""
+        if self.ge is None or self.le is None:
+            return ""
+        return f" {self.ge:g} to {self.le:g}" if self.le < 1e5 else f" {self.ge:g} or more"
 
     def problem(self, value: object) -> str:
         """Return why ``value`` is invalid and what is allowed, in one sentence."""
@@ -102,7 +110,7 @@ class Field(msgspec.Struct, frozen=True):
         """The allowed texts or lists: "at most 8 space-separated words"."""
         if self.takes:
             return self.takes
-        parts = f"space-separated {self.items}" if self.kind == "list" else "letters"
+        parts = f"space-separated {self.items}{self._range}" if self.kind == "list" else "letters"
         match self.least, self.most:
             case None | 0, None:
                 return parts if self.kind == "list" else "a text"
@@ -143,7 +151,11 @@ def declared_field(field: inspect.Field) -> Field:
         case inspect.VarTupleType() | inspect.ListType():
             numbers = isinstance(kind.item_type, inspect.IntType | inspect.FloatType)
             items: Literal["words", "numbers"] = "numbers" if numbers else "words"
-            return Field(**declared, kind="list", items=items, least=kind.min_length, most=kind.max_length)
+            item = kind.item_type
+            ge, le = (item.ge, item.le) if isinstance(item, inspect.IntType | inspect.FloatType) else (None, None)
+            return Field(
+                **declared, kind="list", items=items, least=kind.min_length, most=kind.max_length, ge=ge, le=le
+            )
         case _:
             lengths = (kind.min_length, kind.max_length) if isinstance(kind, inspect.StrType) else (None, None)
             return Field(**declared, kind="text", takes=takes, least=lengths[0], most=lengths[1])

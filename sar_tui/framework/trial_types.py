@@ -169,6 +169,18 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         return self.correct and self.value is not None and "anticipation" not in self.flags
 
 
+def complete(result: Result, declared: "type[Details]") -> Result:
+    """Return a result as it is stored: None for an empty response, and all declared details if it has none at all.
+
+    So a trial that timed out has the same columns as the others: each detail has its default, or else None.
+    """
+    details = result.details or {
+        field.name: None if field.default is msgspec.NODEFAULT else field.default
+        for field in msgspec.structs.fields(declared)
+    }
+    return msgspec.structs.replace(result, response=result.response or None, details=details)
+
+
 Results = dict[str, Result]
 """Results of a trial by seat."""
 

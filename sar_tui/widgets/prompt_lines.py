@@ -1,15 +1,20 @@
 """A prompt as lines of text: drawn large, above its plain line. No Textual is needed to draw it."""
 
+from collections.abc import Sequence
+
 from sar_tui.framework.messages import Prompt
 from sar_tui.widgets.large_characters import draw
 
 FIXATION = "·"
+_WALL = "│"
 Line = tuple[str, bool]
 """A line at its full indentation, and whether it is bold."""
 
 
 def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
     """Draw a prompt in the middle of ``width`` by ``height`` cells; without a prompt, the fixation point."""
+    if prompt and prompt.halves:
+        return halves(prompt.halves, prompt.text, width, height)
     glyph, text, hint = (prompt.glyph, prompt.text, prompt.hint) if prompt else ("", "", "")
     drawn = draw(glyph, width - 2, height - 3) if glyph else (FIXATION,)
     block = [*((line, True) for line in drawn), ("", False), (text, True), (hint, False)]
@@ -20,3 +25,28 @@ def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
 def centred(line: str, width: int) -> str:
     """Indent a line so that it stands in the middle of ``width`` cells."""
     return " " * max(0, (width - len(line)) // 2) + line
+
+
+def halves(glyphs: Sequence[str], text: str, width: int, height: int, names: Sequence[str] = ("", "")) -> list[Line]:
+    """Draw two halves below their names, with a wall between them, and without glyphs the fixation point on it."""
+    half = max(0, (width - 1) // 2)
+    room = max(1, height - 4)
+    bodies = [draw(glyph, max(1, half - 2), room) if glyph else () for glyph in glyphs or ("", "")]
+    body = []
+    for row in range(room):
+        left, right = (_row(lines, row, room) for lines in bodies)
+        wall = FIXATION if row == room // 2 and not glyphs else _WALL
+        body.append((_beside(left, wall, right, half), True))
+    named = (_beside(names[0], _WALL, names[1], half), True)
+    return [named, (_beside("", _WALL, "", half), False), *body, ("", False), (centred(text, width), True)]
+
+
+def _row(lines: Sequence[str], row: int, room: int) -> str:
+    """Return the text in a row if ``lines`` are in the middle of ``room`` rows."""
+    at = row - (room - len(lines)) // 2
+    return lines[at] if 0 <= at < len(lines) else ""
+
+
+def _beside(left: str, wall: str, right: str, half: int) -> str:
+    """Put two texts beside each other, each in the middle of its half."""
+    return f"{centred(left[:half], half):<{half}}{wall}{centred(right[:half], half)}"

@@ -10,11 +10,9 @@ from sar_tui.framework.node import on
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_STARTED, PROMPT, TRIAL, WAITING
 from sar_tui.framework.trial_types import Metric
-from sar_tui.widgets.large_characters import draw
-from sar_tui.widgets.prompt_lines import FIXATION, Line, centred
+from sar_tui.widgets.prompt_lines import Line, halves
 from sar_tui.widgets.task_view import TaskView
 
-_WALL = "│"
 _TURN_KNOWN = ("foreperiod", "storage", "response")
 """Waits during which the announced turn stays: nothing may change on the screen."""
 
@@ -47,7 +45,7 @@ class PairsView(TaskView):
     def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> list[Line]:
         """Draw a name at the top of each half, its prompt below it, and the plain line at the bottom."""
         names = [self._name(seat, width) for seat in self.task.seats]
-        return halves(names, prompt.halves if prompt else (), prompt.text if prompt else "", width, height)
+        return halves(prompt.halves if prompt else (), prompt.text if prompt else "", width, height, names)
 
     def _name(self, seat: str, width: int) -> str:
         """Return the heading of a half: the seat's place, with its participant's code if both fit."""
@@ -87,31 +85,6 @@ class PairsView(TaskView):
                 f"mean of {len(effects)} attempts."
             )
         return facts
-
-
-def halves(names: Sequence[str], glyphs: Sequence[str], text: str, width: int, height: int) -> list[Line]:
-    """Draw two halves with a wall between them; without glyphs, the fixation point is on the wall."""
-    half = max(0, (width - 1) // 2)
-    room = max(1, height - 4)
-    bodies = [draw(glyph, max(1, half - 2), room) if glyph else () for glyph in glyphs or ("", "")]
-    body = []
-    for row in range(room):
-        left, right = (_row(lines, row, room) for lines in bodies)
-        wall = FIXATION if row == room // 2 and not glyphs else _WALL
-        body.append((_beside(left, wall, right, half), True))
-    named = (_beside(names[0], _WALL, names[1], half), True)
-    return [named, (_beside("", _WALL, "", half), False), *body, ("", False), (centred(text, width), True)]
-
-
-def _row(lines: Sequence[str], row: int, room: int) -> str:
-    """Return the text in a row if ``lines`` are in the middle of ``room`` rows."""
-    at = row - (room - len(lines)) // 2
-    return lines[at] if 0 <= at < len(lines) else ""
-
-
-def _beside(left: str, wall: str, right: str, half: int) -> str:
-    """Put two texts beside each other, each in the middle of its half."""
-    return f"{centred(left[:half], half):<{half}}{wall}{centred(right[:half], half)}"
 
 
 def _measured(attempts: Sequence[AttemptEnded], name: str) -> list[float]:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import Meta
 
 from sar_tui.framework.declaration import Field, ParameterError, meta, read, show
 from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped
@@ -22,6 +23,9 @@ class Parameters(TaskParameters, frozen=True, kw_only=True):
     nickname: Annotated[str, meta("Nickname", max_length=70)] = "x"
     code: Annotated[str, meta("Code", takes="two capitals, such as AB", pattern="^[A-Z]{2}$")] = "AB"
     marks: Annotated[tuple[float, ...], meta("Marks", min_length=2, max_length=3)] = (1.0, 2.0)
+    waits: Annotated[tuple[Annotated[float, Meta(ge=0.2, le=3)], ...], meta("Waits", min_length=1, max_length=4)] = (
+        1.0,
+    )
     undescribed: int = 4
 
 
@@ -66,8 +70,8 @@ def test_a_declared_field_has_all_that_a_form_needs() -> None:
 
 def test_the_tasks_own_parameters_come_first() -> None:
     names = list(FIELDS)
-    assert names.index("undescribed") == 8
-    assert names[9:] == list(TaskParameters.__struct_fields__)
+    assert names.index("undescribed") == 9
+    assert names[10:] == list(TaskParameters.__struct_fields__)
 
 
 @pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
@@ -134,6 +138,7 @@ def test_the_bounds_are_inclusive() -> None:
         ({"words": 5}, "Words takes space-separated words, not 5."),
         ({"marks": "1"}, "Marks takes 2 to 3 space-separated numbers, not 1."),
         ({"marks": "1 x"}, "Marks takes 2 to 3 space-separated numbers, not 1 x."),
+        ({"waits": "0.5 7"}, "Waits takes 1 to 4 space-separated numbers 0.2 to 3, not 0.5 7."),
         ({"code": "ab"}, "Code takes two capitals, such as AB, not ab."),
         ({"nickname": "y" * 71}, f"Nickname takes at most 70 letters, not {'y' * 60}…."),
         ({"outputs": "a b c d e f g h i"}, "Outputs takes at most 8 space-separated words, not a b c d e f g h i."),

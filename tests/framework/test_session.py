@@ -14,6 +14,7 @@ from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.messages import Prompt, Stored, TrialEnded
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.parameters import build
+from sar_tui.framework.replay_comparison import is_same
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -245,6 +246,15 @@ def test_a_corrected_sentence_does_not_stop_a_replay() -> None:
             records[place] = record._replace(message=msgspec.structs.replace(record.message, **reworded))
     assert records != whole().records
     replay(records)
+
+
+def test_a_session_whose_misses_were_stored_without_details_can_be_replayed() -> None:
+    def miss(details: dict[str, Any], response: str | None) -> TrialEnded:
+        trial = next(record.message for record in whole().records if isinstance(record.message, TrialEnded))
+        return msgspec.structs.replace(trial, details=details, response=response)
+
+    assert is_same(miss({}, ""), miss({"choices": None}, None))
+    assert not is_same(miss({"choices": 2}, "j"), miss({"choices": None}, "j"))
 
 
 @given(st.data())

@@ -1,5 +1,6 @@
 """The big prompt: large, and as one plain line."""
 
+import msgspec
 import pytest
 from textual.app import App, ComposeResult
 
@@ -48,6 +49,16 @@ async def test_a_prompt_is_drawn_large_above_its_plain_line(size: tuple[int, int
         assert all(len(line) == size[0] for line in app.lines)
         assert stripped[stripped.index("Press: f") + 1] == "with Shift"
         assert stripped[0] == "" or size[1] < 15
+
+
+def test_halves_are_drawn_side_by_side_with_one_seat_too() -> None:
+    both = msgspec.structs.replace(prompt("", "Press: f", ""), halves=("f", "←"))
+    lines = [text for text, _ in plain_lines(both, 60, 20)]
+    left, right = ("\n".join(part) for part in ([line[:29] for line in lines], [line[30:] for line in lines]))
+    assert "█" in left
+    assert "█" in right
+    assert [line.strip() for line in lines].count("Press: f") == 1
+    assert len(lines) <= 20
 
 
 async def test_a_cleared_prompt_leaves_a_fixation_point() -> None:

@@ -26,7 +26,7 @@ from sar_tui.framework.topics import (
     VOIDED,
 )
 from sar_tui.framework.trial import OpenTrial
-from sar_tui.framework.trial_types import Again, Mark, Result, Results
+from sar_tui.framework.trial_types import Again, Mark, Result, Results, complete
 
 GRACE = 50 * MS
 """Wait after the time-out for responses that were stamped in time but are handled late."""
@@ -277,7 +277,8 @@ class TrialFlow(TimedNode, ABC):
         self.cancel_timers()
         results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
         self._repeats = 0
-        stored = self._trial_done({seat: self._flagged(mine) for seat, mine in results.items()})
+        complete_results = {seat: complete(mine, self.task.Details) for seat, mine in results.items()}
+        stored = self._trial_done({seat: self._flagged(mine) for seat, mine in complete_results.items()})
         for seat, mine in stored.items():
             self.emit(TRIAL, self._trial.ended(mine, seat))
         self._next()

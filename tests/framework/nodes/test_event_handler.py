@@ -23,7 +23,7 @@ from sar_tui.framework.topics import (
     VOIDED,
     WAITING,
 )
-from sar_tui.framework.trial_types import Metric, Result, Situation, Stimulus, Trial
+from sar_tui.framework.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
 from tests.loop_driver import LoopDriver
 
 NewSession = Callable[..., LoopDriver]
@@ -977,6 +977,32 @@ def test_a_task_may_judge_all_its_keys_at_the_end(calm: Theme) -> None:
         driver.press("space")
     driver.until(lambda: driver.all(TRIAL))
     assert (driver.last(TRIAL).value, driver.last(ATTEMPT_ENDED).outcome) == (5.0, "success")
+
+
+class Counted(Taps):
+    name = "counted"
+
+    class Details(Details, frozen=True):
+        taps: int
+        hand: str = "left"
+
+    def timed_out(self, trial: Trial) -> Result:
+        taps = len(trial.percepts)
+        return Result(correct=bool(taps), response="j" * taps, details={"taps": taps, "hand": "right"} if taps else {})
+
+
+def test_a_trial_without_a_response_stores_the_same_details_as_others_and_no_empty_response(calm: Theme) -> None:
+    driver = LoopDriver(Counted, calm, attempts=2, response_timeout_ms=3000)
+    driver.start()
+    driver.until(lambda: driver.all(TRIAL))
+    assert driver.last(TRIAL).response is None
+    assert driver.last(TRIAL).details == {"taps": None, "hand": "left"}
+    driver.begin_attempt()
+    driver.wait(200)
+    driver.press("j")
+    driver.until(lambda: len(driver.all(TRIAL)) == 2)
+    assert driver.last(TRIAL).response == "j"
+    assert driver.last(TRIAL).details == {"taps": 1, "hand": "right"}
 
 
 def test_repeats_of_a_held_key_are_not_passed_to_the_task(calm: Theme) -> None:

@@ -2,17 +2,14 @@
 
 import pytest
 
-from sar_tui.plugins import Catalogue, view_module
-from sar_tui.widgets.prompt_lines import FIXATION
+from sar_tui.widgets.prompt_lines import FIXATION, halves
 
 WALL = 39
 """The column between the halves of a terminal of 80."""
 
 
 def drawn(glyphs: tuple[str, ...], text: str, size: tuple[int, int] = (80, 15)) -> list[str]:
-    module = view_module(Catalogue().task("pairs"))
-    assert module
-    return [line for line, _ in module.halves(("Left", "Right"), glyphs, text, *size)]
+    return [line for line, _ in halves(glyphs, text, *size, ("Left", "Right"))]
 
 
 @pytest.mark.parametrize("size", [(80, 15), (40, 10), (120, 40), (20, 4)])
