@@ -9,9 +9,12 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.link.peer import TerminalState
+
+if TYPE_CHECKING:
+    from sar_tui.link.peer import TerminalState
 
 QUERY = "\x1b[6n"
 """Every terminal answers it, xterm.js in a browser and the Linux console too, and Textual's parser knows the answer."""
@@ -85,9 +88,11 @@ class TerminalProbe:
         if self._on_their_way and silence is not None and silence < _RETRY:
             self._all_answered.wait(_LAST_ANSWER_S)
 
-    def state(self) -> TerminalState:
+    def state(self) -> "TerminalState":
         """Return the evidence that the terminal is there."""
         silence = None if self._answered is None else max(0, self._now() - self._answered)
+        from sar_tui.link.peer import TerminalState  # only an app with a link needs it
+
         return TerminalState(silence, bool(self._is_relayed))
 
     def take_longest_silence(self) -> int:
