@@ -249,8 +249,11 @@ class SarTui(OpeningApp):
     def _left_or_went_on(self, leaves: bool | None, *, was_in_trial: bool) -> None:
         """Exit; or go on with the trial that the question has paused."""
         from sar_tui.framework.messages import SessionCommand
+        from sar_tui.framework.session_phase import LEFT
 
         if leaves:
+            if was_in_trial and self._open:
+                self._open.operate(SessionCommand(command="pause", reason=LEFT))
             self.exit()
         elif was_in_trial and self._open:
             self._open.operate(SessionCommand(command="resume"))

@@ -36,6 +36,8 @@ OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
 ENTER_RESUMES = ("interrupted", "restored")
 PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
 """Events that end a pause, by its reason; a pause for any other reason ends with a command to resume."""
+LEFT = "left"
+"""Reason of a pause in which the session was left on purpose: a later run begins as after an interruption."""
 MARKABLE = {Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.READY, Phase.REVIEW}
 """Phases in which a mark applies to the last trial."""
 WAITS: dict[Phase, tuple[str, str]] = {

@@ -153,9 +153,7 @@ def test_a_session_that_was_quit_is_listed_and_resumed_at_the_next_trial(data: P
             terminal.press(key)
         assert terminal.wait() == 0
     with Terminal(command("resume", only_session(data)[:6], "--data", str(data))) as terminal:
-        terminal.wait_for("Paused")  # by the question before it was left
-        terminal.settle()
-        terminal.press("enter")
+        terminal.wait_for("Welcome back")
         _answer(terminal, 2)
         see_the_summary(terminal)
         terminal.press("enter")

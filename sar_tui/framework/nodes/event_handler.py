@@ -13,6 +13,7 @@ from sar_tui.framework.nodes.attempt_flow import AttemptFlow
 from sar_tui.framework.session_phase import (
     ENTER_RESUMES,
     IN_TRIAL,
+    LEFT,
     OVER,
     PAUSES,
     REQUEST_KEY,
@@ -86,7 +87,7 @@ class EventHandler(AttemptFlow):
         self.cancel_timers()
         self._stored = self._last_trial
         self._blockers.reset()
-        was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in PAUSES
+        was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in (*PAUSES, LEFT)
         keeps_phase = was_paused_by_person or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED)
         if self._phase is Phase.CLOSING:
             self._end()
