@@ -19,7 +19,7 @@ from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
 from sar_tui.framework.messages import PendingApproval
 from sar_tui.framework.theme import Theme
 from sar_tui.link.errors import LinkError
-from sar_tui.link.peer import Connection, Peer, PeerEvent, PeerListener
+from sar_tui.link.peer import Peer, PeerEvent, PeerListener, Welcome
 from sar_tui.operator import key_help, keymap, palette, proposal_view, status_view
 from sar_tui.operator.agent_mirror import AgentMirror
 from sar_tui.operator.commands import Commands
@@ -148,7 +148,7 @@ class PanelLayout(OrderedScreen[str]):
         """Handle an event of the link. Draw at once, or with the next frame if the last drawing was too recent."""
         theme = self.commands.state.theme
         self.commands.receive(event)
-        if isinstance(event, Connection) and event.state == "connected":
+        if isinstance(event, Welcome):  # a short absence may end before this panel knows that it was lost
             self._report_absence()
         if self.commands.state.theme is not theme:
             self.phrase_book = palette.PhraseBook.of(self.commands.state, self.file)

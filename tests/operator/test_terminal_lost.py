@@ -2,13 +2,15 @@
 
 from pathlib import Path
 
+import pytest
+
 from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
 from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import Connection
 from sar_tui.plugins import Catalogue
 from sar_tui.tui.terminal_probe import TerminalProbe
-from tests.operator.panel_driver import ANNA, open_panel
+from tests.operator.panel_driver import ANNA, open_panel, welcome
 
 
 async def test_an_answer_of_the_terminal_is_told_to_the_session(catalogue: Catalogue, tmp_path: Path) -> None:
@@ -19,17 +21,20 @@ async def test_an_answer_of_the_terminal_is_told_to_the_session(catalogue: Catal
     assert silence is not None
 
 
+@pytest.mark.parametrize("was_told", [True, False], ids=["the panel knew that it was lost", "it did not yet"])
 async def test_an_operator_who_is_back_reads_how_long_the_terminal_was_away(
-    catalogue: Catalogue, tmp_path: Path
+    catalogue: Catalogue, tmp_path: Path, was_told: bool
 ) -> None:
     now = 1000 * SECOND
     async with open_panel(catalogue, tmp_path, size=(110, 30)) as panel:
         probe = panel.app.terminal_probe = TerminalProbe(lambda _: None, lambda: now)
         probe.answered()
-        await panel.receive(Connection("connecting", "The terminal of this panel does not answer."))
+        await panel.join()
+        if was_told:
+            await panel.receive(Connection("connecting", "The terminal of this panel does not answer."))
         now += 34 * SECOND
         probe.answered()
-        await panel.join()
+        await panel.receive(*[Connection("connected")] * was_told, welcome())
         assert "This terminal did not answer for 34 s." in panel.text
 
 
