@@ -148,7 +148,7 @@ class PanelLayout(OrderedScreen[str]):
         """Handle an event of the link. Draw at once, or with the next frame if the last drawing was too recent."""
         theme = self.commands.state.theme
         self.commands.receive(event)
-        if isinstance(event, Welcome):  # a short absence may end before this panel knows that it was lost
+        if isinstance(event, Welcome):
             self._report_absence()
         if self.commands.state.theme is not theme:
             self.phrase_book = palette.PhraseBook.of(self.commands.state, self.file)
@@ -159,11 +159,16 @@ class PanelLayout(OrderedScreen[str]):
             self.call_later(self._tick)
 
     def _report_absence(self) -> None:
-        """Say in the log that this terminal was away, once it is back."""
+        """Say in the log that this terminal was away, once it is back; the session may not have told it of its loss."""
+        if self.commands.peer is None or not self.commands.state.is_connected:
+            return
         seconds = self.app.terminal_probe.take_longest_silence() / SECOND
-        if seconds >= _SHORTEST_ABSENCE_S and self.commands.peer:
-            text = f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session went on without it."
+        if seconds >= _SHORTEST_ABSENCE_S:
+            text = (
+                f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session may have gone on without it."
+            )
             self.commands.log.report(self.commands.peer.now(), text)
+            self.is_stale = True
 
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")
@@ -217,6 +222,7 @@ class PanelLayout(OrderedScreen[str]):
         """Draw if something has changed, a countdown is shown, or an outcome is awaited, which may be too late."""
         if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
             return
+        self._report_absence()
         counts_down = any(each.deadline is not None for each in self.commands.pending)
         if self.is_stale or counts_down or self._awaits_outcome or proposal_view.scheduled_action(self.commands.state):
             self.draw()
