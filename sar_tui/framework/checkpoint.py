@@ -6,6 +6,7 @@ from elsewhere cannot run code.
 
 import io
 import pickle
+from enum import Enum
 from types import MethodType
 from typing import Any
 
@@ -81,6 +82,8 @@ class _Pickler(pickle.Pickler):
 
     def reducer_override(self, obj: Any) -> Any:
         kind = obj if isinstance(obj, type) else type(obj)
+        if isinstance(obj, Enum) and _is_known(kind):
+            return kind, (obj.value,)  # Python before 3.11.4 would call getattr, which is refused
         if _is_known(kind) or obj is _REBUILD:
             return NotImplemented
         raise pickle.PicklingError(f"{obj!r:.200} is not plain data.")

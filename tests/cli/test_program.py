@@ -297,7 +297,10 @@ NOT_TEXT = "\udcff"
     ],
     ids=lambda arguments: " ".join(arguments).replace(LONG, "…"),
 )
-def test_a_name_that_is_too_long_is_bad_input(call: Call, tmp_path: Path, arguments: list[str]) -> None:
+def test_a_name_that_is_too_long_is_bad_input(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
+    monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: tmp_path)
     called = call(*arguments)
     assert (called.code, called.err.count("\n")) == (2, 1)
     assert "unexpected" not in called.err

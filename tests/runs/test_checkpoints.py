@@ -15,6 +15,7 @@ from sar_tui.framework.checkpoint import CheckpointError, restore
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.node import Node
 from sar_tui.framework.session import Session
+from sar_tui.framework.session_phase import Phase
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import checkpoints
 from sar_tui.runs.plan import Plan, make_plan
@@ -155,6 +156,17 @@ def test_a_checkpoint_that_cannot_be_read_is_left_out(
     monkeypatch.setattr("sar_tui.runs.run.restore", refuse)
     play(resume(session, data, CATALOGUE, clock := VirtualClock(1000 * SECOND), nodes("keyboard")), clock)
     assert replayed_from == [0]
+
+
+def test_a_checkpoint_is_made_by_each_python(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before 3.11.4, Python pickled a member of an Enum as a call of getattr."""
+
+    def reduce(member: Phase, protocol: object) -> tuple[object, ...]:
+        return getattr, (Phase, member.name)
+
+    monkeypatch.setattr(Phase, "__reduce_ex__", reduce)
+    interrupted(data)
+    change(data, "DELETE FROM checkpoints")
 
 
 class _Harmful:
