@@ -1,5 +1,6 @@
 """The base of the three apps: the participant's, the operator's panel, and the agent in a window of its own."""
 
+import asyncio
 import contextlib
 import os
 import signal
@@ -18,6 +19,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.tui.exit_codes import INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
+from sar_tui.tui.punctual_loop import punctual_loop
 from sar_tui.tui.steady_driver import steady
 from sar_tui.tui.terminal_input import UnreadableInput, capped, tolerate_in_terminals
 from sar_tui.tui.terminal_output import unblocked
@@ -65,7 +67,8 @@ class BaseApp(App[int]):
         tolerate_in_terminals()
         stamp_keys_as_read()
         sys.setswitchinterval(SWITCH_INTERVAL)
-        self.run()
+        with asyncio.Runner(loop_factory=punctual_loop) as runner:
+            runner.run(self.run_async())
         self._report_unreadable()
         return self.return_code or int(bool(self.failure))
 

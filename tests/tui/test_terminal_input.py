@@ -1,9 +1,10 @@
 """Input that cannot be read is dropped and reported, and the next key counts."""
 
+import asyncio
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
-from unittest.mock import patch
+from unittest.mock import AsyncMock, patch
 
 import pytest
 from hypothesis import given
@@ -183,8 +184,8 @@ async def test_it_is_told_when_the_app_has_ended(
     async with open_app(data, catalogue) as driver:
         await send(driver.app, b"\x80")
         await send(driver.app, b"\x1b[55296u")
-    monkeypatch.setattr(BaseApp, "run", lambda _: None)
-    driver.app.run_here()
+    monkeypatch.setattr(BaseApp, "run_async", AsyncMock())
+    await asyncio.to_thread(driver.app.run_here)
     assert r"cannot be read, 2 times (last: \x1b[55296u). It was dropped." in capsys.readouterr().err
 
 
