@@ -216,10 +216,10 @@ async def test_a_session_whose_disk_is_too_slow_stays_locked_and_unsaved(
 def test_the_exit_code_reports_a_failure_however_the_app_was_left(
     failure: str, code: int, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def left_with_ctrl_q(app: SarTui) -> None:
+    async def left_with_ctrl_q(app: SarTui) -> None:
         app.failure = failure
 
-    monkeypatch.setattr(app_module.SarTui, "run", left_with_ctrl_q)
+    monkeypatch.setattr(app_module.SarTui, "run_async", left_with_ctrl_q)
     monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
     assert run_app(data, catalogue) == code
 

@@ -132,10 +132,10 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
 
         def close(self, app: SarTui) -> None: ...
 
-    def left(app: SarTui) -> None:
+    async def left(app: SarTui) -> None:
         app.live = Rescued()  # type: ignore[assignment]
 
-    monkeypatch.setattr(app_module.SarTui, "run", left)
+    monkeypatch.setattr(app_module.SarTui, "run_async", left)
     monkeypatch.setattr("sar_tui.tui.base_app.stamp_keys_as_read", lambda: None)
     assert run_app(data, catalogue) == 1
 
