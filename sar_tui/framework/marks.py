@@ -3,9 +3,45 @@
 from collections.abc import Iterable, Mapping
 
 import msgspec
+from msgspec.structs import replace
 
-from sar_tui.framework.messages import TrialMarked
+from sar_tui.framework.messages import AttemptStarted, Message, TrialEnded, TrialMarked, Waiting
 from sar_tui.framework.trial_types import Mark, Results
+
+_OPEN = ("quiet", "foreperiod", "storage", "response")
+"""Waits of a trial in which a mark is put on that trial; at all other times it is put on the last one."""
+
+
+class TrialMark(msgspec.Struct, frozen=True):
+    """The trial that a mark is put on now, and the mark that is on it. Followed by programs that offer marks.
+
+    Attributes:
+        trial: attempt and trial that a mark is put on; zeros if there is none.
+        marked: attempt and trial of the last mark.
+        last: name of the last mark; empty if it was removed.
+    """
+
+    trial: tuple[int, int] = (0, 0)
+    marked: tuple[int, int] = (0, 0)
+    last: str = ""
+
+    @property
+    def present(self) -> str:
+        """Name of the mark on the trial; empty without one."""
+        return self.last if self.marked == self.trial else ""
+
+    def after(self, message: Message) -> "TrialMark":
+        """Return the state after a message of the session."""
+        match message:
+            case Waiting(stage="trial") if message.what in _OPEN:
+                return replace(self, trial=(message.attempt, message.trial))
+            case TrialEnded():
+                return replace(self, trial=(message.attempt, message.trial))
+            case AttemptStarted():  # the last attempt's trial cannot be marked any more
+                return replace(self, trial=(0, 0))
+            case TrialMarked():
+                return replace(self, marked=(message.attempt, message.trial), last=message.mark)
+        return self
 
 
 class MarkedResults(msgspec.Struct, frozen=True):

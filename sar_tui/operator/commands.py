@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.messages import (
     Decision,
     Mode,
@@ -59,6 +60,7 @@ class Commands:
         self._sent_decisions: dict[str, tuple[str, int]] = {}
         self._mode_before_hold: Mode | None = None
         self._resume_asked_at = 0
+        self._mark_asked = (TrialMark(), "")
 
     def receive(self, event: PeerEvent) -> None:
         """Handle an event of the link."""
@@ -225,7 +227,21 @@ class Commands:
         if item.topic is None:
             self.log.report(at, f"Not said: {item.why}.")
             return False
+        if isinstance(item.message, SessionCommand) and item.message.command == "mark":
+            return self._mark(item, item.message.reason, at)
         return self.send(item.log_text, item.topic, item.message, at)
+
+    def _mark(self, item: Item, name: str, at: int) -> bool:
+        """Mark the trial. Another mark is replaced only if the key is pressed twice for the same trial."""
+        now = self.state.trial_mark
+        if now.present not in ("", name) and self._mark_asked != (now, name) and not self.refusal():
+            self._mark_asked = now, name
+            titles = {mark.name: mark.title.lower() for mark in self.state.welcome.marks} if self.state.welcome else {}
+            present = titles.get(now.present, now.present)
+            self.log.report(at, f"Marked as {present} already. The same key again: {item.text.lower()} instead.")
+            return False
+        self._mark_asked = (TrialMark(), "")
+        return self.send(item.log_text, COMMAND, item.message, at)
 
     def say(self, text: str, seat: str, at: int) -> bool:
         """Have the agent say a typed text."""

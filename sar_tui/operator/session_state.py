@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from sar_tui.framework import agent_state
 from sar_tui.framework.agent_state import AgentState
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.messages import (
     Action,
     ArbiterState,
@@ -84,6 +85,7 @@ class SessionState(msgspec.Struct, frozen=True):
         voice: why speech fails, as the output reported it.
         outputs: names of the outputs that are open.
         stops: of the agent, oldest first.
+        trial_mark: the trial that a mark is put on, and its mark.
         seats: results by seat.
         peers: roles by name.
         holder: name of the operator who has control.
@@ -105,6 +107,7 @@ class SessionState(msgspec.Struct, frozen=True):
     voice: str = ""
     outputs: frozenset[str] = frozenset()
     stops: tuple[Stop, ...] = ()
+    trial_mark: TrialMark = TrialMark()
     sensor: SensorChanged | None = None
     seats: dict[str, Seat] = {}
     peers: dict[str, Role] = {}
@@ -166,8 +169,9 @@ class SessionState(msgspec.Struct, frozen=True):
         for frame in frames:
             before = state.arbiter
             agent = agent_state.step(state.agent, frame.message)
-            if agent is not state.agent:
-                state = replace(state, agent=agent)
+            trial_mark = state.trial_mark.after(frame.message)
+            if agent is not state.agent or trial_mark is not state.trial_mark:
+                state = replace(state, agent=agent, trial_mark=trial_mark)
             if handler := _HANDLERS.get(frame.topic.name):
                 state = handler(state, frame.message)
             if line := event_line(frame, self.welcome, before):

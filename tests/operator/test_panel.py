@@ -392,6 +392,33 @@ async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(catalog
 # --- palette, speech, notes --------------------------------------------------------------------------------------
 
 
+async def test_a_mark_replaces_another_only_if_its_key_is_pressed_twice(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.join(marks=b.MARKS)
+        await driver.publish(t.TRIAL, b.trial(4, "f", 400))
+        await driver.press("m", "1")
+        await driver.publish(t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False))
+        await driver.press("m", "2")
+        assert [act.reason for act in driver.sent(t.COMMAND)] == ["missed"]
+        assert "Marked as marker missed already. The same key again: assisted instead." in driver.text
+        await driver.press("m", "2")
+        assert [act.reason for act in driver.sent(t.COMMAND)] == ["missed", "assisted"]
+
+
+@pytest.mark.parametrize("name", ["missed", "assisted"])
+async def test_the_present_mark_is_removed_and_a_new_trial_marked_at_once(
+    catalogue: Catalogue, folder: Path, name: str
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.join(marks=b.MARKS)
+        await driver.publish(t.TRIAL, b.trial(4, "f", 400))
+        await driver.publish(t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False))
+        if name == "assisted":
+            await driver.publish(t.TRIAL, b.trial(5, "f", 400))
+        await driver.press("m", "1" if name == "missed" else "2")
+        assert [act.reason for act in driver.sent(t.COMMAND)] == [name]
+
+
 async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.join(marks=b.MARKS)

@@ -7,11 +7,9 @@ from typing import Any
 from textual.binding import ActiveBinding, Binding
 
 from sar_tui.framework.language import Language
-from sar_tui.framework.messages import TrialMarked, Waiting
+from sar_tui.framework.marks import TrialMark
+from sar_tui.framework.messages import AttemptStarted, TrialMarked, Waiting
 from sar_tui.framework.trial_types import Mark
-
-_OPEN = ("quiet", "foreperiod", "storage", "response")
-"""Waits of a trial in which a mark is put on that trial; at all other times it is put on the last one."""
 
 _AROUND, _PALETTE = 3, 17
 """Columns of the blanks around a key and its title; and of the palette's key, at the right end of the footer."""
@@ -29,30 +27,28 @@ class MarkKeys:
         self._marks = {mark.key: mark for mark in marks}
         self._titles = {mark.name: tr(mark.title) for mark in marks}
         self.tr = tr
-        self._trial = (0, 0)
-        self._marked = ((0, 0), "")
+        self._mark = TrialMark()
         self._replaces = ""
 
     def wait(self, waiting: Waiting) -> bool:
         """Follow the session to the trial that is marked from now on. Returns True if this changes the text."""
         before = self.text
-        if waiting.stage == "trial" and waiting.what in _OPEN:
-            self._trial = (waiting.attempt, waiting.trial)
+        self._mark = self._mark.after(waiting)
         return self.text != before
 
-    def begin_attempt(self) -> None:
+    def begin_attempt(self, started: AttemptStarted) -> None:
         """Forget the last attempt's trial: it cannot be marked any more."""
-        self._trial = (0, 0)
+        self._mark = self._mark.after(started)
 
     def marked(self, marked: TrialMarked) -> None:
         """Follow a mark that was put on a trial, or removed."""
-        self._marked = ((marked.attempt, marked.trial), marked.mark)
+        self._mark = self._mark.after(marked)
         self._replaces = ""
 
     def press(self, key: str) -> Mark | None:
         """Return the mark of a key; None if the key must be pressed again to replace the present mark."""
         mark = self._marks[key]
-        if self._present in ("", mark.name) or self._replaces == mark.name:
+        if self._mark.present in ("", mark.name) or self._replaces == mark.name:
             self._replaces = ""
             return mark
         self._replaces = mark.name
@@ -61,23 +57,17 @@ class MarkKeys:
     @property
     def asks(self) -> bool:
         """True if a key must be pressed again to replace the present mark."""
-        return bool(self._present and self._replaces)
+        return bool(self._mark.present and self._replaces)
 
     def __contains__(self, key: object) -> bool:
         return key in self._marks
 
     @property
-    def _present(self) -> str:
-        """Name of the mark on the trial that a key would mark; empty without one."""
-        trial, name = self._marked
-        return name if trial == self._trial else ""
-
-    @property
     def text(self) -> str:
         """The mark that is on the trial, and the key that would replace it; empty without a mark."""
-        if not self._present:
+        if not self._mark.present:
             return ""
-        text = self.tr("Marked: {mark}", mark=self._titles.get(self._present, self._present).lower())
+        text = self.tr("Marked: {mark}", mark=self._titles.get(self._mark.present, self._mark.present).lower())
         if not self.asks:
             return text
         key = next(mark.key for mark in self._marks.values() if mark.name == self._replaces)

@@ -201,7 +201,7 @@ class SessionScreen(AgentScreen):
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._gc.begin_attempt()
-        self._marks.begin_attempt()
+        self._marks.begin_attempt(started)
 
     def marked(self, marked: TrialMarked) -> None:
         self._marks.marked(marked)
