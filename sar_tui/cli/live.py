@@ -83,7 +83,7 @@ def run(
 ) -> None:
     """Start a session.
 
-    It starts from the participant's saved settings; --set, --imu, --theme, --outputs, --speech and --language apply to
+    It starts from the participant's programme; --set, --imu, --theme, --outputs, --speech and --language apply to
     this session only.
     """
     home = Home.of(context, data, tasks)
@@ -93,16 +93,19 @@ def run(
         _check_uses_sensor(kind)
     given = read_settings(settings, imu=imu, outputs=outputs, language=language)
 
-    from sar_tui.runs.plan import make_plan
-    from sar_tui.store import participants
+    from sar_tui.runs.plan import left_out_text, make_plan
+    from sar_tui.store import programmes
+    from sar_tui.store.participants import check_code
     from sar_tui.store.sessions import new_id
 
     with home.database() as database:
-        saved = participants.settings(database, participants.check_code(participant[0]), task)
+        saved = programmes.newest(database, check_code(participant[0]), task)
     with checked_settings(kind):
         plan = make_plan(
             catalogue, kind, participant, given, saved=saved, theme=theme, speech=speech, seed=seed, id=new_id()
         )
+    if text := left_out_text(plan):
+        print(f"! {text}", file=sys.stderr)
     if kind.sensor_seats(plan.parameters):
         _check_sensor(plan, home)
     elif imu is not None:

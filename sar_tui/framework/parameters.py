@@ -165,6 +165,34 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     return built
 
 
+def usable(parameters: type[TaskParameters], values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the values that can be used, and for each of the others why not, in one sentence.
+
+    Values that were valid when they were saved may be out of bounds, in conflict, or unknown in another version of the
+    task.
+
+    Raises:
+        ParameterError: no choice of the values can be used.
+    """
+    groups = {field.name: field.group for field in fields(parameters)}
+    left_out = {name: f"The setting {name} does not exist any more." for name in values if name not in groups}
+    kept = {name: value for name, value in values.items() if name in groups}
+    while True:
+        try:
+            build(parameters, kept)
+        except ParameterError as error:
+            wrong = kept.keys() & error.problems
+            if not wrong:  # in conflict with the default of another parameter, under the same heading
+                reported = {groups.get(name) for name in error.problems}
+                wrong = {name for name in kept if groups[name] in reported}
+            if not wrong:
+                raise
+            left_out.update({name: error.problems.get(name) or str(error) for name in wrong})
+            kept = {name: value for name, value in kept.items() if name not in wrong}
+        else:
+            return kept, left_out
+
+
 def _is_text(value: object) -> bool:
     """Return False for a text, or a list with one, that cannot be stored: bytes of an argument that are not UTF-8."""
     try:

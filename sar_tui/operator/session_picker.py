@@ -2,8 +2,6 @@
 
 import asyncio
 import functools
-import getpass
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
@@ -15,6 +13,7 @@ from textual.screen import Screen
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
+from sar_tui.drivers.login_name import login_name
 from sar_tui.framework.messages import Role
 from sar_tui.framework.theme import Theme
 from sar_tui.link.client import connect
@@ -29,12 +28,8 @@ HOW_TO_START = "No session on this machine can be joined. Start one with: sar-tu
 
 
 def own_name() -> str:
-    """Return the default name of this user at a session: the allowed characters of the login name."""
-    try:
-        name = getpass.getuser()
-    except (KeyError, OSError):  # no entry for the user, as in some containers
-        name = ""
-    return re.sub(r"[^A-Za-z0-9_-]", "", name).lstrip("_-")[:32] or "operator"
+    """Return the default name of this user at a session."""
+    return login_name() or "operator"
 
 
 def panel(where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path) -> PanelScreen:

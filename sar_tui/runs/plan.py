@@ -7,13 +7,14 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import TaskParameters, build
+from sar_tui.framework.parameters import TaskParameters, build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
-from sar_tui.store.participants import Settings, check_code
+from sar_tui.store.participants import check_code
+from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
 
 
@@ -23,6 +24,8 @@ class Plan(msgspec.Struct, frozen=True):
     Attributes:
         partner: the code of the participant at seat B, in a task for two.
         id: the session's id; if empty, it is drawn when the session starts.
+        programme: the version of the participant's programme; None if there is none.
+        left_out: values of the programme that this version of the task cannot use, and for each why not.
     """
 
     task: type[Task]
@@ -33,6 +36,8 @@ class Plan(msgspec.Struct, frozen=True):
     mode: sessions.Mode = "live"
     partner: str = ""
     id: str = ""
+    programme: int | None = None
+    left_out: Mapping[str, str] = {}
 
 
 class Failed(Exception):
@@ -45,7 +50,7 @@ def make_plan(
     participants: Sequence[str],
     settings: Mapping[str, object] = {},
     *,
-    saved: Settings | None = None,
+    saved: Programme | None = None,
     theme: str | None = None,
     speech: str | None = None,
     seed: int | None = None,
@@ -59,7 +64,7 @@ def make_plan(
         task: the task or its name.
         participants: codes in the order of the task's seats; a simulated session makes up the second if it is missing.
         settings: values of the task's parameters, typed or as text; they override the saved ones.
-        saved: the saved settings of the first participant.
+        saved: the programme of the first participant. Values that the task cannot use any more are left out.
         theme: name of the theme; by default the saved one.
         speech: overrides the setting of that name, and adds speech to the outputs.
         seed: decides everything random; drawn by default.
@@ -72,13 +77,14 @@ def make_plan(
         ParameterError: a setting is unknown or out of bounds, or there is no such output, language or level.
         Failed: the task cannot be set up.
     """
-    saved = saved or Settings()
+    saved = saved or Programme()
     kind = catalogue.task(task) if isinstance(task, str) else task
     codes = [check_code(code) for code in participants]
     if mode == "simulated" and len(codes) == 1 < len(kind.seats):
         codes.append(f"{codes[0]}-B")
     check_seats(kind, codes)
-    parameters = _parameters(kind, {**saved.parameters, **settings}, speech)
+    kept, left_out = usable(kind.Parameters, saved.parameters)
+    parameters = _parameters(kind, {**kept, **settings}, speech)
     name = theme or saved.theme
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
@@ -92,7 +98,17 @@ def make_plan(
         mode=mode,
         partner=codes[1] if len(codes) > 1 else "",
         id=id,
+        programme=saved.version or None,
+        left_out=left_out,
     )
+
+
+def left_out_text(plan: Plan) -> str:
+    """Return sentences on the values of the programme that are left out; empty if all are used."""
+    if not plan.left_out:
+        return ""
+    reasons = " ".join(plan.left_out.values())
+    return f"Version {plan.programme} of the programme of {plan.participant} is not used in full. {reasons}"
 
 
 def _parameters(kind: type[Task], values: Mapping[str, object], speech: str | None) -> TaskParameters:

@@ -138,6 +138,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             parameters=plan.parameters,
             mode=plan.mode,
             partner=codes[1] if len(codes) > 1 else "",
+            programme=plan.programme,
             **provenance,
         )
         number = sessions.begin_run(database, session_id, **provenance)

@@ -1,11 +1,8 @@
-"""Participants: pseudonymous codes, and the settings that a therapist saves for each."""
+"""Participants: pseudonymous codes."""
 
 import re
 import sqlite3
 from datetime import UTC, datetime
-from typing import Any
-
-import msgspec
 
 from sar_tui.store.database import StoreError, transaction
 
@@ -49,31 +46,3 @@ def last_used(db: sqlite3.Connection) -> str | None:
         " JOIN seats ON seats.session = runs.session AND seat='A' WHERE mode='live' ORDER BY runs.rowid DESC LIMIT 1"
     ).fetchone()
     return row[0] if row else None
-
-
-class Settings(msgspec.Struct, frozen=True):
-    """A participant's saved settings for a task. ``parameters`` holds only values that differ from the defaults."""
-
-    parameters: dict[str, Any] = {}
-    theme: str = "calm"
-
-
-def settings(db: sqlite3.Connection, participant: str, task: str) -> Settings:
-    """Return a participant's saved settings for a task, or the defaults."""
-    row = db.execute(
-        "SELECT parameters, theme FROM settings WHERE participant=? AND task=?", (participant, task)
-    ).fetchone()
-    return Settings(msgspec.json.decode(row[0]), row[1]) if row else Settings()
-
-
-def save_settings(db: sqlite3.Connection, participant: str, task: str, saved: Settings) -> None:
-    """Save a participant's settings for a task."""
-    row = (
-        participant,
-        task,
-        msgspec.json.encode(saved.parameters).decode(),
-        saved.theme,
-        datetime.now(UTC).isoformat(),
-    )
-    with transaction(db) as connection:
-        connection.execute("INSERT OR REPLACE INTO settings VALUES (?,?,?,?,?)", row)

@@ -224,10 +224,9 @@ def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
 
 
 def _bring_participants(source: sqlite3.Connection, database: sqlite3.Connection) -> None:
-    """Copy participants and settings that the database lacks."""
-    for table, slots in (("participants", "?, ?"), ("settings", "?, ?, ?, ?, ?")):
-        rows = source.execute(f"SELECT * FROM {table}").fetchall()
-        database.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({slots})", rows)
+    """Copy participants and programmes that the database lacks."""
+    for table in ("participants", "programmes"):
+        copy_rows(source, database, table, or_ignore=True)
 
 
 def _rename(path: Path) -> None:

@@ -184,6 +184,16 @@ def version_5(db: sqlite_utils.Database) -> None:
         db.execute(statement)
 
 
+@migrations()
+def version_6(db: sqlite_utils.Database) -> None:
+    """Settings as versions, and the version that a session ran. The view ``settings`` shows the newest ones.
+
+    A program of the version before, which is still open, goes on saving settings through the view.
+    """
+    for statement in _PROGRAMMES:
+        db.execute(statement)
+
+
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")
@@ -216,4 +226,22 @@ JOIN topics ON topics.id=messages.topic""",
     """CREATE TRIGGER insert_earlier_event INSTEAD OF INSERT ON events BEGIN
     INSERT INTO earlier_events VALUES (NEW.session, NEW.seq, NEW.run, NEW.at_ns, NEW.topic, NEW.message);
 END""",
+)
+
+_PROGRAMMES = (
+    "CREATE TABLE programmes (participant TEXT NOT NULL, task TEXT NOT NULL, version INTEGER NOT NULL,"
+    " created_at TEXT NOT NULL, author TEXT NOT NULL, reason TEXT NOT NULL, parameters TEXT NOT NULL,"
+    " theme TEXT NOT NULL, PRIMARY KEY (participant, task, version))",
+    "INSERT INTO programmes SELECT participant, task, 1, updated_at, '',"
+    " 'Saved before programmes had versions.', parameters, theme FROM settings",
+    "DROP TABLE settings",
+    "CREATE VIEW settings AS SELECT participant, task, parameters, theme, created_at AS updated_at"
+    " FROM programmes AS saved WHERE version="
+    "(SELECT max(version) FROM programmes WHERE participant=saved.participant AND task=saved.task)",
+    """CREATE TRIGGER insert_settings INSTEAD OF INSERT ON settings BEGIN
+    INSERT INTO programmes SELECT NEW.participant, NEW.task, coalesce(max(version), 0) + 1, NEW.updated_at, '',
+        'Saved by an earlier version of sar-tui.', NEW.parameters, NEW.theme
+    FROM programmes WHERE participant=NEW.participant AND task=NEW.task;
+END""",
+    "ALTER TABLE sessions ADD COLUMN programme INTEGER",
 )

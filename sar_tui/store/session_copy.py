@@ -7,7 +7,7 @@ from sar_tui.store.database import transaction
 
 
 def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> None:
-    """Copy a session with its participants and their settings.
+    """Copy a session with its participants and their programmes.
 
     What the target has of the session is replaced; if ``adds``, it is kept, as the source has only what followed.
 
@@ -26,7 +26,7 @@ def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session
         copy_rows(source, connection, "sessions", "id=?", session)
         seated = "(SELECT participant FROM seats WHERE session=?)"
         copy_rows(source, connection, "participants", f"code IN {seated}", session, or_ignore=True)
-        copy_rows(source, connection, "settings", f"participant IN {seated}", session, or_ignore=True)
+        copy_rows(source, connection, "programmes", f"participant IN {seated}", session, or_ignore=True)
 
 
 def _tables(database: sqlite3.Connection, column: str) -> list[str]:

@@ -54,6 +54,7 @@ def create(
     machine: object,
     mode: Mode,
     partner: str = "",
+    programme: int | None = None,
 ) -> None:
     """Store a new session and the seats of its participants.
 
@@ -62,12 +63,13 @@ def create(
     Args:
         session: an id from ``new_id``.
         partner: the code of the participant at seat B, if there is one.
+        programme: the version of the participant's programme; None if there is none.
     """
     with transaction(db) as connection:
         connection.execute(
-            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, software, machine, mode)"
-            " VALUES (?,?,?,'running',?,?,?,?,?,?)",
-            (session, task, theme, _utc(), seed, _dump(parameters), _dump(software), _dump(machine), mode),
+            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, software, machine, mode,"
+            " programme) VALUES (?,?,?,'running',?,?,?,?,?,?,?)",
+            (session, task, theme, _utc(), seed, _dump(parameters), _dump(software), _dump(machine), mode, programme),
         )
         connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
         if partner:

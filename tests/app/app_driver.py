@@ -21,8 +21,9 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PROMPT, STORAGE, WAITING
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
-from sar_tui.store import participants
+from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
+from sar_tui.store.programmes import Programme
 from tests.settle import settle
 
 SHORT = {"attempts": 2, "prompts_per_attempt": 2}
@@ -43,8 +44,8 @@ def known(data: Path, participant: str = "P01", theme: str = "calm", **parameter
     """Store a participant with settings for the keyboard task."""
     database = connect(data)
     participants.add(database, participant)
-    settings = participants.Settings(SHORT | parameters, theme)
-    participants.save_settings(database, participant, "keyboard", settings)
+    last = programmes.newest(database, participant, "keyboard")
+    programmes.save(database, participant, "keyboard", Programme(SHORT | parameters, theme), after=last.version)
     database.close()
 
 

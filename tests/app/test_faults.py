@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from textual.widgets import OptionList
 
 from sar_tui.app import app as app_module
 from sar_tui.app.app import SarTui, run_app
@@ -145,6 +146,7 @@ async def test_a_failed_write_is_reported_on_the_home_screen(data: Path, catalog
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         _refuse(driver)
+        driver.app.screen.query_one("#theme", OptionList).highlighted = 2
         await driver.fail_to_start("is read-only")
 
 

@@ -4,6 +4,7 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
+from textual.widgets import Button, OptionList
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
@@ -116,13 +117,44 @@ async def test_a_participants_settings_are_used_by_their_next_session(data: Path
         assert driver.sees("Press Enter to begin attempt 1 of 3.")
 
 
-async def test_settings_that_became_invalid_are_reported_and_no_session_starts(
+async def test_settings_that_became_invalid_are_told_and_a_second_press_begins_without_them(
     data: Path, catalogue: Catalogue
 ) -> None:
-    known(data, "P01", attempts=9999)
+    known(data, "P01", attempts=9999, tempo=3, prompts_per_attempt=7)
+    async with open_app(data, catalogue, size=(100, 30)) as driver:
+        await driver.fail_to_start("Version 1 of the programme of P01 is not used in full.")
+        assert driver.sees("Attempts is a whole number, 1 to 200, not 9999.")
+        assert driver.sees("The setting tempo does not exist any more.")
+        assert driver.sees("Press Start again to begin without it.")
+        assert stored(data, "SELECT id FROM sessions") == []
+        driver.app.screen.query_one("#start", Button).press()  # a key has no effect while the button flashes
+        await driver.settle()
+        assert driver.sees("An attempt asks for 7 keys.")
+        await driver.press("enter")
+        assert driver.sees("Press Enter to begin attempt 1 of 20.")
+
+
+async def test_a_session_names_the_version_of_the_programme_that_it_runs(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", attempts=3)
+    known(data, "P01", attempts=4)
     async with open_app(data, catalogue) as driver:
-        await driver.fail_to_start("The settings of P01 do not fit")
-    assert stored(data, "SELECT id FROM sessions") == []
+        await driver.press("right", "right", "right", "enter")
+        assert driver.sees("An attempt asks for 2 keys.")
+        assert driver.stored("SELECT programme FROM sessions") == [(2,)]
+
+
+async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    for _ in range(2):
+        async with open_app(data, catalogue) as driver:
+            driver.app.screen.query_one("#theme", OptionList).highlighted = 2
+            await driver.press("right", "right", "right", "enter")
+            assert driver.sees("An attempt asks for 2 keys.")
+            await driver.press("escape")
+    saved = stored(data, "SELECT version, theme, reason FROM programmes ORDER BY version")
+    theme = saved[-1][1]
+    assert saved == [(1, "calm", ""), (2, theme, f"Theme {theme} was chosen on the first screen.")]
+    assert stored(data, "SELECT programme, theme FROM sessions") == [(2, theme), (2, theme)]
 
 
 async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted_one(

@@ -22,8 +22,9 @@ from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
-from sar_tui.store import participants
+from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
+from sar_tui.store.programmes import Programme
 from sar_tui.widgets.sensor_placement import DRAWN, bar
 from tests.album import Album
 from tests.app.app_driver import AppDriver, open_app, plan, stored
@@ -165,8 +166,7 @@ async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, 
 async def test_escape_leads_home_and_the_check_can_be_opened_again(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
     participants.add(database, "P01")
-    settings = participants.Settings({"imu": "simulated"}, "high-contrast")
-    participants.save_settings(database, "P01", "reaching", settings)
+    programmes.save(database, "P01", "reaching", Programme({"imu": "simulated"}, "high-contrast"), after=0)
     database.close()
     async with open_app(data, catalogue) as driver:
         driver.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile

@@ -14,8 +14,9 @@ from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.discovery import live_sessions
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.store import participants
+from sar_tui.store import programmes
 from sar_tui.store.database import connect
+from sar_tui.store.programmes import Programme
 from tests.program import Call
 
 
@@ -118,8 +119,8 @@ def test_run_plans_a_live_session(call: Call, opened: list[dict[str, Any]]) -> N
 
 def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
     database = connect(tmp_path / "data")
-    kept = participants.Settings({"attempts": 6, "prompts_per_attempt": 8}, "high-contrast")
-    participants.save_settings(database, "P01", "keyboard", kept)
+    kept = Programme({"attempts": 6, "prompts_per_attempt": 8}, "high-contrast")
+    programmes.save(database, "P01", "keyboard", kept, after=0)
     database.close()
     call("run", "keyboard", "-p", "P01", "--set", "attempts=2")
     plan = opened[0]["plan"]
@@ -128,7 +129,7 @@ def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict
 
 def test_a_motion_sensor_can_be_named(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
     database = connect(tmp_path / "data")
-    participants.save_settings(database, "P01", "reaching", participants.Settings({"imu": "phidget:1", "attempts": 3}))
+    programmes.save(database, "P01", "reaching", Programme({"imu": "phidget:1", "attempts": 3}), after=0)
     database.close()
     assert call("run", "reaching", "-p", "P01", "--imu", "simulated:tremor").code == 7
     assert call("run", "reaching", "-p", "P01", "--set", "imu=simulated:tremor").code == 7

@@ -12,8 +12,9 @@ import pytest
 from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.store import participants
+from sar_tui.store import programmes
 from sar_tui.store.database import connect
+from sar_tui.store.programmes import Programme
 from tests.needs_speech import needs_speech
 from tests.program import Call
 
@@ -64,9 +65,9 @@ def test_the_option_speech_adds_speech_to_the_outputs(call: Call, opened: list[P
 
 
 def test_options_override_saved_settings_and_keep_the_rest(call: Call, opened: list[Plan], tmp_path: Path) -> None:
-    saved = participants.Settings({"outputs": ["screen", "tones"], "language": "es", "attempts": 3}, "playful")
+    saved = Programme({"outputs": ["screen", "tones"], "language": "es", "attempts": 3}, "playful")
     database = connect(tmp_path / "data")
-    participants.save_settings(database, "P01", "keyboard", saved)
+    programmes.save(database, "P01", "keyboard", saved, after=0)
     database.close()
     call(*RUN)
     call(*RUN, "--speech", "sound", "--language", "en")

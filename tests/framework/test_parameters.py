@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from msgspec import Meta
 
 from sar_tui.framework.declaration import Field, ParameterError, meta, read, show
-from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped
+from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped, usable
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):
@@ -239,3 +239,16 @@ def test_a_redeclared_common_parameter_keeps_its_heading_and_position() -> None:
     assert names_under("Difficulty") == [field.name for field in grouped(TaskParameters)["Difficulty"]]
     goal = grouped(GroupedParameters)["Difficulty"][0]
     assert (goal.name, goal.unit, goal.default) == ("threshold", "cm", 20.0)
+
+
+def test_values_that_became_unusable_are_left_out_with_the_reason_and_the_rest_is_kept() -> None:
+    saved = {"attempts": 12, "rest_every": 9999, "tempo": 3, "min_level": 3, "start_level": 2}
+    kept, left_out = usable(TaskParameters, saved)
+    assert kept == {"attempts": 12}
+    assert left_out == {
+        "rest_every": "Rest reminder every is a whole number, 0 to 200, not 9999.",
+        "tempo": "The setting tempo does not exist any more.",
+        "start_level": "Start level (2) must be between 3 and 10.",
+        "min_level": "Start level (1) must be between 3 and 10.",
+    }
+    assert usable(TaskParameters, kept) == (kept, {})

@@ -22,7 +22,7 @@ from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import participants, sessions
+from sar_tui.store import programmes, sessions
 from sar_tui.store.database import connect
 from tests.program import Call
 
@@ -107,7 +107,7 @@ def test_the_interrupted_session_is_resumed_and_completed(data: Path, catalogue:
 
 def test_saved_settings_make_a_plan(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
-    saved = participants.settings(database, "P01", "keyboard")
+    saved = programmes.newest(database, "P01", "keyboard")
     database.close()
     plan = make_plan(catalogue, "keyboard", ["P01"], saved=saved)
     assert (plan.parameters.attempts, plan.theme) == (2, "calm")

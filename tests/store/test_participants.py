@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.participants import Settings, add, check_code, codes, last_used, save_settings, settings
+from sar_tui.store.participants import add, check_code, codes, last_used
 from tests.store.test_sessions import enter
 
 
@@ -53,19 +53,6 @@ def test_a_disk_that_refuses_someone_is_reported(database: sqlite3.Connection) -
 def test_someone_entered_is_there_for_the_next_program(database: sqlite3.Connection, data: Path) -> None:
     add(database, "P01")
     assert codes(connect(data)) == ["P01"]
-
-
-def test_settings_are_stored_for_a_participant_and_a_task(database: sqlite3.Connection, data: Path) -> None:
-    mine = Settings({"attempts": 5, "levels": ["fj", "dfjk"], "threshold": 850.5}, "high-contrast")
-    save_settings(database, "P01", "keyboard", mine)
-    assert settings(connect(data), "P01", "keyboard") == mine
-    assert settings(database, "P02", "keyboard") == settings(database, "P01", "reaching") == Settings({}, "calm")
-
-
-def test_settings_saved_again_take_the_place_of_the_old(database: sqlite3.Connection) -> None:
-    save_settings(database, "P01", "keyboard", Settings({"attempts": 5}))
-    save_settings(database, "P01", "keyboard", Settings({"threshold": 900}))
-    assert settings(database, "P01", "keyboard") == Settings({"threshold": 900})
 
 
 def test_the_participant_used_last_is_that_of_the_last_live_run(database: sqlite3.Connection) -> None:

@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.topics import STORAGE, STORED, TRIAL, WAITING
-from sar_tui.store import participants, sessions
+from sar_tui.store import participants, programmes, sessions
 from sar_tui.store.database import FILE, Moved, StoreConnection, StoreError, connect, open_file, transaction
+from sar_tui.store.programmes import Programme
 from sar_tui.store.rescue import bring_back, rescue_files
 from sar_tui.store.safeguard import Safeguard
 from tests.store.test_recorder import Recorded
@@ -351,15 +352,16 @@ def test_a_session_that_went_on_differently_since_is_not_overwritten(data: Path,
     assert rescue_files(data) == [brought.file]
 
 
-def test_participants_and_settings_that_the_database_lacks_are_brought_back(data: Path) -> None:
+def test_participants_and_programmes_that_the_database_lacks_are_brought_back(data: Path) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "P09")
-        participants.save_settings(database, "P09", "keyboard", participants.Settings({"attempts": 3}))
+        programmes.save(database, "P09", "keyboard", Programme({"attempts": 3}), after=0, author="Ana", reason="Tired")
     rescued(data)
     bring_back(data)
     with closing(connect(data)) as database:
         assert participants.codes(database) == ["P09"]
-        assert participants.settings(database, "P09", "keyboard").parameters == {"attempts": 3}
+        (programme,) = programmes.versions(database, "P09", "keyboard")
+        assert (programme.parameters, programme.author, programme.reason) == ({"attempts": 3}, "Ana", "Tired")
 
 
 def test_a_transaction_in_a_database_that_stays_is_not_refused(data: Path) -> None:

@@ -18,6 +18,7 @@ from sar_tui.widgets.key_footer import KeyFooter
 
 if TYPE_CHECKING:  # loaded when the lists are filled: the empty screen is shown before
     from sar_tui.framework.task import Task
+    from sar_tui.store.programmes import Programme
     from sar_tui.store.sessions import Row
 
 _NEW = "+"
@@ -50,6 +51,7 @@ class HomeScreen(Screen[None]):
         super().__init__()
         self._theme_of: tuple[str, str] | None = None
         self._can_operate = False
+        self._left_out = ""
         self._is_filled = False
         self._recent: dict[str, Row] = {}
 
@@ -153,12 +155,12 @@ class HomeScreen(Screen[None]):
     @on(OptionList.OptionHighlighted, "#participant, #task")
     def _show_saved_theme(self) -> None:
         """Select the theme saved with a participant's settings; a choice by hand stays."""
-        from sar_tui.store import participants
+        from sar_tui.store import programmes
 
         who, task = self._chosen("participant"), self._chosen("task")
         if who and task and (who, task) != self._theme_of:
             self._theme_of = (who, task)
-            saved = participants.settings(self.app.database, who, task).theme
+            saved = programmes.newest(self.app.database, who, task).theme
             themes = self.query_one("#theme", OptionList)
             if saved in (names := [option.id for option in themes.options]):
                 themes.highlighted = names.index(saved)
@@ -298,17 +300,26 @@ class HomeScreen(Screen[None]):
         self.app.push_screen(SecondParticipantScreen(who), second_chosen)
 
     def _begin(self, task: "type[Task]", *codes: str) -> None:
-        """Plan the session from the first participant's saved settings, save the theme, and begin."""
-        from sar_tui.framework.declaration import ParameterError
-        from sar_tui.runs.plan import Failed, make_plan
-        from sar_tui.store import participants
+        """Plan the session from the first participant's programme, save another theme in it, and begin.
 
-        saved = participants.settings(self.app.database, codes[0], task.name)
+        If the programme cannot be used in full, say so first; a second press begins without the rest.
+        """
+        from sar_tui.framework.declaration import ParameterError
+        from sar_tui.runs.plan import Failed, left_out_text, make_plan
+        from sar_tui.store import programmes
+
+        saved = programmes.newest(self.app.database, codes[0], task.name)
         theme = self._chosen("theme") or saved.theme
         try:
             plan = make_plan(self.app.catalogue, task, codes, saved=saved, theme=theme)
-            kept = participants.Settings(saved.parameters, theme)
-            participants.save_settings(self.app.database, codes[0], task.name, kept)
+            if (text := left_out_text(plan)) != self._left_out:
+                self._left_out = text
+                if text:
+                    self.notify(f"{text} Press Start again to begin without it.", severity="warning", timeout=30)
+                    return
+            if theme != saved.theme:
+                saved = self._save_theme(codes[0], task.name, saved, theme)
+                plan = make_plan(self.app.catalogue, task, codes, saved=saved, seed=plan.seed)
         except ParameterError as error:
             self.notify(f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15)
         except StoreError as error:
@@ -318,6 +329,17 @@ class HomeScreen(Screen[None]):
             self.notify(str(error), severity="warning", timeout=15)
         else:
             self.app.begin_session(plan)
+
+    def _save_theme(self, participant: str, task: str, saved: "Programme", theme: str) -> "Programme":
+        """Return the next version of a programme, which has another theme."""
+        from sar_tui.drivers.login_name import login_name
+        from sar_tui.store import programmes
+
+        changed = programmes.Programme(saved.parameters, theme)
+        reason = f"Theme {theme} was chosen on the first screen."
+        return programmes.save(
+            self.app.database, participant, task, changed, after=saved.version, author=login_name(), reason=reason
+        )
 
     @on(Button.Pressed, "#settings")
     def action_settings(self) -> None:

@@ -9,12 +9,13 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.screen import Screen
 from textual.widgets import Button, Static
 
+from sar_tui.drivers.login_name import login_name
 from sar_tui.framework.declaration import ParameterError, show
 from sar_tui.framework.parameters import build, changed, current_values, grouped
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs.plan import check_outputs
-from sar_tui.store import participants
+from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.theme_folder import languages
 from sar_tui.widgets.field_group import FieldGroup
@@ -65,8 +66,7 @@ class SettingsScreen(Screen[None]):
         self._fields: list[ParameterField] = []
 
     def compose(self) -> ComposeResult:
-        kept = participants.settings(self.app.database, self._participant, self._motor_task.name)
-        self._theme = kept.theme
+        self._programme = kept = programmes.newest(self.app.database, self._participant, self._motor_task.name)
         yield Static(f"Settings of {self._participant} for {self._motor_task.title}", id="top", markup=False)
         with _Form(id="form"):
             values = current_values(self._motor_task.Parameters, kept.parameters)
@@ -118,12 +118,12 @@ class SettingsScreen(Screen[None]):
     def _language_problem(self, language: str) -> dict[str, str]:
         """Return a problem if the participant's theme has no phrases in this language: a session would be refused."""
         try:
-            known = languages(self.app.catalogue.theme_folder(self._theme))
+            known = languages(self.app.catalogue.theme_folder(self._programme.theme))
         except PluginError:
             return {}  # the theme is gone, so another must be chosen anyway
         if language.partition("-")[0] in {name.partition("-")[0] for name in known}:
             return {}
-        has = f"The theme {self._theme} has no phrases in {language}; it has: {', '.join(known)}."
+        has = f"The theme {self._programme.theme} has no phrases in {language}; it has: {', '.join(known)}."
         return {"language": f"{has} Type one of these, or give the theme a file phrases.{language}.toml."}
 
     @on(Button.Pressed, "#save")
@@ -133,10 +133,16 @@ class SettingsScreen(Screen[None]):
             await self._go_to(next(iter(problems)))
             return
         parameters = build(self._motor_task.Parameters, self._values())
-        theme = participants.settings(self.app.database, self._participant, self._motor_task.name).theme
-        kept = participants.Settings(changed(parameters), theme)
+        kept = programmes.Programme(changed(parameters), self._programme.theme)
+        after = self._programme.version
         try:
-            participants.save_settings(self.app.database, self._participant, self._motor_task.name, kept)
+            self._programme = programmes.save(
+                self.app.database, self._participant, self._motor_task.name, kept, after=after, author=login_name()
+            )
+        except programmes.Superseded as error:
+            self._programme = error.newest
+            self.notify(f"{error} Save again to put yours on top of it.", severity="warning", timeout=30)
+            return
         except StoreError as error:
             self.query_one("#status", Static).update("not saved")
             self.notify(str(error), severity="error", timeout=15)

@@ -1,0 +1,139 @@
+"""Programmes: the settings of a participant for a task, as versions that are added and never changed."""
+
+import sqlite3
+from datetime import UTC, datetime
+from typing import Any
+
+import msgspec
+
+from sar_tui.store.database import StoreError, transaction
+
+LONGEST_TEXT = 500
+"""Largest number of characters of a reason or an author."""
+
+
+class Programme(msgspec.Struct, frozen=True):
+    """A version of the settings of a participant for a task.
+
+    Attributes:
+        parameters: only the values that differ from the task's defaults.
+        theme: name of the theme.
+        version: 1, 2, …; 0 if nothing was saved yet.
+        created_at: when it was saved (UTC, ISO 8601).
+        author: who saved it.
+        reason: why.
+    """
+
+    parameters: dict[str, Any] = {}
+    theme: str = "calm"
+    version: int = 0
+    created_at: str = ""
+    author: str = ""
+    reason: str = ""
+
+
+class Superseded(StoreError):
+    """Another version was saved meanwhile, which is ``newest``. Nothing was saved."""
+
+    def __init__(self, participant: str, newest: Programme) -> None:
+        by = f" by {newest.author}" if newest.author else ""
+        why = f" ({newest.reason})" if newest.reason else ""
+        super().__init__(
+            f"The programme of {participant} was changed meanwhile: version {newest.version}{by}{why}. "
+            "Nothing was saved.",
+            bad_input=True,
+        )
+        self.newest = newest
+
+
+_COLUMNS = "parameters, theme, version, created_at, author, reason"
+_OF = f"SELECT {_COLUMNS} FROM programmes WHERE participant=? AND task=?"
+
+
+def newest(db: sqlite3.Connection, participant: str, task: str) -> Programme:
+    """Return the newest version of a programme, or the defaults with version 0."""
+    row = db.execute(f"{_OF} ORDER BY version DESC LIMIT 1", (participant, task)).fetchone()
+    return _programme(row) if row else Programme()
+
+
+def versions(db: sqlite3.Connection, participant: str, task: str) -> list[Programme]:
+    """Return all versions of a programme, the oldest first."""
+    return [_programme(row) for row in db.execute(f"{_OF} ORDER BY version", (participant, task))]
+
+
+def find(db: sqlite3.Connection, participant: str, task: str, version: int) -> Programme:
+    """Return one version of a programme.
+
+    Raises:
+        StoreError: there is no such version.
+    """
+    row = db.execute(f"{_OF} AND version=?", (participant, task, version)).fetchone()
+    if row is None:
+        raise StoreError(
+            f"The programme of {participant} for {task} has no version {version}. "
+            f"`sar-tui programme history {participant}` lists them.",
+            bad_input=True,
+        )
+    return _programme(row)
+
+
+def tasks(db: sqlite3.Connection, participant: str) -> list[str]:
+    """Return the tasks for which a participant has a programme, sorted."""
+    rows = db.execute("SELECT DISTINCT task FROM programmes WHERE participant=? ORDER BY task", (participant,))
+    return [task for (task,) in rows]
+
+
+def save(
+    db: sqlite3.Connection,
+    participant: str,
+    task: str,
+    changed: Programme,
+    *,
+    after: int,
+    author: str = "",
+    reason: str = "",
+) -> Programme:
+    """Save the parameters and theme of ``changed`` as the next version, and return it.
+
+    If they equal those of the newest version, that one is returned and nothing is saved.
+
+    Args:
+        after: the version that was changed; 0 if there was none.
+        author, reason: who changed it, and why.
+
+    Raises:
+        Superseded: another version was saved since ``after``.
+        StoreError: the disk cannot write; nothing was saved.
+    """
+    with transaction(db) as connection:
+        last = newest(connection, participant, task)
+        if last.version != after:
+            raise Superseded(participant, last)
+        if after and (changed.parameters, changed.theme) == (last.parameters, last.theme):
+            return last
+        saved = Programme(
+            parameters=changed.parameters,
+            theme=changed.theme,
+            version=after + 1,
+            created_at=datetime.now(UTC).isoformat(),
+            author=author[:LONGEST_TEXT],
+            reason=reason[:LONGEST_TEXT],
+        )
+        connection.execute(
+            f"INSERT INTO programmes (participant, task, {_COLUMNS}) VALUES (?,?,?,?,?,?,?,?)",
+            (
+                participant,
+                task,
+                msgspec.json.encode(saved.parameters).decode(),
+                saved.theme,
+                saved.version,
+                saved.created_at,
+                saved.author,
+                saved.reason,
+            ),
+        )
+    return saved
+
+
+def _programme(row: tuple[str, str, int, str, str, str]) -> Programme:
+    return Programme(msgspec.json.decode(row[0]), *row[1:])

@@ -1,0 +1,131 @@
+"""Programmes: settings as versions. None is ever overwritten, and none is lost."""
+
+import gzip
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.programmes import Programme, Superseded, find, newest, save, tasks, versions
+
+EARLIER = Path(__file__).with_name("earlier.db.gz")
+
+
+def saved(database: sqlite3.Connection, after: int, author: str = "", reason: str = "", **parameters: Any) -> Programme:
+    changed = Programme(parameters)
+    return save(database, "P07", "keyboard", changed, after=after, author=author, reason=reason)
+
+
+def test_a_participant_without_a_programme_has_the_defaults(database: sqlite3.Connection) -> None:
+    assert newest(database, "P07", "keyboard") == Programme({}, "calm", 0)
+    assert versions(database, "P07", "keyboard") == []
+    assert tasks(database, "P07") == []
+
+
+def test_each_version_keeps_who_changed_it_when_and_why(database: sqlite3.Connection, data: Path) -> None:
+    first = saved(database, 0, "ana", "Start", attempts=5, levels=["fj", "dfjk"], threshold=850.5)
+    second = saved(database, 1, "ben", "Goal reached four times", attempts=5, threshold=800.0)
+    with closing(connect(data)) as again:
+        assert versions(again, "P07", "keyboard") == [first, second]
+        assert newest(again, "P07", "keyboard") == second
+        assert find(again, "P07", "keyboard", 1) == first
+        assert tasks(again, "P07") == ["keyboard"]
+    assert (first.version, first.author, first.reason) == (1, "ana", "Start")
+    assert (second.version, second.author, second.reason) == (2, "ben", "Goal reached four times")
+    assert second.created_at >= first.created_at > "2000"
+
+
+def test_programmes_belong_to_a_participant_and_a_task(database: sqlite3.Connection) -> None:
+    saved(database, 0, attempts=5)
+    assert newest(database, "P08", "keyboard") == newest(database, "P07", "reaching") == Programme()
+
+
+def test_a_programme_that_did_not_change_has_no_new_version(database: sqlite3.Connection) -> None:
+    first = saved(database, 0, "ana", attempts=5)
+    assert saved(database, 1, "ben", attempts=5) == first
+    assert versions(database, "P07", "keyboard") == [first]
+
+
+def test_the_second_of_two_therapists_is_told_and_overwrites_nothing(database: sqlite3.Connection, data: Path) -> None:
+    saved(database, 0, attempts=5)
+    with closing(connect(data)) as other:
+        theirs = saved(other, 1, "ben", "Tired", attempts=3)
+    with pytest.raises(Superseded) as caught:
+        saved(database, 1, "ana", attempts=9)
+    assert str(caught.value) == (
+        "The programme of P07 was changed meanwhile: version 2 by ben (Tired). Nothing was saved."
+    )
+    assert caught.value.newest == newest(database, "P07", "keyboard") == theirs
+
+
+def test_a_version_that_does_not_exist_is_named(database: sqlite3.Connection) -> None:
+    with pytest.raises(StoreError, match="The programme of P07 for keyboard has no version 4"):
+        find(database, "P07", "keyboard", 4)
+
+
+SAVER = """
+import sys
+from pathlib import Path
+from sar_tui.store.database import connect
+from sar_tui.store.programmes import Programme, save
+database = connect(Path(sys.argv[1]))
+for version in range(1_000_000):
+    save(database, "P07", "keyboard", Programme({"attempts": version + 1}), after=version, author="ana", reason="more")
+    print(version + 1, flush=True)
+"""
+
+
+@pytest.mark.parametrize("seen", [1, 7])
+def test_a_kill_while_saving_loses_no_version_that_was_saved(data: Path, seen: int) -> None:
+    with subprocess.Popen([sys.executable, "-c", SAVER, str(data)], stdout=subprocess.PIPE, text=True) as saver:
+        assert saver.stdout
+        for _ in range(seen):
+            saver.stdout.readline()
+        saver.kill()
+        told = [seen, *map(int, saver.stdout.read().split())][-1]
+    with closing(connect(data)) as database:
+        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        kept = versions(database, "P07", "keyboard")
+    assert [each.version for each in kept] == list(range(1, len(kept) + 1))
+    assert all(each.parameters == {"attempts": each.version} and each.reason == "more" for each in kept)
+    assert told <= len(kept) <= told + 1
+
+
+@pytest.fixture
+def earlier(data: Path) -> Path:
+    """A data folder written before there were programmes: P01 has saved settings."""
+    data.mkdir()
+    (data / "sar-tui.db").write_bytes(gzip.decompress(EARLIER.read_bytes()))
+    return data
+
+
+def test_settings_saved_before_become_the_first_version(earlier: Path) -> None:
+    with closing(sqlite3.connect(earlier / "sar-tui.db")) as before:
+        ((parameters, theme, saved_at),) = before.execute("SELECT parameters, theme, updated_at FROM settings")
+    with closing(connect(earlier)) as database:
+        (first,) = versions(database, "P01", "keyboard")
+        assert database.execute("SELECT parameters, theme, updated_at FROM settings").fetchall() == [
+            (parameters, theme, saved_at)
+        ]
+        assert database.execute("SELECT DISTINCT programme FROM sessions").fetchall() == [(None,)]
+    assert (first.version, first.theme, first.created_at) == (1, theme, saved_at)
+    assert first.reason == "Saved before programmes had versions."
+
+
+def test_an_earlier_program_that_is_still_open_goes_on_saving_settings(earlier: Path) -> None:
+    open_still = sqlite3.connect(earlier / "sar-tui.db")
+    connect(earlier).close()
+    for who in ("P01", "P09"):
+        row = (who, "keyboard", '{"attempts":4}', "playful", "2026-11-22T10:00:00+00:00")
+        open_still.execute("INSERT OR REPLACE INTO settings VALUES (?,?,?,?,?)", row)
+    open_still.commit()
+    open_still.close()
+    with closing(connect(earlier)) as database:
+        assert [each.version for each in versions(database, "P01", "keyboard")] == [1, 2]
+        last = newest(database, "P09", "keyboard")
+    assert (last.version, last.parameters, last.theme) == (1, {"attempts": 4}, "playful")
