@@ -23,6 +23,7 @@ from sar_tui.store.database import connect
 from sar_tui.validation.feedback import competent, examples, frequency
 from sar_tui.validation.policies import SCHEDULES
 from sar_tui.validation.policies import run as policies
+from sar_tui.validation.progress import run as progress
 from sar_tui.validation.report import Conditions, Report
 
 PAGE = (Path(__file__).parents[1] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
@@ -70,12 +71,20 @@ def test_every_part_and_state_of_a_report_is_documented() -> None:
 
 @pytest.mark.parametrize(
     ("name", "validate"),
-    [("figure-4.12", competent), ("figure-4.13", examples), ("figure-4.14", frequency), ("policies", policies)],
+    [
+        ("figure-4.12", competent),
+        ("figure-4.13", examples),
+        ("figure-4.14", frequency),
+        ("policies", policies),
+        ("progress", progress),
+    ],
 )
 def test_every_field_of_a_validation_is_documented(
     name: str, validate: Callable[[Conditions], Report], request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.validation.feedback.SEEDS", range(1, 2))
+    monkeypatch.setattr("sar_tui.validation.progress.HISTORIES", 2)
+    monkeypatch.setattr("sar_tui.validation.progress.OTHER_HISTORIES", 2)
     monkeypatch.setattr("sar_tui.validation.policies.SCHEDULES", {"every": SCHEDULES["every"]})
     fields = set(validate(Conditions(request.getfixturevalue("catalogue"))).rows[0])
     lines = [line for line in PAGE.splitlines() if line.startswith((f"| `{name}`", "| `figure-4.11`"))]

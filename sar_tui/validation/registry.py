@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sar_tui.validation import feedback, modularity, policies, reach, table_4_1
+from sar_tui.validation import feedback, modularity, policies, progress, reach, table_4_1
 from sar_tui.validation.report import Conditions, Report
 
 
@@ -22,5 +22,6 @@ VALIDATIONS: dict[str, Validation] = {
     "table-4.1": Validation("The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run),
     "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
+    "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),
     "modularity": Validation("Share of the framework in the code that a session runs", modularity.run),
 }

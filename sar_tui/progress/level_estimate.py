@@ -1,0 +1,167 @@
+"""The level at which a person would just reach the goal, estimated from the times of one session.
+
+A rule that adapts the level keeps success, and so the results, near the goal: what changes with progress is the level.
+Whether attempts succeeded says little of it, because they succeed at almost every easy level and fail at almost every
+hard one. Their times say more. The distance of an attempt's result from the goal is close to a straight line over the
+difficulty of its level: the reaction time over the information in the choice (Hick 1952; Hyman 1953), the reach time
+over the distance. The line crosses zero at the level at goal.
+
+- The unit is the attempt, not the prompt: prompts of one attempt share what that minute was like, and a band made from
+  prompts would be too narrow. Attempts weigh by the number of responses that their mean is made of.
+- The slope comes from all attempts of a session, its height only from those after the run-in, which lie near the goal:
+  while the level climbs, people also warm up, which flattens the line.
+- Nothing is extrapolated: a session whose results are all on one side of the goal yields a bound.
+"""
+
+import math
+from collections.abc import Sequence
+
+import msgspec
+
+from sar_tui.progress.student import t95
+
+LARGEST_G = 0.3
+"""A session's own slope is used if it is known this well: the square of the 95 % error of the slope over the slope
+(Fieller's g). Otherwise the slope of the other sessions is borrowed."""
+FEWEST_SPARE = 2
+"""Fewest degrees of freedom of a band."""
+FEWEST_NEAR_GOAL = 4
+"""With fewer attempts after the run-in, the run-in is used too."""
+
+
+class Attempt(msgspec.Struct, frozen=True):
+    """An attempt that has a result.
+
+    Args:
+        difficulty: place of its level on the task's axis of difficulty.
+        weight: number of responses that its result is the mean of; above 0.
+        distance: of its result from the goal; positive if it is worse.
+    """
+
+    difficulty: float
+    weight: float
+    distance: float
+
+
+class Slope(msgspec.Struct, frozen=True):
+    """Growth of the distance from the goal with difficulty, and the variance of its error."""
+
+    value: float
+    variance: float
+
+
+class Estimate(msgspec.Struct, frozen=True):
+    """Difficulty at which the goal would just be reached, with its 95 % band.
+
+    ``borrowed``: the slope is that of the person's other sessions.
+    """
+
+    value: float
+    low: float
+    high: float
+    borrowed: bool = False
+
+
+class _Line(msgspec.Struct, frozen=True):
+    """Weighted means, and sums of squares and of products about them."""
+
+    attempts: int
+    weight: float
+    x: float
+    y: float
+    xx: float
+    xy: float
+    yy: float
+
+
+def _line(attempts: Sequence[Attempt]) -> _Line:
+    weight = sum(each.weight for each in attempts)
+    x = sum(each.weight * each.difficulty for each in attempts) / weight
+    y = sum(each.weight * each.distance for each in attempts) / weight
+    return _Line(
+        attempts=len(attempts),
+        weight=weight,
+        x=x,
+        y=y,
+        xx=sum(each.weight * (each.difficulty - x) ** 2 for each in attempts),
+        xy=sum(each.weight * (each.difficulty - x) * (each.distance - y) for each in attempts),
+        yy=sum(each.weight * (each.distance - y) ** 2 for each in attempts),
+    )
+
+
+def brackets_goal(attempts: Sequence[Attempt]) -> bool:
+    """Return True if results lie on both sides of the goal."""
+    return any(each.distance < 0 for each in attempts) and any(each.distance >= 0 for each in attempts)
+
+
+def near_goal(attempts: Sequence[Attempt]) -> Sequence[Attempt]:
+    """Return the attempts after the run-in, which ends with the first result on the other side of the goal.
+
+    That result itself is left out: it was waited for, so that its error is more likely of one sign.
+    """
+    side = attempts[0].distance < 0
+    turn = next((place for place, each in enumerate(attempts) if (each.distance < 0) != side), len(attempts))
+    return attempts[turn + 1 :] if len(attempts) - turn - 1 >= FEWEST_NEAR_GOAL else attempts
+
+
+def own_slope(attempts: Sequence[Attempt]) -> Slope | None:
+    """Return the slope of a session's own line; None if it is not known well enough to divide by."""
+    spare = len(attempts) - 2
+    if spare < FEWEST_SPARE or (line := _line(attempts)).xx <= 1e-9 * line.weight:
+        return None
+    slope = line.xy / line.xx
+    variance = max(0.0, line.yy - slope * line.xy) / spare / line.xx
+    if slope <= 0 or t95(spare) ** 2 * variance > LARGEST_G * slope**2:
+        return None
+    return Slope(slope, variance)
+
+
+def shared_slope(slopes: Sequence[Slope]) -> Slope | None:
+    """Return the slope to expect in another session: the mean, whose variance includes that between sessions.
+
+    The variance between sessions is that of DerSimonian & Laird (1986).
+    """
+    if not slopes:
+        return None
+    floor = 1e-9 * sum(slope.value**2 for slope in slopes) / len(slopes)
+    weights = [1 / max(slope.variance, floor) for slope in slopes]
+    mean = _mean(slopes, weights)
+    spread = sum(weight * (slope.value - mean) ** 2 for weight, slope in zip(weights, slopes, strict=True))
+    scale = sum(weights) - sum(weight**2 for weight in weights) / sum(weights)
+    between = max(0.0, (spread - len(slopes) + 1) / scale) if len(slopes) > 1 else 0.0
+    weights = [1 / (max(slope.variance, floor) + between) for slope in slopes]
+    return Slope(_mean(slopes, weights), between + 1 / sum(weights))
+
+
+def _mean(slopes: Sequence[Slope], weights: Sequence[float]) -> float:
+    return sum(weight * slope.value for weight, slope in zip(weights, slopes, strict=True)) / sum(weights)
+
+
+def level_at_goal(attempts: Sequence[Attempt], borrowed: Slope | None = None) -> Estimate | None:
+    """Return the difficulty at which a session's line crosses the goal, with its band by Fieller's theorem (1954).
+
+    Args:
+        attempts: of one session, in order.
+        borrowed: slope to use if the session's own is not known well enough.
+
+    Returns:
+        None if results lie on one side of the goal only, if there are too few, or no slope, or if the band has no end.
+    """
+    if not brackets_goal(attempts):
+        return None
+    own = own_slope(attempts)
+    slope = own or borrowed
+    near = near_goal(attempts)
+    spare = len(near) - (2 if own else 1)
+    if slope is None or spare < FEWEST_SPARE:
+        return None
+    line = _line(near)
+    rest = max(0.0, line.yy - 2 * slope.value * line.xy + slope.value**2 * line.xx)
+    t = t95(spare)
+    of_mean, of_slope = t**2 * rest / spare / line.weight, t**2 * slope.variance
+    divisor = slope.value**2 - of_slope
+    if divisor <= 0:
+        return None
+    middle = -slope.value * line.y / divisor
+    half = math.sqrt(max(0.0, slope.value**2 * of_mean + of_slope * (line.y**2 - of_mean))) / divisor
+    return Estimate(line.x - line.y / slope.value, line.x + middle - half, line.x + middle + half, borrowed=own is None)
