@@ -31,6 +31,7 @@ COMMANDS = {
     "agent": "agent_view:follow_agent",
     "link": "link:app",
     "report": "report:app",
+    "programme": "programme:app",
     "tasks": "tasks:app",
     "themes": "themes:app",
 }

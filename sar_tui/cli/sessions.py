@@ -11,6 +11,8 @@ import typer
 from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
 
 if TYPE_CHECKING:
+    import sqlite3
+
     from rich.console import Console
 
     from sar_tui.cli.tables import Findings
@@ -79,6 +81,7 @@ def show(
 
     home = Home.of(context, data, tasks)
     with home.session(session) as (database, found):
+        programme = _programme(database, found)
         found["operators"] = store.operators(database, found["id"]).get(found["id"], [])
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
@@ -92,7 +95,7 @@ def show(
 
     metric = provenance.metric(found["software"])
     out = console()
-    _print_facts(out, found)
+    _print_facts(out, found, programme)
     if attempts:
         out.print(attempts_table(attempts, metric), end="\n\n")
         for seat in seats(attempts):
@@ -121,7 +124,21 @@ def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> 
             out.print(f"! {summary.line}", markup=False, soft_wrap=True)
 
 
-def _print_facts(out: "Console", row: Row) -> None:
+def _programme(database: "sqlite3.Connection", row: Row) -> str:
+    """Return the version of the programme that a session ran, who saved it, and why; empty if there was none."""
+    from sar_tui.store import programmes
+
+    version = row["programme"]
+    if version is None:
+        return ""
+    saved = programmes.versions(database, row["participant"], row["task"])
+    known = next((each for each in saved if each.version == version), programmes.Programme())
+    by = f" by {known.author}" if known.author else ""
+    why = f": {known.reason}" if known.reason else ""
+    return f"version {version}{by}{why}"
+
+
+def _print_facts(out: "Console", row: Row, programme: str) -> None:
     from sar_tui.store.sessions import local_time, participant_codes
 
     ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
@@ -129,6 +146,7 @@ def _print_facts(out: "Console", row: Row) -> None:
         ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
         ("Participant", participant_codes(row)),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
+        *([("Programme", programme)] if programme else []),
         ("Began", f"{local_time(row['started_at'])}{ended}"),
         ("Made by", f"sar-tui {row['software']['sar_tui']}, Python {row['software']['python']}"),
     ):

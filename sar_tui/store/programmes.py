@@ -105,14 +105,16 @@ def save(
         Superseded: another version was saved since ``after``.
         StoreError: the disk cannot write; nothing was saved.
     """
+    parameters = msgspec.json.encode(changed.parameters)
     with transaction(db) as connection:
         last = newest(connection, participant, task)
         if last.version != after:
             raise Superseded(participant, last)
-        if after and (changed.parameters, changed.theme) == (last.parameters, last.theme):
+        as_stored = msgspec.json.decode(parameters)  # with lists instead of tuples
+        if after and (as_stored, changed.theme) == (last.parameters, last.theme):
             return last
         saved = Programme(
-            parameters=changed.parameters,
+            parameters=as_stored,
             theme=changed.theme,
             version=after + 1,
             created_at=datetime.now(UTC).isoformat(),
@@ -124,7 +126,7 @@ def save(
             (
                 participant,
                 task,
-                msgspec.json.encode(saved.parameters).decode(),
+                parameters.decode(),
                 saved.theme,
                 saved.version,
                 saved.created_at,

@@ -33,6 +33,11 @@ COMMANDS = (
     ["validate"],
     ["serve"],
     ["agent"],
+    ["programme", "show"],
+    ["programme", "history"],
+    ["programme", "export"],
+    ["programme", "import"],
+    ["programme", "presets"],
 )
 
 
