@@ -156,7 +156,15 @@ def _feedback(
         remark=task.tr(next((result.remark for result in reversed(results) if result.remark), "")),
         due=attempt.ended + choice.delay_ms * MS if choice.due else 0,
         choice=choice,
+        advice=task.when_to_respond() if _is_unanswered(judgement, results) else "",
     )
+
+
+def _is_unanswered(judgement: Judgement, results: Sequence[Result]) -> bool:
+    """Return True if an attempt has no result because prompts stayed unanswered, rather than by wrong responses."""
+    wrong = [result for result in results if not result.correct and "skipped" not in result.flags]
+    unanswered = sum(not result.response for result in wrong)
+    return judgement.reason in ("accuracy", "empty") and unanswered > 0 and 2 * unanswered >= len(wrong)
 
 
 def _mean_qualities(task: Task, results: Sequence[Result]) -> dict[str, float]:

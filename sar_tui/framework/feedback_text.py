@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 
 from sar_tui.framework.messages import AttemptEnded, Degree, Feedback, Form, RecalledAttempts, Valence
 from sar_tui.framework.policies.judgement import RACED
+from sar_tui.framework.results_for_people import decimals_for, difference_text, goal_text, result_text
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Quality
 
@@ -86,6 +87,8 @@ class FeedbackText:
         results = self._results(feedback, recalled)
         if failed and feedback.remark:
             results = _Pair(feedback.remark, results.figures)
+        elif failed and feedback.advice:
+            results = _Pair(self._word("unanswered", advice=feedback.advice), results.figures)
         texts = [self._in_form(results, choice.form), *([performance.text(choice.form)] if performance else [])]
         return WrittenFeedback(" ".join(texts), feedback.valence, choice.degree)
 
@@ -107,14 +110,15 @@ class FeedbackText:
         if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
             situation = "empty" if feedback.reason == "empty" else "accuracy"
             return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
-        value, goal = self._show(feedback.metric), self._show(feedback.goal)
+        tr, metric = self._task.tr, self._task.metric
+        decimals = decimals_for(metric, feedback.metric, feedback.goal)
+        value, goal = result_text(metric, feedback.metric, tr, decimals), goal_text(metric, feedback.goal, tr)
         before = self._reference(feedback, recalled)
         if before is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
-        metric, reference = self._task.metric, self._reference_name(feedback, recalled)
-        decimals = metric.decimals  # round first: people subtract the figures they see
-        difference = self._show(abs(round(feedback.metric, decimals) - round(before, decimals)))
-        if difference == self._show(0):
+        reference = self._reference_name(feedback, recalled)
+        difference = difference_text(metric, feedback.metric, before, tr, decimals)
+        if not difference:
             return self._word(f"{feedback.valence}_same", value=value, goal=goal, reference=reference)
         improved = metric.is_better(feedback.metric, before)
         return self._word(
@@ -122,7 +126,7 @@ class FeedbackText:
             value=value,
             goal=goal,
             difference=difference,
-            change=self._task.tr(metric.improved if improved else metric.worsened),
+            change=tr(metric.improved if improved else metric.worsened),
             reference=reference,
         )
 
@@ -158,12 +162,13 @@ class FeedbackText:
         if feedback.metric is None:
             figures = self._word("summary_empty_figures", **counts)
         else:
-            shown = {"value": self._show(feedback.metric), "goal": self._show(feedback.goal)}
-            figures = self._word("summary_figures", **counts, **shown)
+            figures = self._word("summary_figures", **counts, **self._value_and_goal(feedback.metric, feedback.goal))
         return _Pair(self._word(f"summary_{feedback.valence}"), figures)
 
-    def _show(self, value: float) -> str:
-        return self._task.tr.figures(self._task.metric.show(value))
+    def _value_and_goal(self, value: float, goal: float) -> dict[str, str]:
+        metric, tr = self._task.metric, self._task.tr
+        shown = result_text(metric, value, tr, decimals_for(metric, value, goal))
+        return {"value": shown, "goal": goal_text(metric, goal, tr)}
 
     # --- knowledge of performance --------------------------------------------------------------------------
 
@@ -218,7 +223,7 @@ class FeedbackText:
             figures = said
         else:
             assert feedback.metric is not None
-            shown = {"value": self._show(feedback.metric), "goal": self._show(feedback.goal)}
+            shown = self._value_and_goal(feedback.metric, feedback.goal)
             figures = self._word("performance_first_figures", aim=words.get("aim", aim), **shown)
         return _PerformanceText(said, figures, valence)
 

@@ -40,6 +40,7 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "negative": set(),
     "negative_strong": set(),
     "accuracy": set(),
+    "unanswered": {"advice"},
     "empty": set(),
     **{f"summary_{valence}": set() for valence in _VALENCES},
     # knowledge of results, in numbers

@@ -6,7 +6,7 @@ import msgspec
 
 from sar_tui.framework.messages import Message, TrialEnded
 
-WORDING = frozenset({"text", "spoken", "hint", "notice", "detail", "goal", "attempt_name", "remark", "why"})
+WORDING = frozenset({"text", "spoken", "hint", "notice", "detail", "goal", "attempt_name", "remark", "advice", "why"})
 """Fields whose texts are for people only, so that a corrected sentence does not prevent a resume."""
 
 

@@ -14,6 +14,7 @@ from sar_tui.framework.language import language
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.trial_types import (
     Act,
     Again,
@@ -137,8 +138,10 @@ class Task(ABC):
 
     def goal(self, level: int) -> str:
         """Return the goal of an attempt at a level, as a sentence for the participant."""
-        goal = self.metric.show(self.target(level).threshold)
+        goal = goal_text(self.metric, self.target(level).threshold, self.tr)
         needed = f"{self.parameters.min_accuracy:.0%}" if self.parameters.min_accuracy else ""
+        if self.parameters.min_accuracy == 1:
+            return self._goal_with_all_right(goal)
         match self.metric.better, bool(needed):
             case "lower", True:
                 return self.tr("Your goal: less than {goal}, with at least {needed} right.", goal=goal, needed=needed)
@@ -148,6 +151,11 @@ class Task(ABC):
                 return self.tr("Your goal: more than {goal}, with at least {needed} right.", goal=goal, needed=needed)
         return self.tr("Your goal: more than {goal}.", goal=goal)
 
+    def _goal_with_all_right(self, goal: str) -> str:
+        if self.metric.better == "lower":
+            return self.tr("Your goal: less than {goal}, with all right.", goal=goal)
+        return self.tr("Your goal: more than {goal}, with all right.", goal=goal)
+
     def notice(self, level: int, before: int) -> str:
         """Return what the participant must know after a change of level; empty for nothing."""
         return ""
@@ -155,6 +163,10 @@ class Task(ABC):
     def start(self, level: int) -> str:
         """Return the text shown before the participant starts a trial, in a task with a ``start_key``."""
         return self.tr("Start when you are ready.")
+
+    def when_to_respond(self) -> str:
+        """Return the advice after an attempt whose prompts stayed unanswered: a sentence without numbers."""
+        return self.tr("Respond as soon as you see the signal.")
 
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:

@@ -192,9 +192,12 @@ def _said(form: str, seed: int, done: Simulated) -> list[Row]:
 def _is_true(row: Row) -> bool:
     """Return True if each figure in a text belongs to the attempt."""
     result, last = row["reaction_time_ms"], row["last_at_level_ms"]
-    difference = None if result is None or last is None else abs(round(result) - round(last))
-    measured = [f"{value:.0f}" for value in (result, difference, row["goal_ms"]) if value is not None]
-    return set(_NUMBER.findall(row["text"])) <= {*measured, str(row["correct"]), str(row["trials"])}
+    measured = {f"{row['goal_ms'] / 1000:.4g}", str(row["correct"]), str(row["trials"])}
+    for decimals in (2, 3):  # times are said in seconds; three decimals set a result apart from the goal
+        now, before = (None if value is None else round(value / 1000, decimals) for value in (result, last))
+        difference = None if now is None or before is None else abs(now - before)
+        measured |= {f"{value:.{decimals}f}" for value in (now, difference) if value is not None}
+    return set(_NUMBER.findall(row["text"])) <= measured
 
 
 def _one_of_each(rows: Iterable[Row]) -> list[Row]:

@@ -8,6 +8,7 @@ import msgspec
 from sar_tui.framework.declaration import meta
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
 
@@ -118,17 +119,27 @@ class KeyboardTask(Task):
         )
 
     def goal(self, level: int) -> str:
-        tr, seconds, prompts = self.tr, self.parameters.threshold / 1000, self.parameters.prompts_per_attempt
-        time = tr("1 second") if seconds == 1 else tr("{count} seconds", count=f"{seconds:g}")
+        tr, prompts = self.tr, self.parameters.prompts_per_attempt
+        time = goal_text(self.metric, self.parameters.threshold, tr)
         enough = math.ceil(self.parameters.min_accuracy * prompts - 1e-9)
         if not enough:
             return tr("Your goal: press the right key in less than {time} on average.", time=time)
+        if enough == prompts:
+            return tr(
+                "Your goal: press the right key in less than {time} on average, with {enough} of {prompts} right.",
+                time=time,
+                enough=enough,
+                prompts=prompts,
+            )
         return tr(
             "Your goal: press the right key in less than {time} on average, with at least {enough} of {prompts} right.",
             time=time,
             enough=enough,
             prompts=prompts,
         )
+
+    def when_to_respond(self) -> str:
+        return self.tr("Press the key as soon as you see it.")
 
     def stimulus(self, situation: Situation) -> Stimulus:
         level = self._levels[situation.level - 1]

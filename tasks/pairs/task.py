@@ -11,6 +11,7 @@ from sar_tui.framework.messages import Json, KeyPerceived, ReachPerceived
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import (
     Act,
@@ -135,8 +136,8 @@ class PairsTask(Task):
         )
 
     def goal(self, level: int) -> str:
-        tr, seconds = self.tr, self.target(level).threshold / 1000
-        time = tr("1 second") if seconds == 1 else tr("{count} seconds", count=f"{seconds:g}")
+        tr = self.tr
+        time = goal_text(self.metric, self.target(level).threshold, tr)
         match self.parameters.policy:
             case "race":
                 first = tr("Be the first to set off.") if self._reaching else tr("Be the first to press your letter.")
@@ -148,6 +149,9 @@ class PairsTask(Task):
         if self._reaching:
             return tr("The goal of each: to set off in less than {time} on average.", time=time)
         return tr("The goal of each: the right letter in less than {time} on average.", time=time)
+
+    def when_to_respond(self) -> str:
+        return self.tr("Respond as soon as the signal appears.")
 
     # --- prompts --------------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from statistics import fmean
 from sar_tui.framework.language import Language
 from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Prompt, TrialEnded, Waiting
 from sar_tui.framework.node import on
+from sar_tui.framework.results_for_people import result_text
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ATTEMPT_STARTED, PROMPT, TRIAL, WAITING
 from sar_tui.framework.trial_types import Metric
@@ -70,7 +71,7 @@ class PairsView(TaskView):
         if both := _measured(attempts, "together"):
             facts.append(tr("Together in {count} of {trials}.", count=round(sum(both)), trials=trials))
         if effects := _measured(attempts, "congruency_effect_ms"):
-            effect = metric.show(fmean(effects))
+            effect = result_text(metric, fmean(effects), tr)
             slower = "Reaction time when I looked to the other side, minus when I looked to yours: {effect}."
             facts.append(tr(slower, effect=effect))
         return facts

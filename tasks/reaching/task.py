@@ -160,6 +160,9 @@ class ReachingTask(Task):
             reach = tr("When you see GO, reach to {marker} and back.", marker=marker)
         return f"{tr('Rest your hand at the start.')}\n{reach}"
 
+    def when_to_respond(self) -> str:
+        return self.tr("Reach out, come back, and then press Space.")
+
     def _marker(self, level: int) -> str:
         far = f"{self.marker_cm(level):g} cm"
         if self.levels > 1:

@@ -273,8 +273,8 @@ async def test_a_completed_session_is_shown_with_its_plot(
         await driver.press(*["right"] * 5, "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
-        assert driver.sees("You did 2 attempts; goal reached in 2. Best: 400 ms. Highest level: 2.")
-        assert driver.sees("reaction time (ms)")
+        assert driver.sees("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
+        assert driver.sees("reaction time (s)")
         assert driver.text.count("●") >= 2
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
@@ -290,9 +290,9 @@ async def test_a_session_of_a_removed_task_is_still_shown(
     async with open_app(data, nothing) as driver:
         await driver.press(*["right"] * 5, "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("You did 1 attempt; goal reached in 1. Best: 400 ms. Highest level: 1.")
-        assert driver.sees("reaction time (ms)")
-        assert driver.sees("goal 1000")
+        assert driver.sees("You did 1 attempt; goal reached in 1. Best: 0.40 seconds. Highest level: 1.")
+        assert driver.sees("reaction time (s)")
+        assert driver.sees("goal 1")
 
 
 async def test_a_participant_cannot_have_two_sessions_at_once(

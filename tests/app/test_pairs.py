@@ -93,11 +93,11 @@ async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
         assert driver.said.startswith("Left: ")
         assert "Right: " in driver.said, "the second answer stands below the first"
         await driver.see_the_summary()
-        assert driver.sees("Left (P01): You did 1 attempt; goal reached in 1. Best: 300 ms.")
-        assert driver.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 500 ms.")
+        assert driver.sees("Left (P01): You did 1 attempt; goal reached in 1. Best: 0.30 seconds.")
+        assert driver.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 0.50 seconds.")
         assert driver.sees("Ahead in 2 of 2.")
         assert driver.sees("Ahead in 0 of 2.")
-        assert sum("reaction time (ms)" in row[:40] and "reaction time (ms)" in row[40:] for row in driver.rows) == 1
+        assert sum("reaction time (s)" in row[:40] and "reaction time (s)" in row[40:] for row in driver.rows) == 1
         assert [fault.error for fault in driver.session.faults] == []
 
 
@@ -232,13 +232,13 @@ async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
         await press_theirs(driver, await driver.to_prompt(), 300, 4500)
         await driver.see_the_summary()
         rows = [row.ljust(80) for row in driver.rows]
-        (heading,) = (row for row in rows if row.count("reaction time (ms)") == 2)
+        (heading,) = (row for row in rows if row.count("reaction time (s)") == 2)
         assert "░ level   " in heading
         ticks = [
             (row[:WALL].split("┤")[0].split(), row[WALL:].split("┤")[0].split()) for row in rows if row.count("┤") > 1
         ]
         assert [left for left, _ in ticks] == [right for _, right in ticks]
-        assert ["4000"] in [left for left, _ in ticks]
+        assert ["4"] in [left for left, _ in ticks]
 
 
 async def test_the_summary_reports_the_cost_of_an_invalid_cue(data: Path, catalogue: Catalogue, play: Play) -> None:
@@ -252,4 +252,4 @@ async def test_the_summary_reports_the_cost_of_an_invalid_cue(data: Path, catalo
         effects = driver.stored("SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat")
         assert None not in [effect for (effect,) in effects], "both kinds came up for each"
         for (effect,) in effects:
-            assert driver.sees(f"minus when I looked to yours: {effect:.0f} ms.")
+            assert driver.sees(f"minus when I looked to yours: {effect / 1000:.2f} seconds.")

@@ -41,7 +41,19 @@ UNTRUE = {
 
 CHANGES = {"en": ("faster", "slower", "smoother"), "es": ("más rápido", "más lento", "más suave")}
 AIMS = {"en": ("as smoothly as you can", "with a steady hand"), "es": ("lo más suavemente posible", "con pulso firme")}
+COUNTS = ("correct", "trials", "reached", "attempts")
 UNITS = ("ms", "s", "cm", "%", "taps/s", "")
+ADVICE = {"en": "Press the key as soon as you see it.", "es": "Pulse la tecla en cuanto la vea."}
+SLOW = {
+    "en": r"slow(?:er|ly|down)?|your time|all the time|no hurry|no need to rush|calmer|calmly|a moment",
+    "es": r"despaci\w+|lent[oa]s?|tiempo|sin prisa|no hay prisa|con (?:más )?calma|un momento",
+}
+"""Pattern of words that ask somebody to be slower."""
+FAR = {
+    "en": r"a? ?long way|way to go|far (?:off|away|from)|more to do|short of the goal",
+    "es": r"lejos|distancia|queda (?:aún|mucho)|mucho por|sigue por delante|sigue delante",
+}
+"""Pattern of words that dwell on how far the goal is."""
 
 
 @pytest.fixture(params=[(name, language) for name in NAMES for language in LANGUAGES], ids="-".join)
@@ -53,12 +65,17 @@ def theme(request: pytest.FixtureRequest, catalogue: Catalogue) -> Theme:
 
 def said(theme: Theme, situation: str) -> list[str]:
     """Return the wordings for a situation with all slots filled."""
-    slots = dict.fromkeys(FIGURES, "1250 ms") | {
-        "percent": "100 %",
-        "change": CHANGES[theme.language][0],
-        "aim": AIMS[theme.language][0],
-        "reference": max(theme.vocabulary.values(), key=len),
-    }
+    slots = (
+        dict.fromkeys(FIGURES, "1.25 seconds")
+        | dict.fromkeys(COUNTS, "20")
+        | {
+            "percent": "100 %",
+            "change": CHANGES[theme.language][0],
+            "aim": AIMS[theme.language][0],
+            "advice": ADVICE[theme.language],
+            "reference": max(theme.vocabulary.values(), key=len),
+        }
+    )
     return [wording.format(**slots) for wording in theme.phrases[situation]]
 
 
@@ -107,6 +124,29 @@ def test_consolation_is_longer_the_farther_the_goal(theme: Theme) -> None:
 def test_no_wording_blames(theme: Theme) -> None:
     unkind = rf"\b(?:{'|'.join(UNKIND[theme.language].split())})\b"
     assert re.findall(unkind, words_of(theme)) == []
+
+
+CONSOLING = ("negative_slight", "negative", "negative_strong", "accuracy", "unanswered", "empty", "summary_negative")
+
+
+def test_no_attempt_short_of_its_goal_is_answered_with_slow_down(theme: Theme) -> None:
+    wordings = [wording for situation in CONSOLING for wording in theme.phrases[situation]]
+    assert [text for text in wordings if re.search(rf"\b(?:{SLOW[theme.language]})\b", text, re.IGNORECASE)] == []
+
+
+def test_no_wording_says_how_far_the_goal_is(theme: Theme) -> None:
+    assert re.findall(rf"\b(?:{FAR[theme.language]})\b", words_of(theme)) == []
+
+
+def test_each_wording_after_unanswered_prompts_gives_the_tasks_advice(theme: Theme) -> None:
+    assert all("{advice}" in wording for wording in theme.phrases["unanswered"])
+
+
+def test_the_face_fits_the_words(theme: Theme) -> None:
+    faces = {situation: theme.manner(situation).face for situation in MANNERS}
+    assert {faces[situation] for situation in (*DEGREES[:3], "greeting", "goodbye")} == {"happy"}
+    assert {faces[situation] for situation in (*DEGREES[3:], "encouragement", "goodbye_early")} == {"encouraging"}
+    assert faces["rest"] == "sleeping"
 
 
 def test_no_wording_exaggerates_or_speaks_of_healing(theme: Theme) -> None:
@@ -163,10 +203,11 @@ def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
     counts = st.integers(0, 100).map(str)
     return {
         **{slot: draw(numbers) for slot in ("value", "goal", "difference")},
-        **{slot: draw(counts) for slot in ("correct", "trials", "reached", "attempts")},
+        **{slot: draw(counts) for slot in COUNTS},
         "percent": f"{draw(st.integers(0, 500))} %",
         "change": draw(st.sampled_from(CHANGES[language])),
         "aim": draw(st.sampled_from(AIMS[language])),
+        "advice": ADVICE[language],
     }
 
 

@@ -8,6 +8,7 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.framework.messages import AttemptEnded
+from sar_tui.framework.results_for_people import axis, result_text
 from sar_tui.framework.trial_types import Metric
 from sar_tui.widgets.language import language_of
 
@@ -70,7 +71,7 @@ class Summary(Vertical):
             "{done}; goal reached in {count}. Best: {best}. Highest level: {level}.",
             done=done,
             count=len(reached),
-            best=self._metric.show(best),
+            best=result_text(self._metric, best, tr),
             level=max(a.level for a in attempts),
         )
         return f"{facts}{more}"
@@ -102,18 +103,24 @@ class Summary(Vertical):
         from sar_tui.reports.attempts_plot import attempts_figure
 
         tr = language_of(self.app)
+        heading, factor = axis(self._metric, tr)
         if not attempts or width < 20 or height < 6:
             return []
         figure = attempts_figure(
             [a.level for a in attempts],
-            [a.metric for a in attempts],
-            metric=tr(self._metric.label),
-            goals=[a.goal or 0.0 for a in attempts],
+            [None if a.metric is None else a.metric * factor for a in attempts],
+            metric=heading,
+            goals=[(a.goal or 0.0) * factor for a in attempts],
             width=width - _GAP if len(self._attempts) > 1 else width,
             height=height,
             color=False,
             results=[result_name(a.outcome, a.metric, a.goal, self._metric) for a in attempts],
-            beside=[value for each in self._attempts for a in each for value in (a.metric, a.goal or 0.0)],
+            beside=[
+                None if value is None else value * factor
+                for each in self._attempts
+                for a in each
+                for value in (a.metric, a.goal or 0.0)
+            ],
             tr=tr,
         )
         return [line.ljust(width) for line in figure.splitlines()]

@@ -281,7 +281,8 @@ class Feedback(Message, frozen=True, kw_only=True):
 
     ``reason``: ``goal`` (reached), ``missed``, ``band`` (close to the goal), ``accuracy`` (too low), ``empty`` (no
     response could be timed), and in a race ``won``, ``lost``, ``drawn``. ``remark``: the task's explanation of
-    ``accuracy`` or ``empty``. ``won``: trials won in a race. ``reached``: the number of summarised attempts that
+    ``accuracy`` or ``empty``. ``advice``: the task's advice if prompts stayed unanswered (see `Task.when_to_respond`);
+    else empty. ``won``: trials won in a race. ``reached``: the number of summarised attempts that
     reached their goal; of several, ``metric`` and ``goal`` are means. ``due``: when to give it (ns); ``choice``: how,
     and why.
     """
@@ -301,6 +302,7 @@ class Feedback(Message, frozen=True, kw_only=True):
     remark: str = ""
     due: int = 0
     choice: FeedbackChoice
+    advice: str = ""
 
 
 class SessionEnded(Message, frozen=True, kw_only=True):

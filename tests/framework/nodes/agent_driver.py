@@ -32,6 +32,7 @@ class Done(Message, frozen=True, kw_only=True):
     practice: bool = False
     qualities: dict[str, float] = {}
     remark: str = ""
+    advice: str = ""
     sums_up: int = 1
     reached: int = 0
 
@@ -82,7 +83,12 @@ class Judge(Node):
             ),
         )
         message = Feedback(
-            **facts, valence=verdict.valence, reason=verdict.reason, remark=done.remark, reached=done.reached
+            **facts,
+            valence=verdict.valence,
+            reason=verdict.reason,
+            remark=done.remark,
+            advice=done.advice,
+            reached=done.reached,
         )
         self.emit(FEEDBACK, message)
 

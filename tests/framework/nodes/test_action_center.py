@@ -14,6 +14,7 @@ from sar_tui.framework.nodes.action_center import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import FACES, GAZES, TONES, Manner, Theme
 from sar_tui.framework.topics import PROPOSED, THEME
+from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue
 from tests.framework.nodes.agent_driver import Agent
 from tests.lifting_task import Lift, LiftDriver
@@ -194,12 +195,19 @@ def test_every_manner_is_known_to_the_outputs(catalogue: Catalogue) -> None:
             assert said.tone in ("", *TONES)
 
 
+class Heights(Lift):
+    """The same task with a metric that is no time."""
+
+    name = "heights"
+    metric = Metric("height", "cm", "lower", improved="lower", worsened="higher")
+
+
 def test_units_are_spoken_in_full(calm: Theme) -> None:
-    agent = Agent(Lift, calm)
+    agent = Agent(Heights, calm)
     agent.feedback_on(700.0)
     (said,) = agent.said
-    assert "700 ms" in said.text
-    assert said.spoken == said.text.replace(" ms", " milliseconds")
+    assert "700 cm" in said.text
+    assert said.spoken == said.text.replace(" cm", " centimetres")
 
 
 def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
@@ -247,7 +255,7 @@ def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, 
 )
 def test_every_phrase_is_used(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
     said = {Agent(keyboard, calm, form, seed).feedback_on(700) for seed in range(30)}
-    assert said == {wording.format(value="700 ms", goal="1000 ms") for wording in calm.phrases[situation]}
+    assert said == {wording.format(value="0.70 seconds", goal="1 second") for wording in calm.phrases[situation]}
 
 
 def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:

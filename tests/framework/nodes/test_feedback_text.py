@@ -119,9 +119,16 @@ def figures(
 RESULTS = st.lists(st.tuples(st.floats(1, 3000), st.integers(1, 2)), min_size=1, max_size=12)
 
 
-def _difference(metric: Metric, value: float, against: float) -> float:
+def shown(metric: Metric, value: float, decimals: int = 2) -> str:
+    """Return a result as it is shown: a time in seconds."""
+    return metric.show(value) if metric.unit != "ms" else f"{value / 1000:.{decimals}f} seconds"
+
+
+def difference(metric: Metric, value: float, against: float, decimals: int) -> str:
     """Return the difference of two results as they are shown."""
-    return abs(round(value, metric.decimals) - round(against, metric.decimals))
+    if metric.unit != "ms":
+        return shown(metric, abs(round(value, metric.decimals) - round(against, metric.decimals)))
+    return shown(metric, 1000 * abs(round(value / 1000, decimals) - round(against / 1000, decimals)), decimals)
 
 
 @pytest.mark.parametrize("task", [Lift, Reps])
@@ -130,6 +137,7 @@ def _difference(metric: Metric, value: float, against: float) -> float:
 def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
     task: type[Task], reference: str, attempts: list[tuple[float, int]], best: dict[str, float]
 ) -> None:
+    goal_texts = {1: "1 second", 2: "1.1 seconds"} if task is Lift else {1: "1000.0 reps", 2: "1100.0 reps"}
     words = dict(zip(REFERENCES, ("last time", "your best", "your average today", "the goal"), strict=True))
     metric = task.metric
     goals = {1: 1000.0, 2: 1100.0}
@@ -139,6 +147,8 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
     for (value, level), last, (situation, slots) in zip(attempts, levels, found, strict=False):
         words["last attempt"] = "last time" if level == last else "last time at this level"
         known = before[level]
+        close = round(value / 1000, 2) == goals[level] / 1000 and value != goals[level]
+        decimals = 3 if close else 2
         with_earlier = [*known, *([best[str(level)]] if str(level) in best else [])]
         against = {
             "last attempt": known[-1] if known else None,
@@ -148,16 +158,16 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
         }[reference]
         if against is None:
             assert situation.endswith("_first")
-            assert (slots["value"], slots["goal"]) == (metric.show(value), metric.show(goals[level]))
-        elif metric.show(apart := _difference(metric, value, against)) == metric.show(0.0):
+            assert (slots["value"], slots["goal"]) == (shown(metric, value, decimals), goal_texts[level])
+        elif (apart := difference(metric, value, against, decimals)) == shown(metric, 0.0, decimals):
             assert situation.endswith("_same")
             assert slots["reference"] == words[reference]
         else:
             better = value < against if task is Lift else value > against
             assert situation.endswith("_improved" if better else "_worsened")
-            assert slots["difference"] == metric.show(apart)
+            assert slots["difference"] == apart
             assert slots["change"] == (metric.improved if better else metric.worsened)
-            assert (slots["reference"], slots["value"]) == (words[reference], metric.show(value))
+            assert (slots["reference"], slots["value"]) == (words[reference], shown(metric, value, decimals))
         known.append(value)
 
 
@@ -169,9 +179,9 @@ def test_the_best_of_earlier_sessions_is_used_only_as_best(reference: str) -> No
 
 def test_a_new_best_is_compared_with_the_previous_one() -> None:
     first, second, third = figures(Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0})
-    assert (first.situation, first.slots["difference"]) == ("positive_worsened", "20 ms")
-    assert (second.situation, second.slots["difference"]) == ("positive_improved", "20 ms")
-    assert (third.situation, third.slots["difference"]) == ("positive_improved", "10 ms")
+    assert (first.situation, first.slots["difference"]) == ("positive_worsened", "0.02 seconds")
+    assert (second.situation, second.slots["difference"]) == ("positive_improved", "0.02 seconds")
+    assert (third.situation, third.slots["difference"]) == ("positive_improved", "0.01 seconds")
 
 
 def test_practice_is_compared_with_the_goal_only() -> None:
@@ -184,7 +194,7 @@ def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
     agent = Agent(Lift, spelling(VOICES[0]))
     agent.feedback_on(800)
     agent.feedback_on(None)
-    assert spelled(agent.feedback_on(700))[0].slots["difference"] == "100 ms"
+    assert spelled(agent.feedback_on(700))[0].slots["difference"] == "0.10 seconds"
 
 
 def test_figures_are_written_as_the_language_writes_them() -> None:
@@ -220,6 +230,28 @@ def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     assert said["both"] == f"{REMARK} {said['quantitative']}"
 
 
+@pytest.mark.parametrize(("metric", "correct"), [(500.0, 12), (None, 18)])
+def test_unanswered_prompts_are_answered_with_the_tasks_advice(metric: float | None, correct: int) -> None:
+    advice = "Lift your arm as soon as you hear the signal."
+    words, _ = spelled(Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice))
+    assert words == ("unanswered", {"advice": advice})
+    both = Agent(Lift, VOICES[0], "qualitative").feedback_on(metric, correct=correct, advice=advice, remark=REMARK)
+    assert both == REMARK, "the task's own remark on what went wrong says more"
+
+
+@pytest.mark.parametrize(
+    ("metric", "text"), [(412.4, "0.41 seconds"), (1000.0, "1.00 seconds"), (996.0, "0.996 seconds")]
+)
+def test_times_are_in_seconds_and_never_look_like_a_goal_that_they_are_not(metric: float, text: str) -> None:
+    (found,) = spelled(Agent(Lift, spelling(VOICES[0])).feedback_on(metric))
+    assert (found.slots["value"], found.slots["goal"]) == (text, "1 second")
+
+
+def test_times_in_spanish_have_a_decimal_comma() -> None:
+    (found,) = spelled(Agent(Lift, spelling(CATALOGUE.theme("calm", "es"))).feedback_on(412))
+    assert (found.slots["value"], found.slots["goal"]) == ("0,41 segundos", "1 segundo")
+
+
 def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
     assert REMARK not in Agent(Lift, VOICES[0], "both").feedback_on(500, remark=REMARK)
 
@@ -235,7 +267,12 @@ def test_a_summary_reports_goals_reached_and_means(metric: float, valence: str) 
     assert words.situation == f"summary_{valence}"
     assert found == (
         "summary_figures",
-        {"reached": "3", "attempts": "5", "value": f"{metric:.0f} ms", "goal": "1000 ms"},
+        {
+            "reached": "3",
+            "attempts": "5",
+            "value": shown(Lift.metric, metric, 3 if metric == 1005 else 2),
+            "goal": "1 second",
+        },
     )
 
 
@@ -323,7 +360,7 @@ def test_a_change_without_meaningful_percentage_is_reported_with_the_result() ->
     agent.feedback_on(900, sway=10.0, grip=50.0)
     agent.feedback_on(900, sway=40.0, grip=50.0)
     assert "percent" not in agent.said[-1].text
-    assert "900" in agent.said[-1].text
+    assert "0.90 seconds" in agent.said[-1].text
 
 
 def test_performance_is_compared_between_similar_attempts_only() -> None:
@@ -395,4 +432,5 @@ def test_text_that_a_task_adds_holds_no_number(name: str, language: str) -> None
     task = kind(build(kind.Parameters, {"language": language}))
     changes = [quality.improved for quality in task.qualities] + [task.metric.improved, task.metric.worsened]
     added = [*changes, *(quality.aim for quality in task.qualities), *(mark.remark for mark in task.marks)]
-    assert [text for text in map(task.tr, added) if holds_number(text, language)] == []
+    said = [*map(task.tr, added), task.when_to_respond()]
+    assert [text for text in said if holds_number(text, language)] == []

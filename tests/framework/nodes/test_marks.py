@@ -143,7 +143,7 @@ def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(new_session: N
     assert again.feedback == "positive", "the feedback that was given stands"
     assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (4, 2, "mark")
     assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.level) == ("attempt", 2, 2)
-    assert driver.waiting.goal == "Your goal: less than 1100 ms, with at least 80% right."
+    assert driver.waiting.goal == "Your goal: less than 1.1 seconds, with at least 80% right."
     assert len(driver.all(ACTION)) == said, "no further feedback is given"
 
 

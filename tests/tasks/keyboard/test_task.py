@@ -178,7 +178,8 @@ def test_the_goal_asks_for_exactly_the_accuracy_that_success_needs(count: int, p
     accuracy = percent / 100
     goal = make(prompts_per_attempt=count, min_accuracy=accuracy).goal(1)
     needed = next(right for right in range(count + 1) if right / count >= accuracy)
-    assert (f"at least {needed} of {count} right" in goal) == (needed > 0)
+    assert (f"{needed} of {count} right" in goal) == (needed > 0)
+    assert ("at least" in goal) == (0 < needed < count), "there is no more than all"
 
 
 def test_a_miss_keeps_the_number_of_choices() -> None:

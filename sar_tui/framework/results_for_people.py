@@ -1,0 +1,53 @@
+"""Results as participants read them: times in seconds, in every text and plot. Data stay in milliseconds."""
+
+from sar_tui.framework.language import Language
+from sar_tui.framework.trial_types import Metric
+
+_DECIMALS = 2
+"""Decimals of a time in seconds: more would be finer than a person can tell."""
+
+
+def goal_text(metric: Metric, goal: float, tr: Language) -> str:
+    """Return a goal, for participants: "1 second", "0.85 seconds", "12 taps"."""
+    return _seconds(f"{goal / 1000:.4g}", tr) if _is_time(metric) else tr.figures(metric.show(goal))
+
+
+def result_text(metric: Metric, value: float, tr: Language, decimals: int | None = None) -> str:
+    """Return a result, for participants: "0.41 seconds", "12 taps". ``decimals``: as `decimals_for` returns them."""
+    if not _is_time(metric):
+        return tr.figures(metric.show(value))
+    return _seconds(f"{value / 1000:.{_DECIMALS if decimals is None else decimals}f}", tr)
+
+
+def difference_text(metric: Metric, value: float, other: float, tr: Language, decimals: int | None = None) -> str:
+    """Return the distance of two results; empty if they look the same.
+
+    They are rounded first, as people subtract the figures that they see.
+    """
+    size = 1000 if _is_time(metric) else 1
+    shown = (_DECIMALS if decimals is None else decimals) if _is_time(metric) else metric.decimals
+    distance = abs(round(value / size, shown) - round(other / size, shown)) * size
+    text = result_text(metric, distance, tr, decimals)
+    return "" if text == result_text(metric, 0.0, tr, decimals) else text
+
+
+def decimals_for(metric: Metric, value: float, goal: float) -> int | None:
+    """Return the decimals with which a time is not shown as its goal, unless it is; None if the unit has none."""
+    if not _is_time(metric):
+        return None
+    looks_alike = round(value / 1000, _DECIMALS) == round(goal / 1000, _DECIMALS)
+    return _DECIMALS + 1 if looks_alike and value != goal else _DECIMALS
+
+
+def axis(metric: Metric, tr: Language) -> tuple[str, float]:
+    """Return the heading of a plot's axis, for participants, and the factor for its values."""
+    label = tr(metric.label)
+    return (label.replace("(ms)", "(s)"), 0.001) if _is_time(metric) else (label, 1.0)
+
+
+def _is_time(metric: Metric) -> bool:
+    return metric.unit == "ms"
+
+
+def _seconds(figure: str, tr: Language) -> str:
+    return tr("1 second") if figure == "1" else tr("{count} seconds", count=figure)

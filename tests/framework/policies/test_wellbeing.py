@@ -1,0 +1,78 @@
+"""Rules on pain and tiredness: stop now, and tell the therapist."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.framework.policies.wellbeing import HIGHEST, SessionRatings, stop_now, tell_therapist
+
+RATINGS = st.one_of(st.none(), st.integers(0, HIGHEST))
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "reason"),
+    [
+        (None, None, None),
+        (None, 6, None),
+        (None, 7, "severe pain"),
+        (0, 2, None),
+        (0, 3, "rising pain"),
+        (3, 6, "rising pain"),
+        (4, 6, None),
+        (6, 10, "severe pain"),
+        (8, 7, "severe pain"),
+        (5, 0, None),
+        (5, None, None),
+    ],
+)
+def test_severe_or_fast_rising_pain_is_a_reason_to_stop(
+    before: int | None, now: int | None, reason: str | None
+) -> None:
+    assert stop_now(before, now) == reason
+
+
+@given(RATINGS, st.integers(0, HIGHEST - 1))
+def test_more_pain_is_never_less_of_a_reason_to_stop(before: int | None, now: int) -> None:
+    assert stop_now(before, now) is None or stop_now(before, now + 1) is not None
+
+
+def pains(*ratings: int | None) -> list[SessionRatings]:
+    """Return sessions after which this pain was told."""
+    return [SessionRatings(pain_after=rating) for rating in ratings]
+
+
+@pytest.mark.parametrize(
+    ("ratings", "reasons"),
+    [
+        ((), ()),
+        ((0, 2, 3, 2), ()),
+        ((0, 2, 3, 2, 1), ("new pain",)),
+        ((0, 2, 3, 0, 1), ()),
+        ((2, 3, 4, 3, 5), ("worse pain",)),
+        ((2, 3, 4, 2, 5), ()),
+        ((0, 2, None, 3, 2, None, 1), ("new pain",)),
+        ((3, 3, 3, 3, 3, 3), ()),
+    ],
+)
+def test_pain_that_is_new_or_worse_over_four_sessions_is_told(
+    ratings: tuple[int | None, ...], reasons: tuple[str, ...]
+) -> None:
+    assert tell_therapist(pains(*ratings)) == reasons
+
+
+def test_the_first_four_sessions_are_compared_with_the_first_rating() -> None:
+    first = SessionRatings(pain_before=0, pain_after=2)
+    assert tell_therapist([first, *pains(1, 1, 2)]) == ("new pain",)
+    assert tell_therapist([SessionRatings(pain_before=2, pain_after=2), *pains(2, 2, 2)]) == ()
+    assert tell_therapist(pains(1, 1, 1, 1)) == (), "nothing is known of the time before"
+
+
+def test_pain_told_in_a_pause_counts_as_pain() -> None:
+    told = SessionRatings(told_pain=True)
+    assert told.pain == 1
+    assert tell_therapist([*pains(0), told, told, told, told]) == ("new pain",)
+
+
+@pytest.mark.parametrize(("tired", "is_told"), [((7,), False), ((8, 7), True), ((7, 6), False), ((2, 9, 10), True)])
+def test_severe_tiredness_after_two_sessions_running_is_told(tired: tuple[int, ...], is_told: bool) -> None:
+    assert (tell_therapist([SessionRatings(fatigue_after=each) for each in tired]) == ("tired",)) is is_told
