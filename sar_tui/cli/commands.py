@@ -26,6 +26,7 @@ COMMANDS = {
     "graph": "graph:graph",
     "serve": "serve:serve",
     "rescue": "rescue:rescue",
+    "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",
     "timing": "measure_timing:measure_timing",
     "agent": "agent_view:follow_agent",

@@ -27,6 +27,7 @@ COMMANDS = (
     ["themes"],
     ["graph"],
     ["timing"],
+    ["passphrase"],
     ["doctor"],
     ["detect"],
     ["reanalyse"],

@@ -1,0 +1,71 @@
+"""``sar-tui passphrase``: set or remove the therapist's passphrase, and list the tries."""
+
+import getpass
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, is_interactive, print_json
+from sar_tui.cli.errors import Refused
+
+if TYPE_CHECKING:
+    from sar_tui.store.passphrase import Passphrase
+
+
+def passphrase(
+    context: typer.Context,
+    remove: Annotated[bool, typer.Option("--remove", help="Remove the passphrase.")] = False,
+    tries: Annotated[bool, typer.Option("--tries", help="List when it was entered, right or wrong.")] = False,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Set the therapist's passphrase.
+
+    It guards the therapist's choices in a pause. It is asked for twice, or read from standard input. Forgotten: set
+    another one.
+    """
+    from sar_tui.store.passphrase import Passphrase
+
+    home = Home.of(context, data, tasks)
+    stored = Passphrase(home.folder)
+    if remove and tries:
+        raise Refused("Give either --remove or --tries.")
+    if tries:
+        _list(stored, as_json=as_json)
+        return
+    if remove:
+        stored.remove()
+        done = "There is no passphrase now: the therapist's choices in a pause are open to everybody."
+    else:
+        stored.set(_ask())
+        done = "The passphrase is set. It guards the therapist's choices in a pause."
+    if as_json:
+        print_json({"is_set": stored.is_set})
+    else:
+        print(done)
+
+
+def _ask() -> str:
+    if not is_interactive():
+        if not (line := sys.stdin.readline()):
+            raise Refused("Give the passphrase on standard input, as one line.")
+        return line.rstrip("\r\n")
+    text = getpass.getpass("New passphrase: ")
+    if getpass.getpass("Once more: ") != text:
+        raise Refused("The two differ. Nothing was changed.")
+    return text
+
+
+def _list(stored: "Passphrase", *, as_json: bool) -> None:
+    from sar_tui.store.sessions import local_time
+
+    found = stored.tries()
+    if as_json:
+        print_json({"is_set": stored.is_set, "tries": found})
+        return
+    print("A passphrase is set." if stored.is_set else "There is no passphrase.")
+    out = console()
+    for each in found:
+        out.print(f"{local_time(each.at)}  {each.result:<5}  {each.where}")
