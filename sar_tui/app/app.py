@@ -22,6 +22,7 @@ from sar_tui.app.opening import OpeningApp
 from sar_tui.app.task_watchdog import TaskWatchdog
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
+from sar_tui.store.passphrase import Passphrase
 from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.terminal_input import UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
@@ -73,6 +74,7 @@ class SarTui(OpeningApp):
         self._session_clock = clock
         self._link = link
         self.picture: type[Widget] | None = None
+        self.passphrase = Passphrase(folder)
         self._has_begun = False
 
     def get_driver_class(self) -> type[Driver]:

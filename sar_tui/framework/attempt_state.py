@@ -55,6 +55,7 @@ class AttemptState(msgspec.Struct, frozen=True):
         results: of its trials so far.
         ended: the attempt before it, as long as that one can be amended or feedback on it requested.
         held: a change of level that waits for an operator.
+        is_level_held: True if a therapist holds the level: attempts leave it as it is.
     """
 
     attempt: int
@@ -66,6 +67,7 @@ class AttemptState(msgspec.Struct, frozen=True):
     results: tuple[Results, ...] = ()
     ended: EndedAttempt | None = None
     held: LevelChanged | None = None
+    is_level_held: bool = False
 
 
 def start(task: Task) -> AttemptState:
@@ -106,7 +108,7 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     facts = AttemptFacts(state.attempt, practice, state.level, state.started, now)
     scored = score_seats(task, facts, _by_seat(task, state), state.histories)
     following, change = state.difficulty, None
-    if not (practice or state.is_overridden):
+    if not (practice or state.is_overridden or state.is_level_held):
         following = level_choice.step(following, scored.outcome, task.parameters, task.levels)
         change = _change(state.level, following.level, scored.outcome)
     after = replace(

@@ -1,15 +1,32 @@
 """The attempts of a session: their state, changed by the pure steps of `attempt_state`."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+from msgspec.structs import replace
 
 from sar_tui.framework import attempt_state as steps
 from sar_tui.framework.attempt_state import AttemptScore
 from sar_tui.framework.language import Language
+from sar_tui.framework.live_settings import NAMES, with_setting
 from sar_tui.framework.messages import AttemptStarted, LevelChanged
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial import OpenTrial
 from sar_tui.framework.trial_types import Results, Situation
+
+
+class NextAttempt(NamedTuple):
+    """Level of the next attempt with its bounds, and the settings that can be changed.
+
+    ``is_level_held``: attempts leave the level as it is.
+    """
+
+    level: int
+    lowest: int
+    highest: int
+    is_level_held: bool
+    settings: dict[str, int | float]
 
 
 class Attempts:
@@ -25,6 +42,9 @@ class Attempts:
         self._seed = seed
         self._streams = RandomStreams(seed)
         self._named: tuple[int, Language, str] | None = None
+        self._settings: dict[str, int | float] = {}
+        self._coming: dict[str, int | float] = {}
+        self._scored_with: dict[str, int | float] = {}
         self.state = steps.start(task)
 
     @property
@@ -105,12 +125,15 @@ class Attempts:
 
     def score(self, now: int) -> AttemptScore:
         """Score the attempt, which ended at ``now`` (ns), and set the level of the next."""
+        self._scored_with = {name: getattr(self._task.parameters, name) for name in NAMES}
         self.state, scored = steps.score(self._task, self.state, now)
         return scored
 
     def advance(self) -> bool:
-        """Move to the next attempt; False if there is none."""
+        """Move to the next attempt, with the settings changed since the last began; False if there is none."""
         self.state, is_next = steps.advance(self._task, self.state)
+        if self._coming:
+            self._apply_settings()
         return is_next
 
     def request_feedback(self, now: int) -> AttemptScore | None:
@@ -119,14 +142,62 @@ class Attempts:
         return requested
 
     def amend(self, results: Results, unsaid: Collection[str] = ()) -> AttemptScore | None:
-        """Replace the results of the last trial; score its attempt again if that has ended (`attempt_state.amend`)."""
+        """Replace the results of the last trial; score its attempt again if that has ended (`attempt_state.amend`).
+
+        It is scored by the goal that it had, even if another is set for the next.
+        """
+        now = self._task.parameters
+        if self.state.ended:
+            self._use(self._scored_with)
         self.state, scored = steps.amend(self._task, self.state, results, unsaid)
+        self._task.parameters = now
         return scored
 
     def set_level(self, level: int, *, under_way: bool) -> LevelChanged | None:
         """Set the level of the next attempt by hand."""
         self.state, change = steps.set_level(self._task, self.state, level, under_way=under_way)
         return change
+
+    @property
+    def next(self) -> NextAttempt:
+        """Level and settings of the next attempt."""
+        parameters = self._task.parameters
+        return NextAttempt(
+            level=self.state.difficulty.level,
+            lowest=parameters.min_level,
+            highest=min(parameters.max_level, self._task.levels),
+            is_level_held=self.state.is_level_held,
+            settings={name: getattr(parameters, name) for name in NAMES} | self._coming,
+        )
+
+    def hold_level(self, *, held: bool) -> None:
+        """Let attempts leave the level as it is, or change it again."""
+        self.state = replace(self.state, is_level_held=held)
+
+    def change_setting(self, name: str, value: int | float, *, under_way: bool) -> None:
+        """Change a setting of the task from the next attempt on. An attempt under way keeps its own.
+
+        Raises:
+            ParameterError: it cannot be changed, or to this value.
+        """
+        with_setting(self._task.parameters, name, value)
+        self._coming[name] = value
+        if not under_way:
+            self._apply_settings()
+
+    def _apply_settings(self) -> None:
+        """Give the task the settings that were changed since the last attempt began."""
+        self._settings |= self._coming
+        self._coming = {}
+        self.restore_settings()
+
+    def restore_settings(self) -> None:
+        """Give the task all settings that were changed: a resumed session builds it with the first ones."""
+        self._use(self._settings)
+
+    def _use(self, settings: Mapping[str, int | float]) -> None:
+        for name, value in settings.items():
+            self._task.parameters = with_setting(self._task.parameters, name, value)
 
     def hold(self, change: LevelChanged) -> None:
         """Take back a change of level: it waits for an operator, or is refused."""

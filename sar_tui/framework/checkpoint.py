@@ -58,7 +58,7 @@ def _parts(session: Session) -> dict[str, object]:
         "session": session,
         "bus": session.bus,
         "task": task,
-        "parameters": task.parameters,
+        "parameters": session.parameters,
         "texts": task.tr,
         **{f"node {node.name}": node for node in session.core},
     }

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from sar_tui.framework.attempts import NextAttempt
 from sar_tui.framework.bus import FAULT, Bus, Record
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.messages import AgentActing, Fault, SessionStarted, ThemeApplied
@@ -46,6 +47,9 @@ class Session:
         best: the participant's best results of earlier sessions, by level.
         others_best: the same for the other participants, by seat.
         names: what the agent calls each participant, by seat; without a name, the seat.
+
+    Attributes:
+        parameters: with which the task was built; a therapist may change some for ``task.parameters``.
     """
 
     def __init__(
@@ -60,6 +64,7 @@ class Session:
         names: dict[str, str] | None = None,
     ) -> None:
         self.task = task
+        self.parameters = task.parameters
         self.theme = theme
         self.seed = seed
         self.best = best or {}
@@ -84,6 +89,11 @@ class Session:
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
         self.bus.subscribe(ACTING, self._agent_acted)
         self.bus.subscribe(FAULT, self.faults.append)
+
+    @property
+    def next_attempt(self) -> NextAttempt:
+        """Level and settings of the next attempt, which a therapist may change."""
+        return next(node.next_attempt for node in self.core if isinstance(node, EventHandler))
 
     @property
     def broken(self) -> Fault | None:

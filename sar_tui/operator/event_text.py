@@ -12,6 +12,7 @@ from sar_tui.framework.messages import (
     PeerRequestRefused,
     SensorChanged,
     SessionCommand,
+    SettingChanged,
     StorageChanged,
 )
 from sar_tui.framework.topics import (
@@ -28,6 +29,7 @@ from sar_tui.framework.topics import (
     REFUSED,
     REMARK,
     SENSOR,
+    SETTING,
     STORAGE,
 )
 from sar_tui.link.peer import Frame, Welcome
@@ -59,6 +61,7 @@ _ACTS = {
     NOTE_ADDED.name: "a note",
     PROPOSAL_SEEN.name: "a report that a proposal was seen",
 }
+_SETTINGS = {"threshold": "the goal", "feedback_every": "the number of attempts between feedback"}
 _LEVEL_REASONS = {"success": "goal reached", "failure": "goal missed", "operator": "an operator", "mark": "a mark"}
 
 
@@ -112,7 +115,14 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
         text = _sensor(message)
     elif topic == STORAGE.name:
         text = _storage(message)
+    elif topic == SETTING.name:
+        text = _setting_changed(message), "plain"
     return text
+
+
+def _setting_changed(change: SettingChanged) -> str:
+    name = _SETTINGS.get(change.name, change.name)
+    return f"The {short_name(change.actor)} set {name} to {change.value:g} from the next attempt on."
 
 
 def _pause_or_resume(act: SessionCommand, me: Welcome | None) -> _Text | None:

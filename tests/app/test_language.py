@@ -188,7 +188,7 @@ async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalog
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         assert "F1 Ayuda" in driver.rows[-1]
-        await driver.press("escape", "up", "enter", "down", "enter")
+        await driver.press("escape", "up", "up", "enter", "down", "enter")
         await driver.wait(300)
         assert driver.sees("Terminado antes de tiempo, tras 0 intentos.")
         await driver.press("enter")

@@ -44,7 +44,7 @@ async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Cat
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
-        for choice in ("Go on", "I am tired", "I am in pain", "I am finished"):
+        for choice in ("Go on", "I am tired", "I am in pain", "I am finished", "For the therapist"):
             assert driver.sees(choice)
         await driver.press("down", "enter")
         assert driver.sees("Take all the rest you need.")
@@ -69,7 +69,7 @@ async def test_only_ending_asks_for_confirmation(
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.answer(await driver.to_first_prompt())
-        await driver.press("escape", "up", "enter")
+        await driver.press("escape", "up", "up", "enter")
         assert driver.sees("End the session now?")
         assert not driver.session.ended
         await driver.press(*keys)

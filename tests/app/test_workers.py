@@ -31,7 +31,7 @@ async def test_workers_end_with_the_session_when_the_app_continues(data: Path, c
         await pilot.press("right", "right", "right", "enter")
         await pilot.pause()
         assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
-        await pilot.press("escape", "up", "enter", "down", "enter", "enter")
+        await pilot.press("escape", "up", "up", "enter", "down", "enter", "enter")
         await app.workers.wait_for_complete(list(app.workers))
         await pilot.pause()
         assert not [worker for worker in app.workers if worker.is_running]

@@ -39,6 +39,7 @@ TOPICS = {
     "arbiter/stalling": "FILLER_DUE",
     "arbiter/level_ruled": "LEVEL_DECIDED",
     "operator/act": "COMMAND",
+    "operator/setting": "SETTING",
     "arbiter/missed": "LATE_DECISION",
     "operator/noted": "NOTE_ADDED",
 }

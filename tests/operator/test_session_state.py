@@ -365,3 +365,8 @@ def test_repeated_events_share_one_line_of_the_log() -> None:
     assert [line.text_with_count for line in state.log] == [text]
     state = state.receive([b.frame(t.REFUSED, replace(refused, why="It has expired."))])
     assert [line.times for line in state.log] == [40, 1]
+
+
+def test_a_goal_that_the_therapist_sets_is_in_the_log() -> None:
+    state = after((t.SETTING, m.SettingChanged(name="threshold", value=700.0)))
+    assert lines(state) == ["The therapist set the goal to 700 from the next attempt on."]

@@ -1,4 +1,4 @@
-"""The pause menu: go on, tired, in pain, finished. Only ending the session asks for confirmation."""
+"""The pause menu: go on, tired, in pain, finished, for the therapist. Only ending the session asks again."""
 
 from textual.message import Message
 from textual.widgets import OptionList
@@ -14,9 +14,9 @@ _WORDS = {
     "finished": ("End the session now?", "What you did is kept. You cannot go on with this session later."),
 }
 _CHOICES = {
-    "": ("go on", "tired", "pain", "finished"),
-    "tired": ("go on", "pain", "finished"),
-    "pain": ("go on", "finished"),
+    "": ("go on", "tired", "pain", "finished", "therapist"),
+    "tired": ("go on", "pain", "finished", "therapist"),
+    "pain": ("go on", "finished", "therapist"),
     "finished": ("go on", "end"),
 }
 _LABELS = {
@@ -25,6 +25,7 @@ _LABELS = {
     "pain": "I am in pain",
     "finished": "I am finished",
     "end": "Yes, end the session",
+    "therapist": "For the therapist",
 }
 
 
@@ -37,6 +38,9 @@ class PauseMenu(OptionList):
         def __init__(self, act: SessionCommand) -> None:
             super().__init__()
             self.act = act
+
+    class TherapistAsked(Message):
+        """The therapist wants to change something."""
 
     def open(self, reason: str) -> None:
         """Show the choices after a pause for ``reason``."""
@@ -54,6 +58,10 @@ class PauseMenu(OptionList):
         match event.option.id:
             case "go on":
                 act = SessionCommand(command="resume")
+            case "therapist":
+                self.highlighted = 1
+                self.post_message(self.TherapistAsked())
+                return
             case "end":
                 act = SessionCommand(command="end", reason="finished")
             case reason:

@@ -186,6 +186,20 @@ class SessionScreen(AgentScreen):
     def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:
         self._live.operate(event.act)
 
+    def on_pause_menu_therapist_asked(self) -> None:
+        """Open the therapist's changes, behind the passphrase if there is one."""
+        from sar_tui.app.screens.adjust import AdjustScreen
+        from sar_tui.app.screens.passphrase import PassphraseScreen
+
+        def entered(is_right: bool | None) -> None:
+            if is_right and self._waiting and self._waiting.stage == "paused":
+                self.app.push_screen(AdjustScreen(self._live))
+
+        if self.app.passphrase.is_set:
+            self.app.push_screen(PassphraseScreen(self.app.passphrase, "pause"), entered)
+        else:
+            entered(True)
+
     # --- the stage ---------------------------------------------------------
 
     def show_prompt(self, prompt: Prompt) -> None:

@@ -14,6 +14,7 @@ __all__ = [
     "ProposalSeen",
     "Remark",
     "SessionCommand",
+    "SettingChanged",
 ]
 
 
@@ -21,15 +22,25 @@ class SessionCommand(Message, frozen=True, kw_only=True):
     """A command that controls the session.
 
     ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt), ``repeat`` (this prompt), ``level`` (sets it to
-    ``value``), ``mark`` (the current trial, else the last), ``stop`` (everything the agent says and does; ``at`` is the
-    time stamp of the key). ``reason``: for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or
-    empty; for a mark, its name (see `trial_types.Mark`).
+    ``value``), ``hold`` (attempts leave the level as it is), ``release`` (they change it again), ``mark`` (the current
+    trial, else the last), ``stop`` (everything the agent says and does; ``at`` is the time stamp of the key).
+    ``reason``: for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or empty; for a mark, its name
+    (see `trial_types.Mark`).
     """
 
-    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "mark", "stop"]
+    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "hold", "release", "mark", "stop"]
     actor: str = "participant"
     reason: str = ""
     value: int | None = None
+    at: int = 0
+
+
+class SettingChanged(Message, frozen=True, kw_only=True):
+    """A therapist changes a setting, by its name, from the next attempt on (see `framework.live_settings`)."""
+
+    name: str
+    value: int | float
+    actor: str = "therapist"
     at: int = 0
 
 

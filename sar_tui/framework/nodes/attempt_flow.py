@@ -1,11 +1,14 @@
 """Runs attempts: trials, score, feedback, the next level, and a therapist's marks."""
 
+import contextlib
 from collections.abc import Collection
+from typing import Any
 
 from sar_tui.framework import marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.attempt_state import AttemptScore
-from sar_tui.framework.attempts import Attempts
+from sar_tui.framework.attempts import Attempts, NextAttempt
+from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.marks import MarkedResults
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes.trial_flow import TrialFlow
@@ -19,6 +22,7 @@ from sar_tui.framework.topics import (
     LEVEL_DECIDED,
     LEVEL_REQUEST,
     MARKED,
+    SETTING,
     UNSAID_FEEDBACK,
 )
 from sar_tui.framework.trial_types import Mark, Results
@@ -142,6 +146,28 @@ class AttemptFlow(TrialFlow):
             self.emit(LEVEL, change)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
+
+    # --- changes by a therapist ------------------------------------------------------------------------------
+
+    @property
+    def next_attempt(self) -> NextAttempt:
+        """Level and settings of the next attempt."""
+        return self._attempts.next
+
+    @on(SETTING)
+    def setting_changed(self, change: m.SettingChanged) -> None:
+        """Change a setting from the next attempt on; one that does not fit is recorded, and left as it was."""
+        if self._phase in OVER:
+            return
+        with contextlib.suppress(ParameterError):
+            self._attempts.change_setting(change.name, change.value, under_way=self._is_under_way)
+        if self._phase is Phase.READY:
+            self._wait(Phase.READY)
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Take over a state, and the settings that were changed."""
+        super().restore(state)
+        self._attempts.restore_settings()
 
     # --- marks ----------------------------------------------------------------------------------------------
 

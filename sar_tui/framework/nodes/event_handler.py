@@ -120,6 +120,8 @@ class EventHandler(AttemptFlow):
                 self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
             case "level":
                 self._set_level(act.value if act.value is not None else self._attempts.level)
+            case "hold" | "release":
+                self._attempts.hold_level(held=act.command == "hold")
             case "repeat" if self._phase in IN_TRIAL:
                 self._void("repeat")
                 self._begin_trial()

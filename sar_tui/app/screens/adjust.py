@@ -1,0 +1,166 @@
+"""Changes that a therapist makes in a pause: level, goal, feedback, and a note."""
+
+from typing import ClassVar
+
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from sar_tui.app.live import LiveSession
+from sar_tui.framework.bus import Record
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.live_settings import FEEDBACK_EVERY, GOAL, adjustable, with_setting
+from sar_tui.framework.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
+from sar_tui.framework.parameters import fields
+from sar_tui.framework.topics import COMMAND, NOTE_ADDED, SETTING
+from sar_tui.widgets.language import language_of
+
+ACTOR = "therapist"
+_LONGEST_NOTE = 1000
+
+
+class AdjustScreen(ModalScreen[None]):
+    """Lists the changes; each is recorded like an operator's act, and holds from the next attempt on."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "Back", id="back")]
+
+    def __init__(self, live: LiveSession) -> None:
+        super().__init__()
+        self._live = live
+        self._asked = ""
+        self._settings = adjustable(live.run.session.task)
+
+    def compose(self) -> ComposeResult:
+        self.tr = language_of(self.app)
+        with Vertical(id="adjust"):
+            yield Static(self.tr("For the therapist"), classes="headline", markup=False)
+            yield Static(self.tr("Changes apply from the next attempt on."), markup=False)
+            choices = OptionList(id="changes", markup=False)
+            yield choices
+            yield Static("", id="asked", markup=False)
+            yield Input(id="value", max_length=_LONGEST_NOTE)
+            yield Static("", id="problem", markup=False)
+
+    def on_mount(self) -> None:
+        self.query_one(Input).display = False
+        self._list_changes()
+        self._live.run.session.bus.tap(self._heard)
+
+    def on_unmount(self) -> None:
+        self._live.run.session.bus.untap(self._heard)
+
+    def _heard(self, cascade: list[Record]) -> None:
+        """Show the changes that have been made, here or by an operator."""
+        if not self.is_attached:
+            return
+        if any(isinstance(each.message, Waiting) and each.message.stage != "paused" for each in cascade):
+            if self.is_current:
+                self.dismiss()  # an operator went on: the participant must see the screen below
+        elif any(record.topic in (COMMAND, SETTING) for record in cascade):
+            self._list_changes()
+
+    def _list_changes(self) -> None:
+        choices, tr, next_ = self.query_one("#changes", OptionList), self.tr, self._live.run.session.next_attempt
+        chosen = choices.highlighted_option.id if choices.highlighted_option else None
+        choices.border_title = tr("level {level}", level=next_.level).capitalize()
+        if next_.is_level_held:
+            choices.border_title += f" · {tr('held')}"
+        choices.clear_options()
+        choices.add_options(
+            [
+                Option(tr("Level up"), id="up", disabled=next_.level >= next_.highest),
+                Option(tr("Level down"), id="down", disabled=next_.level <= next_.lowest),
+                Option(tr("Let the level change again"), id="release")
+                if next_.is_level_held
+                else Option(tr("Hold the level"), id="hold"),
+                *(Option(self._setting(name, next_.settings[name]), id=name) for name in self._settings),
+                Option(tr("Write a note"), id="note"),
+                Option(tr("Back"), id="back"),
+            ]
+        )
+        places = [option.id for option in choices.options]
+        same = {"hold": "release", "release": "hold"}.get(chosen or "", chosen)
+        at = next((places.index(name) for name in (chosen, same) if name in places), 0)
+        enabled = [index for index, option in enumerate(choices.options) if not option.disabled]
+        choices.highlighted = at if at in enabled else enabled[0]
+
+    def _setting(self, name: str, value: float) -> str:
+        if name == GOAL:
+            return self.tr("Goal: {goal}", goal=f"{value:g} {self._goal_unit}".rstrip())
+        if value == 1:
+            return self.tr("Feedback: after every attempt")
+        return self.tr("Feedback: after every {count} attempts", count=int(value))
+
+    @on(OptionList.OptionSelected, "#changes")
+    def _chosen(self, event: OptionList.OptionSelected) -> None:
+        event.stop()
+        level = self._live.run.session.next_attempt.level
+        match event.option.id:
+            case "up" | "down" as way:
+                self._command("level", level + (1 if way == "up" else -1))
+            case "hold":
+                self._command("hold")
+            case "release":
+                self._command("release")
+            case "back":
+                self.dismiss()
+            case asked:
+                self._ask(asked or "")
+
+    @property
+    def _goal_unit(self) -> str:
+        task = self._live.run.session.task
+        return next(field.unit for field in fields(task.Parameters) if field.name == GOAL) or task.metric.unit
+
+    def _command(self, command: str, value: int | None = None) -> None:
+        self._live.operate(SessionCommand(command=command, actor=ACTOR, value=value))  # type: ignore[arg-type]
+
+    # --- a value or a note ---------------------------------------------------------------------------------
+
+    def _ask(self, what: str) -> None:
+        """Open the field for a setting or a note."""
+        self._asked = what
+        texts = {GOAL: "The new goal", FEEDBACK_EVERY: "Feedback after every … attempts", "note": "The note"}
+        unit = f" ({self._goal_unit})" if what == GOAL else ""
+        self.query_one("#asked", Static).update(f"{self.tr(texts[what])}{unit}")
+        now = self._live.run.session.next_attempt.settings
+        value = self.query_one(Input)
+        value.value = f"{now[what]:g}" if what in now else ""
+        value.display = True
+        value.focus()
+
+    @on(Input.Submitted)
+    def _entered(self, event: Input.Submitted) -> None:
+        event.stop()
+        text, bus = event.value.strip(), self._live.run.session.bus
+        if text and self._asked == "note":
+            bus.post(NOTE_ADDED, NoteAdded(text=text, actor=ACTOR, at=self._live.clock.now()))
+        elif text:
+            try:
+                changed = with_setting(self._live.run.session.task.parameters, self._asked, text)
+            except ParameterError as error:
+                self.query_one("#problem", Static).update(str(error))
+                return
+            value = getattr(changed, self._asked)
+            bus.post(SETTING, SettingChanged(name=self._asked, value=value, actor=ACTOR, at=self._live.clock.now()))
+        self._close_field()
+        if text and self._asked == "note":
+            self.query_one("#problem", Static).update(self.tr("The note is kept."))
+
+    def _close_field(self) -> None:
+        value = self.query_one(Input)
+        value.value, value.display = "", False
+        for name in ("#asked", "#problem"):
+            self.query_one(name, Static).update("")
+        self.query_one("#changes").focus()
+
+    def action_back(self) -> None:
+        """Close the field, else the screen."""
+        if self.query_one(Input).display:
+            self._close_field()
+        else:
+            self.dismiss()

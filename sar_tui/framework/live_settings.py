@@ -1,0 +1,39 @@
+"""Settings that a therapist may change during a session, from the next attempt on. Pure."""
+
+import copy
+
+import msgspec
+
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.parameters import TaskParameters, build, changed
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.policies.feedback import POLICIES
+from sar_tui.framework.task import Task
+
+GOAL, FEEDBACK_EVERY = "threshold", "feedback_every"
+NAMES = (GOAL, FEEDBACK_EVERY)
+
+
+def adjustable(task: Task) -> tuple[str, ...]:
+    """Return the names of the settings that have an effect in this session, as it is set up."""
+    schedule = POLICIES[task.parameters.feedback_schedule]
+    has_effect = {GOAL: _goal_follows(task), FEEDBACK_EVERY: FEEDBACK_EVERY in schedule.settings.__struct_fields__}
+    return tuple(name for name in NAMES if has_effect[name])
+
+
+def with_setting(parameters: TaskParameters, name: str, value: object) -> TaskParameters:
+    """Return parameters with another value, typed or as text. Raises ParameterError if it is out of bounds."""
+    if name not in NAMES:
+        raise ParameterError({name: f"{name} cannot be changed during a session."})
+    return build(type(parameters), {**changed(parameters), name: value})
+
+
+def _goal_follows(task: Task) -> bool:
+    """Return True if the task's goals depend on the threshold: it may have a goal of its own for each level."""
+    other = copy.copy(task)
+    other.parameters = msgspec.structs.replace(task.parameters, threshold=task.parameters.threshold * 2 + 1)
+    try:
+        levels = range(1, task.levels + 1)
+        return any(other.target(level).threshold != task.target(level).threshold for level in levels)
+    except PLUGIN_ERRORS:
+        return False

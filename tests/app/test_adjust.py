@@ -1,0 +1,206 @@
+"""Changes that a therapist makes in a pause, behind the passphrase if there is one."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.messages import SessionCommand
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from sar_tui.store import passphrase
+from sar_tui.store.passphrase import Passphrase
+from tests.app.app_driver import AppDriver, open_app, plan
+
+RIGHT = "quiet river"
+
+
+async def open_changes(driver: AppDriver) -> None:
+    """Pause, and choose the last line of the menu."""
+    await driver.press("escape", "up", "enter")
+
+
+async def choose(driver: AppDriver, words: str) -> None:
+    """Choose a line of the list."""
+    for _ in range(8):
+        choices = driver.app.screen.query_one("#changes")
+        if str(choices.highlighted_option.prompt).startswith(words):
+            await driver.press("enter")
+            return
+        await driver.press("down")
+    raise AssertionError(f"{words} is not in the list")
+
+
+async def type_over(driver: AppDriver, text: str) -> None:
+    await driver.press("end", *["backspace"] * 12)
+    await driver.write(*text)
+    await driver.press("enter")
+
+
+@pytest.fixture
+def cheap(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(passphrase, "_COST", 16)
+
+
+async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=4)) as driver:
+        first = await driver.to_first_prompt()
+        await open_changes(driver)
+        assert driver.sees("Changes apply from the next attempt on.")
+        await choose(driver, "Goal: 1000 ms")
+        await type_over(driver, "700")
+        await choose(driver, "Feedback: after every attempt")
+        await type_over(driver, "2")
+        assert driver.sees("Goal: 700 ms")
+        assert driver.sees("Feedback: after every 2 attempts")
+        await driver.press("escape", "enter")
+        await driver.do_attempt(await driver.to_prompt())
+        assert driver.sees("in less than 0.7 seconds on average")
+        await driver.do_attempt(await driver.begin())
+        await driver.do_attempt(await driver.begin())
+        assert driver.stored("SELECT goal, feedback FROM attempts") == [
+            (1000.0, "positive"),
+            (700.0, "none"),
+            (700.0, "positive"),
+        ]
+        assert [(act["name"], act["value"], act["actor"]) for act in driver.messages("operator/setting")] == [
+            ("threshold", 700.0, "therapist"),
+            ("feedback_every", 2, "therapist"),
+        ]
+        assert first.attempt == 1
+
+
+async def test_the_level_goes_up_and_down_and_is_held(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=4, max_level=3)) as driver:
+        await driver.press("enter")
+        await open_changes(driver)
+        await choose(driver, "Level up")
+        await choose(driver, "Level up")
+        assert driver.sees("Level 3")
+        await choose(driver, "Hold the level")
+        assert driver.sees("Level 3 · held")
+        await choose(driver, "Level down")
+        await choose(driver, "Back")
+        await driver.press("enter")
+        await driver.do_attempt(await driver.begin())
+        await driver.do_attempt(await driver.begin())
+        await open_changes(driver)
+        await choose(driver, "Let the level change again")
+        await driver.press("escape", "enter")
+        await driver.do_attempt(await driver.begin())
+        assert driver.stored("SELECT level FROM attempts") == [(2,), (2,), (2,)]
+        assert driver.waiting.level == 3
+        assert {act["actor"] for act in driver.messages("operator/act") if act["command"] == "level"} == {"therapist"}
+
+
+async def test_a_note_is_stored_as_the_therapists(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await open_changes(driver)
+        await choose(driver, "Write a note")
+        await driver.write(*"wore glasses?")
+        await driver.press("enter")
+        assert driver.sees("The note is kept.")
+        assert driver.stored("SELECT author, text FROM notes") == [("therapist", "wore glasses?")]
+
+
+async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await open_changes(driver)
+        await choose(driver, "Goal")
+        for bad in ("5", "much", "nan"):
+            await type_over(driver, bad)
+            assert driver.sees("Goal is a number, 100 to 60000, not"), bad
+        await driver.press("escape", "escape")
+        assert driver.sees("Paused")
+        assert driver.messages("operator/setting") == []
+
+
+async def test_feedback_that_has_no_frequency_is_not_offered(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, feedback_schedule="request")) as driver:
+        await open_changes(driver)
+        assert driver.sees("Goal: 1000 ms")
+        assert not driver.sees("Feedback:")
+
+
+@pytest.mark.usefixtures("cheap")
+async def test_behind_the_passphrase_only_the_right_one_opens_it(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    Passphrase(data).set(RIGHT)
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await open_changes(driver)
+        assert driver.sees("Please enter the passphrase.")
+        await driver.write(*"quiet rivers")
+        assert "quiet" not in driver.text
+        await driver.press("enter")
+        assert driver.sees("That is not the passphrase.")
+        await driver.press("enter")
+        assert driver.sees("Paused"), "nothing entered: back to the pause"
+        await driver.press("up", "enter")
+        await driver.write(*RIGHT)
+        await driver.press("enter")
+        assert driver.sees("Changes apply from the next attempt on.")
+    assert [(each.result, each.where) for each in Passphrase(data).tries()] == [("wrong", "pause"), ("right", "pause")]
+
+
+@pytest.mark.usefixtures("cheap")
+async def test_after_three_wrong_ones_it_says_how_long_to_wait(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    moments = [time.time() - 155]
+    stored = Passphrase(data, lambda: moments[-1])
+    stored.set(RIGHT)
+    for _ in range(8):
+        stored.check("wrong one")
+        moments.append(moments[-1] + stored.wait_s)
+    async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
+        await open_changes(driver)
+        assert driver.sees("Espere")
+        await driver.write(*RIGHT)
+        await driver.press("enter")
+        assert driver.sees("Espere")
+        assert not driver.sees("Los cambios valen")
+
+
+async def test_when_an_operator_goes_on_the_participant_sees_the_session(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await open_changes(driver)
+        assert driver.app.live
+        driver.app.live.operate(SessionCommand(command="resume", actor="operator.anna"))
+        await driver.settle()
+        assert driver.screen_name == "SessionScreen"
+        assert (await driver.to_prompt()).text in driver.text
+
+
+async def test_all_of_it_is_in_the_sessions_language(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
+        await open_changes(driver)
+        for words in ("Para el terapeuta", "Nivel 1", "Subir el nivel", "Mantener el nivel", "Objetivo: 1000 ms"):
+            assert driver.sees(words), words
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_the_list_and_its_field_fit(
+    size: tuple[int, int], data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard), size=size) as driver:
+        await open_changes(driver)
+        await choose(driver, "Goal")
+        await type_over(driver, "5")
+        for words in (
+            "For the therapist",
+            "Level 1",
+            "Back",
+            "The new goal (ms)",
+            "Goal is a number, 100 to 60000, not",
+        ):
+            assert driver.sees(words), words
