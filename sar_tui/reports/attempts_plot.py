@@ -1,14 +1,19 @@
-"""Text plot of result and level over the attempts of a session (thesis, Figure 4.4)."""
+"""Text plot of a session: a strip with the results of its attempts, and below it one with their levels.
+
+The thesis draws both into one plot with two axes (Figure 4.4), which invites to compare heights that mean nothing.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 from sar_tui.framework.language import Language
 from sar_tui.reports.attempt_results import MARKERS, ResultName
 
-LEVEL, GOAL = "░", "╌"
+GOAL = "╌"
+BARS = "▁▂▃▄▅▆▇█"
+"""Characters of the bars of levels, by height."""
 _COLORS: dict[ResultName, str] = {"reached": "green", "missed": "red", "inaccurate": "red", "no result": "red"}
 
 _ENGLISH = Language()
@@ -16,6 +21,8 @@ _MARGIN = 7
 """Columns for the numbers of the left axis and the name of the lower one."""
 _SMALLEST = (30, 7)
 """Least width and height."""
+_FOR_BARS, _FOR_TALL_BARS = 9, 16
+"""Height from which levels have bars beside their numbers, and bars of two lines."""
 
 
 def attempts_figure(
@@ -31,7 +38,7 @@ def attempts_figure(
     beside: Sequence[float | None] = (),
     tr: Language = _ENGLISH,
 ) -> str:
-    """Draw the metric (left axis) and the level (right axis, shaded) over attempts, with the goal as a line.
+    """Draw the metric over attempts, with the goal as a line, and the levels below.
 
     Attempts without a result have their markers below the axis, where no value is read from them.
 
@@ -56,23 +63,30 @@ def attempts_figure(
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
     names = results or ["no result" if value is None else "reached" for value in metrics]
     has_empty = None in (*metrics, *beside)
+    bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS)
     plotext.clear_figure()
     try:
-        body = _body(plotext, levels, metrics, goals, (width, height - 1 - has_empty), names, beside, tr)
+        size = width, height - 1 - has_empty - 1 - bar_lines
+        body = _body(plotext, metrics, goals, size, names, beside, tr)
     finally:
         plotext.clear_figure()
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
     lines[-1] = tr("attempt")[:_MARGIN].ljust(_MARGIN) + lines[-1][_MARGIN:]
+    columns = _Columns.of_axis(plotext.uncolorize(lines[-2]), len(levels))
+    below = []
     if has_empty:
         marker = plotext.colorize(MARKERS["no result"], _COLORS["no result"], "bold")
-        lines.insert(-1, _below_axis(plotext.uncolorize(lines[-2]), metrics, marker))
-    text = "\n".join([_heading(metric, goals, names, width, tr, has_legend=bool(results)), *lines])
+        below.append(columns.line({n: marker for n, value in enumerate(metrics) if value is None}))
+    below.append(tr("level")[:_MARGIN].ljust(_MARGIN) + columns.numbers(levels)[_MARGIN:])
+    below += [plotext.colorize(line, "blue") for line in columns.bars(levels, bar_lines)]
+    text = "\n".join(
+        [_heading(metric, goals, names, width, tr, has_legend=bool(results)), *lines[:-1], *below, lines[-1]]
+    )
     return text if color else plotext.uncolorize(text)
 
 
 def _body(
     plt: Any,
-    levels: Sequence[int],
     metrics: Sequence[float | None],
     goals: Sequence[float],
     size: tuple[int, int],
@@ -81,7 +95,7 @@ def _body(
     tr: Language,
 ) -> str:
     """Draw the axes and the data, on a canvas two lines lower than the height."""
-    count, rows = len(levels), size[1] - 2
+    count, rows = len(metrics), size[1] - 2
     attempts = range(1, count + 1)
     plt.limit_size(False, False)
     plt.theme("clear")
@@ -90,12 +104,6 @@ def _body(
     plt.xlim(0.5, count + 0.5)
     low, high = _limits([value for value in (*metrics, *goals, *beside) if value is not None])
     plt.ylim(low, high, yside="left")
-    highest = max(1, *levels)
-    shaded = rows if len(set(levels)) > 1 else max(1, rows // 4)  # a level that never changes needs no more
-    rise = shaded // highest or shaded / highest
-    plt.ylim(1 / rise, rows / rise, yside="right")
-
-    plt.bar(attempts, levels, width=1, minimum=1 / rise, marker=LEVEL, color="blue", yside="right")
     for goal, alike in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
         same = [attempt for attempt, _ in alike]
         plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
@@ -110,7 +118,6 @@ def _body(
 
     ticks = _round_numbers(low, high, max(2, rows // 2))
     plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
-    plt.yticks(shown := sorted(set(levels)), [str(level) for level in shown], yside="right")
     room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
     every = next(step for power in (1, 10, 100, 1000, 10_000) for m in (1, 2, 5) if (step := m * power) >= room)
     labelled = [attempt for attempt in attempts if every == 1 or attempt == 1 or attempt % every == 0]
@@ -118,14 +125,56 @@ def _body(
     return str(plt.build())
 
 
-def _below_axis(axis: str, metrics: Sequence[float | None], marker: str) -> str:
-    """Return the line below the axis, with a marker for each attempt without a metric in the attempt's column."""
-    first, last = axis.index("└") + 1, axis.index("┘") - 1
-    line = [" "] * (last + 1)
-    for index, value in enumerate(metrics):
-        if value is None:  # the column in which plotext would draw a value
-            line[first + math.floor(0.5 + round((last - first) * (index + 0.5) / len(metrics), 8))] = marker
-    return "".join(line).rstrip()
+class _Columns(NamedTuple):
+    """The columns of the screen that attempts are drawn in."""
+
+    first: int
+    last: int
+    attempts: int
+
+    @classmethod
+    def of_axis(cls, axis: str, count: int) -> "_Columns":
+        """Return the columns between the ends of an axis that plotext drew."""
+        return cls(axis.index("└") + 1, axis.index("┘") - 1, count)
+
+    def column(self, attempt: int) -> int:
+        """Return the column in which plotext draws the value of an attempt (0, 1, …)."""
+        return self.first + math.floor(0.5 + round((self.last - self.first) * (attempt + 0.5) / self.attempts, 8))
+
+    def line(self, characters: dict[int, str]) -> str:
+        """Return a line with a character in the columns of some attempts."""
+        line = [" "] * (self.last + 1)
+        for attempt, character in characters.items():
+            line[self.column(attempt)] = character
+        return "".join(line).rstrip()
+
+    def numbers(self, levels: Sequence[int]) -> str:
+        """Return a line with the level of each attempt if there is room, else where it changes."""
+        line = [" "] * (self.last + 1)
+        wide = len(str(max(levels))) + 1
+        changes = [n for n, level in enumerate(levels) if n == 0 or level != levels[n - 1]]
+        free_from = 0
+        for attempt in range(self.attempts) if self.attempts * wide <= self.last - self.first else changes:
+            text, column = str(levels[attempt]), self.column(attempt)
+            if free_from <= column <= self.last + 1 - len(text):
+                line[column : column + len(text)] = text
+                free_from = column + wide
+        return "".join(line).rstrip()
+
+    def bars(self, levels: Sequence[int], lines: int) -> list[str]:
+        """Return lines of bars, as high as the levels."""
+        highest, steps, width = max(*levels, 1), len(BARS), self.last - self.first + 1
+        shown = [max(levels[column * self.attempts // width], 0) for column in range(width)]
+        heights = [max(1, round(level / highest * steps * lines)) for level in shown]
+        return [
+            " " * self.first + "".join(_part_of_bar(height - below * steps) for height in heights)
+            for below in reversed(range(lines))
+        ]
+
+
+def _part_of_bar(height: int) -> str:
+    """Return the character of one line of a bar; a blank above its end."""
+    return BARS[min(height, len(BARS)) - 1] if height > 0 else " "
 
 
 def _heading(
@@ -137,17 +186,15 @@ def _heading(
     *,
     has_legend: bool,
 ) -> str:
-    """Return the names of both axes, and between them as much of the legend as fits."""
+    """Return the name of the axis, and at the right as much of the legend as fits."""
     used = set(results) if has_legend else {"no result"} & set(results)
     legend = [f"{marker} {tr(name)}" for name, marker in MARKERS.items() if name in used]
     goal = tr.figures(f" {goals[0]:g}") if len(set(goals)) == 1 else ""
     legend += [f"{GOAL} {tr('goal')}{goal}"]
-    right = f"{LEVEL} {tr('level')}"
-    left = metric[: width - len(right) - 2]
-    while legend and len("  ".join([left, *legend, right])) > width:
+    left = metric[:width]
+    while legend and len("  ".join([left, *legend])) > width:
         legend.pop()
-    middle = "  ".join(legend)
-    return left + middle.center(width - len(left) - len(right)) + right
+    return left + "  ".join(legend).rjust(width - len(left))
 
 
 def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:

@@ -233,7 +233,7 @@ async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
         await driver.see_the_summary()
         rows = [row.ljust(80) for row in driver.rows]
         (heading,) = (row for row in rows if row.count("reaction time (s)") == 2)
-        assert "░ level   " in heading
+        assert "● reached   " in heading
         ticks = [
             (row[:WALL].split("┤")[0].split(), row[WALL:].split("┤")[0].split()) for row in rows if row.count("┤") > 1
         ]

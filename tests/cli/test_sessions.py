@@ -77,7 +77,7 @@ def test_a_session_is_found_by_its_id_its_beginning_or_last(call: Call, simulate
 def test_show_prints_facts_attempts_plot_and_timing(call: Call, simulated: str) -> None:
     called = call("show", "last")
     assert (called.code, called.err) == (0, "")
-    for part in (simulated, "P01", "keyboard", "positive", "╌ goal 1000", "░ level", "of 80 trials have a flag"):
+    for part in (simulated, "P01", "keyboard", "positive", "╌ goal 1000", "level   ", "of 80 trials have a flag"):
         assert part in called.out
     assert "\x1b" not in called.out
 
@@ -92,7 +92,7 @@ def test_show_says_what_became_of_each_attempt_as_its_plot_does(call: Call, tmp_
     assert "× no result" in table["1"]
     assert "○ missed" in table["2"]
     assert "◇ inaccurate" in table["3"]
-    legend = next(line for line in printed.splitlines() if "░ level" in line)
+    legend = next(line for line in printed.splitlines() if "× no result  ╌ goal" in line)
     assert all(marker in legend for marker in ("○ missed", "◇ inaccurate", "× no result"))
 
 

@@ -5,7 +5,7 @@ import pytest
 from sar_tui.framework.messages import Outcome
 from sar_tui.framework.trial_types import Metric
 from sar_tui.reports.attempt_results import ResultName, result_name
-from sar_tui.reports.attempts_plot import attempts_figure
+from sar_tui.reports.attempts_plot import BARS, attempts_figure
 
 LEVELS = [1, 2, 3, 4, 3, 4, 5, 4]
 METRICS = [680.0, 813.0, 763.0, 1012.0, 818.0, 920.0, 1121.0, None]
@@ -29,9 +29,9 @@ def test_it_has_the_requested_size(size: tuple[int, int]) -> None:
     assert max(map(len, lines)) <= size[0]
 
 
-def test_it_names_both_axes_the_goal_and_the_markers() -> None:
+def test_it_names_the_axes_the_goal_and_the_markers() -> None:
     heading, *_, last = figure(results=RESULTS).split("\n")
-    for part in ("reaction time (ms)", "● reached", "○ missed", "× no result", "╌ goal 1000", "░ level"):
+    for part in ("reaction time (ms)", "● reached", "○ missed", "× no result", "╌ goal 1000"):
         assert part in heading
     assert last.startswith("attempt ")
     assert last.split()[1:] == ["1", "2", "3", "4", "5", "6", "7", "8"]
@@ -39,7 +39,7 @@ def test_it_names_both_axes_the_goal_and_the_markers() -> None:
 
 def test_a_goal_that_changes_with_the_level_is_drawn_at_each_attempts_height() -> None:
     lines = figure(levels=[1, 2], metrics=[700.0, 700.0], goals=[500.0, 900.0]).split("\n")
-    assert "╌ goal " in lines[0]
+    assert "╌ goal" in lines[0]
     assert "goal 500" not in lines[0]
     rows = [line for line in lines[1:] if "╌" in line]
     assert len(rows) == 2
@@ -59,9 +59,9 @@ def test_an_attempt_without_result_is_below_the_axis_in_its_column(count: int, w
         there = figure(levels=[1] * count, metrics=times, width=width).split("\n")
         times[empty] = None
         drawn = figure(levels=[1] * count, metrics=times, width=width)
-        line = drawn.split("\n")[-2]
+        axis = row_of(drawn, "└")
+        line = drawn.split("\n")[axis + 1]
         assert line.strip() == "×"
-        assert "└" in drawn.split("\n")[-3]
         with_all = next(row for row in there[1:] if "●" in row)
         assert with_all[line.index("×")] == "●", f"attempt {empty + 1} of {count} in {width} columns"
 
@@ -73,13 +73,39 @@ def test_figures_beside_each_other_have_their_axes_on_the_same_lines() -> None:
     assert len(full.split("\n")) == len(with_a_gap.split("\n"))
 
 
-@pytest.mark.parametrize("levels", [[1] * 5, [4] * 5, [3]])
-def test_a_level_that_never_changes_leaves_most_of_the_plot_empty(levels: list[int]) -> None:
-    lines = figure(levels=levels, metrics=[700.0] * len(levels)).split("\n")[1:]
-    shaded = [line for line in lines if "░" in line]
-    assert 1 <= len(shaded) <= 3
-    assert shaded == lines[-2 - len(shaded) : -2], "at the bottom"
-    assert shaded[0].rstrip().endswith(f"├{levels[0]}")
+def below_axis(drawn: str) -> list[str]:
+    """Return the lines between the axis of the results and the numbers of the attempts."""
+    return drawn.split("\n")[row_of(drawn, "└") + 1 : -1]
+
+
+def test_levels_are_below_the_attempts_as_numbers_and_bars() -> None:
+    metrics = [700.0] * len(LEVELS)
+    drawn = figure(metrics=metrics, height=18)
+    numbers, upper, lower = below_axis(drawn)
+    results = next(line for line in drawn.split("\n")[1:] if "●" in line)
+    assert numbers.split() == ["level", *map(str, LEVELS)]
+    for attempt, column in enumerate(column for column, character in enumerate(results) if character == "●"):
+        level = LEVELS[attempt]
+        assert numbers[column] == str(level)
+        heights = [(" " + BARS).index(line[column : column + 1] or " ") for line in (upper, lower)]
+        assert sum(heights) == round(level / max(LEVELS) * 2 * len(BARS))
+
+
+@pytest.mark.parametrize(("height", "lines"), [(7, 1), (9, 2), (16, 3)])
+def test_a_low_plot_has_fewer_lines_for_levels(height: int, lines: int) -> None:
+    assert len(below_axis(figure(metrics=[700.0] * len(LEVELS), height=height))) == lines
+
+
+def test_many_levels_are_numbered_where_they_change() -> None:
+    levels = [1] * 30 + [12] * 30 + [3] * 40
+    assert below_axis(figure(levels=levels, metrics=[700.0] * 100))[0].split() == ["level", "1", "12", "3"]
+
+
+@pytest.mark.parametrize("levels", [[0], [-1, 2], [1] * 5, [1000, 1]])
+def test_any_level_has_a_bar_within_its_lines(levels: list[int]) -> None:
+    drawn = figure(levels=levels, metrics=[700.0] * len(levels))
+    assert set(below_axis(drawn)[1].strip()) <= set(BARS)
+    assert len(drawn.split("\n")) == 12
 
 
 @pytest.mark.parametrize(
@@ -122,11 +148,10 @@ def test_without_outcomes_all_attempts_look_alike() -> None:
     assert (body.count("●"), body.count("○"), body.count("×")) == (7, 0, 1)
 
 
-def test_better_attempts_are_lower_and_levels_label_the_right_axis() -> None:
+def test_better_attempts_are_lower() -> None:
     lines = figure(levels=[1, 2], metrics=[500.0, 900.0], results=["reached"] * 2).split("\n")[1:]
     rows = [number for number, line in enumerate(lines) if "●" in line]
     assert lines[rows[0]].index("●") > lines[rows[-1]].index("●")
-    assert [line.rstrip()[-1] for line in lines if "├" in line] == ["2", "1"]
 
 
 def test_colour_does_not_change_the_characters() -> None:

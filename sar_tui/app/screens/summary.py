@@ -78,7 +78,7 @@ class Summary(Vertical):
 
     def _draw(self) -> None:
         from sar_tui.reports.attempt_results import MARKERS
-        from sar_tui.reports.attempts_plot import LEVEL
+        from sar_tui.reports.attempts_plot import BARS
 
         plot = self.query_one("#plot", Static)
         if not self._attempts:
@@ -89,7 +89,7 @@ class Summary(Vertical):
             return
         text = Text("\n".join(map("".join, zip(*figures, strict=True))))
         colors = self.app.theme_variables
-        text.highlight_regex(f"{LEVEL}+", colors["text-muted"])
+        text.highlight_regex(f"[{BARS}]+", colors["text-muted"])
         for name, marker in MARKERS.items():
             text.highlight_regex(f"{marker}+", colors["success" if name == "reached" else "warning"])
         plot.update(text)
