@@ -52,11 +52,22 @@ class SeatScore(msgspec.Struct, frozen=True):
 
 
 class ScoredSeats(msgspec.Struct, frozen=True):
-    """Scores and new histories by seat, and the outcome that counts for the level."""
+    """Scores and new histories by seat, and what counts for the level: the worst of the seats.
+
+    Attributes:
+        seats, histories: by seat.
+        outcome: a success if every seat reached the goal.
+        result: the worst of the results; None if a seat has none, or too few right responses.
+        reached: prompts answered right and better than the goal, of the seat with the smallest share.
+        prompts: all prompts of that seat.
+    """
 
     seats: dict[str, SeatScore]
     histories: Histories
     outcome: Outcome
+    result: float | None
+    reached: int
+    prompts: int
 
 
 def score_seats(
@@ -79,7 +90,31 @@ def score_seats(
             task, attempt, seat, results[seat], judged, reported[seat], histories[seat]
         )
     outcome = min((judgement.outcome for judgement in judgements.values()), key=_FAILURE_FIRST.index)
-    return ScoredSeats(seats, updated, outcome)
+    judged_seats = [JudgedAttempt(score, target, judgements[seat]) for seat, score in scores.items()]
+    reached, prompts = min((_reached(task, target, results[seat]) for seat in scores), key=_share)
+    return ScoredSeats(seats, updated, outcome, _worst(task, judged_seats), reached, prompts)
+
+
+def _worst(task: Task, attempts: Sequence[JudgedAttempt]) -> float | None:
+    """Return the worst result of the seats; None if one has none."""
+    found = [None if judged.has_no_result else judged.score.metric for judged in attempts]
+    values = [value for value in found if value is not None]
+    if len(values) < len(found):
+        return None
+    return max(values) if task.metric.better == "lower" else min(values)
+
+
+def _reached(task: Task, target: Target, results: Sequence[Result]) -> tuple[int, int]:
+    """Return how many prompts were answered right and better than the goal, and the number of all."""
+    reached = [
+        result.counts and result.value is not None and task.metric.is_better(result.value, target.threshold)
+        for result in results
+    ]
+    return sum(reached), len(reached)
+
+
+def _share(counted: tuple[int, int]) -> float:
+    return counted[0] / counted[1]
 
 
 def _score_seat(

@@ -6,16 +6,18 @@ import msgspec
 from msgspec.structs import replace
 
 from sar_tui.framework.attempt_scoring import AttemptFacts, Histories, SeatScore, score_seats
-from sar_tui.framework.messages import AttemptStarted, FeedbackChoice, LevelChanged, Outcome
+from sar_tui.framework.messages import AttemptStarted, FeedbackChoice, GoalChanged, LevelChanged, Outcome
 from sar_tui.framework.policies import feedback_choice, level_choice
-from sar_tui.framework.policies.difficulty.policy import Difficulty
+from sar_tui.framework.policies.difficulty.policy import MOST_RESULTS, Difficulty, Goal, ScoredAttempt
 from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Result, Results
 
+_BY_HAND = "Set by hand."
+
 
 class AttemptScore(msgspec.Struct, frozen=True):
-    """A scored attempt: the score of each seat that took part, and the change of level, if there is one."""
+    """A scored attempt: the score of each seat that took part, and the changes of level and goal, if there are any."""
 
     seats: tuple[SeatScore, ...]
     level: LevelChanged | None = None
@@ -34,12 +36,14 @@ class EndedAttempt(msgspec.Struct, frozen=True):
         at: when it ended (ns).
         seats: its scores, as they were reported.
         outcome: its outcome for the level.
+        following: the difficulty that followed from it, before an operator had a say.
     """
 
     before: "AttemptState"
     at: int
     seats: Mapping[str, SeatScore]
     outcome: Outcome
+    following: Difficulty
 
 
 class AttemptState(msgspec.Struct, frozen=True):
@@ -56,6 +60,9 @@ class AttemptState(msgspec.Struct, frozen=True):
         ended: the attempt before it, as long as that one can be amended or feedback on it requested.
         held: a change of level that waits for an operator.
         is_level_held: True if a therapist holds the level: attempts leave it as it is.
+        proposed: the difficulty after that change, if the operator accepts it.
+        goal: its goal, if the difficulty policy made one; None: the task's own.
+        past: results at each level so far, oldest first, if the difficulty policy makes goals from them.
     """
 
     attempt: int
@@ -68,12 +75,20 @@ class AttemptState(msgspec.Struct, frozen=True):
     ended: EndedAttempt | None = None
     held: LevelChanged | None = None
     is_level_held: bool = False
+    proposed: Difficulty | None = None
+    goal: Goal | None = None
+    past: Mapping[int, tuple[float | None, ...]] = {}
 
 
 def start(task: Task) -> AttemptState:
     """Return the state in which a session begins."""
     initial = level_choice.start(task.parameters, task.levels)
     return AttemptState(1, initial.level, initial, {seat: History() for seat in task.seats})
+
+
+def aimed(task: Task, state: AttemptState) -> Task:
+    """Return the task with the goal of the attempt that runs or comes next."""
+    return task.with_goal(state.goal.value if state.goal else None)
 
 
 def is_practice(task: Task, state: AttemptState) -> bool:
@@ -106,17 +121,23 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     """Score the attempt, which ended at ``now`` (ns), and set the level of the next."""
     practice = is_practice(task, state)
     facts = AttemptFacts(state.attempt, practice, state.level, state.started, now)
-    scored = score_seats(task, facts, _by_seat(task, state), state.histories)
+    scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories)
     following, change = state.difficulty, None
     if not (practice or state.is_overridden or state.is_level_held):
-        following = level_choice.step(following, scored.outcome, task.parameters, task.levels)
-        change = _change(state.level, following.level, scored.outcome)
+        number = state.attempt - task.parameters.practice_attempts
+        attempt = ScoredAttempt(number, scored.outcome, scored.result, scored.reached, scored.prompts)
+        following = level_choice.step(following, attempt, task.parameters, task.levels)
+        reason = level_choice.reason(task.parameters, scored.outcome)
+        change = _change(state.level, following.level, reason, following.why)
+    past = state.past if practice else _with_result(task, state, scored.result)
     after = replace(
         state,
         level=following.level,
         difficulty=following,
         histories=scored.histories,
-        ended=EndedAttempt(state, now, scored.seats, scored.outcome),
+        ended=EndedAttempt(state, now, scored.seats, scored.outcome, following),
+        past=past,
+        goal=_goal(task, past, following.level),
     )
     return after, AttemptScore(tuple(scored.seats.values()), change)
 
@@ -151,8 +172,8 @@ def amend(
     """Replace the results of the last trial; if its attempt has ended, score that again.
 
     Possible until the next attempt begins or the level is set by hand. Feedback that was given stands; the seats in
-    ``unsaid`` get new feedback instead. The level stands too, because an operator may have decided on it, unless the
-    outcome of the attempt has changed.
+    ``unsaid`` get new feedback instead. If an operator has decided on the level, it stands too, unless the outcome of
+    the attempt has changed.
     """
     if state.ended is None:
         return replace(state, results=(*state.results[:-1], results)), None
@@ -168,10 +189,12 @@ def amend(
             since = before.histories[seat].since + 1 if reported.feedback == "none" else 0
             histories[seat] = replace(histories[seat], since=since)
     after = replace(after, histories=histories, ended=replace(after.ended, seats=seats))
-    if after.ended and after.ended.outcome == was.outcome:
-        after = replace(after, level=state.level, difficulty=state.difficulty)
+    if after.ended and after.ended.outcome == was.outcome and state.difficulty != was.following:
+        after = replace(
+            after, level=state.level, difficulty=state.difficulty, goal=_goal(task, after.past, state.level)
+        )
     after, _ = advance(task, after)
-    change = _change(state.level, after.level, "mark")
+    change = _change(state.level, after.level, "mark", "A mark changed the attempt.")
     return after, AttemptScore(tuple(seats[one.ended.seat] for one in scored.seats), change)
 
 
@@ -179,31 +202,70 @@ def set_level(
     task: Task, state: AttemptState, level: int, *, under_way: bool
 ) -> tuple[AttemptState, LevelChanged | None]:
     """Set the level of the next attempt by hand. An attempt under way keeps its own, and does not change the next."""
-    return _put_level(task, replace(state, ended=None, is_overridden=True), level, "operator", under_way=under_way)
+    overridden = replace(state, ended=None, is_overridden=True)
+    return _put_level(task, overridden, level, "operator", _BY_HAND, under_way=under_way)
 
 
-def hold(state: AttemptState, change: LevelChanged) -> AttemptState:
+def hold(task: Task, state: AttemptState, change: LevelChanged) -> AttemptState:
     """Take back the change of level that followed from the last attempt: it waits for an operator, or is refused."""
-    return replace(state, held=change, difficulty=Difficulty(change.previous), level=change.previous)
+    level = change.previous
+    return replace(
+        state,
+        held=change,
+        proposed=state.difficulty,
+        difficulty=Difficulty(level),
+        level=level,
+        goal=_goal(task, state.past, level),
+    )
 
 
 def settle(task: Task, state: AttemptState, level: int, *, under_way: bool) -> tuple[AttemptState, LevelChanged | None]:
     """Apply a change of level that was held, as decided: to ``level``. An attempt under way keeps its own."""
-    reason = state.held.reason if state.held and state.held.level == level else "operator"
-    return _put_level(task, state, level, reason, under_way=under_way)
+    if not (state.held and state.held.level == level):
+        return _put_level(task, state, level, "operator", _BY_HAND, under_way=under_way)
+    after, change = _put_level(task, state, level, state.held.reason, state.held.why, under_way=under_way)
+    return replace(after, difficulty=state.proposed or after.difficulty), change
+
+
+def goal_change(task: Task, before: AttemptState, after: AttemptState) -> GoalChanged | None:
+    """Return the change of goal between two states, if the difficulty policy made the goal before or after it."""
+    was, now = (before.goal and before.goal.value, after.goal and after.goal.value)
+    if was == now:
+        return None
+    return GoalChanged(
+        previous=aimed(task, before).target(before.level).threshold,
+        goal=aimed(task, after).target(after.level).threshold,
+        unit=task.metric.unit,
+        reason=task.parameters.difficulty_policy,
+        why=after.goal.why if after.goal else "There is no result at this level yet.",
+    )
 
 
 def _put_level(
-    task: Task, state: AttemptState, level: int, reason: str, *, under_way: bool
+    task: Task, state: AttemptState, level: int, reason: str, why: str, *, under_way: bool
 ) -> tuple[AttemptState, LevelChanged | None]:
     highest = min(task.parameters.max_level, task.levels)
     following = Difficulty(max(task.parameters.min_level, min(level, highest)))
-    after = replace(state, difficulty=following, level=state.level if under_way else following.level)
-    return after, _change(state.difficulty.level, following.level, reason)
+    change = _change(state.difficulty.level, following.level, reason, why)
+    after = replace(state, difficulty=following)
+    if not under_way:
+        after = replace(after, level=following.level, goal=_goal(task, state.past, following.level))
+    return after, change
 
 
-def _change(before: int, after: int, reason: str) -> LevelChanged | None:
-    return LevelChanged(previous=before, level=after, reason=reason) if after != before else None
+def _change(before: int, after: int, reason: str, why: str) -> LevelChanged | None:
+    return LevelChanged(previous=before, level=after, reason=reason, why=why) if after != before else None
+
+
+def _with_result(task: Task, state: AttemptState, result: float | None) -> Mapping[int, tuple[float | None, ...]]:
+    """Return the past with the result of the attempt, if the difficulty policy needs it."""
+    if not level_choice.moves_goal(task.parameters):
+        return state.past
+    return {**state.past, state.level: (*state.past.get(state.level, ()), result)[-MOST_RESULTS:]}
+
+
+def _goal(task: Task, past: Mapping[int, tuple[float | None, ...]], level: int) -> Goal | None:
+    return level_choice.goal(past.get(level, ()), task.metric, task.parameters)
 
 
 def _by_seat(task: Task, state: AttemptState) -> dict[str, list[Result]]:

@@ -9,7 +9,7 @@ from sar_tui.framework import attempt_state as steps
 from sar_tui.framework.attempt_state import AttemptScore
 from sar_tui.framework.language import Language
 from sar_tui.framework.live_settings import NAMES, with_setting
-from sar_tui.framework.messages import AttemptStarted, LevelChanged
+from sar_tui.framework.messages import AttemptStarted, GoalChanged, LevelChanged
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial import OpenTrial
@@ -56,6 +56,11 @@ class Attempts:
     def level(self) -> int:
         """Level of the attempt that runs or comes next."""
         return self.state.level
+
+    @property
+    def goal(self) -> str:
+        """Goal of the attempt that runs or comes next, as a sentence for the participant."""
+        return steps.aimed(self._task, self.state).goal(self.level)
 
     @property
     def trial(self) -> int:
@@ -201,7 +206,11 @@ class Attempts:
 
     def hold(self, change: LevelChanged) -> None:
         """Take back a change of level: it waits for an operator, or is refused."""
-        self.state = steps.hold(self.state, change)
+        self.state = steps.hold(self._task, self.state, change)
+
+    def goal_change_since(self, before: steps.AttemptState) -> GoalChanged | None:
+        """Return the change of goal since an earlier state, if the difficulty policy made one."""
+        return steps.goal_change(self._task, before, self.state)
 
     def settle(self, level: int, *, under_way: bool) -> LevelChanged | None:
         """Apply a change of level that was held, as decided."""

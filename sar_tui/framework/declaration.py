@@ -29,7 +29,7 @@ def meta(
         takes: what a text may be, in words: "a code in lower case, such as en".
         group: its heading on the settings form. A task's own parameters need none; a common one that a task redeclares
             keeps its heading.
-        renamed: former spellings of a choice, each with its present one: ``{"thesis": "consecutive"}``. Stored
+        renamed: former spellings of a choice, each with its present one: ``{"thesis": "one-up-one-down"}``. Stored
             settings and `--set` may still use them; ``current_values`` translates.
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``. Those of a tuple's
             items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)], ...]``.

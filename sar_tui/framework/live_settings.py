@@ -8,6 +8,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import TaskParameters, build, changed
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.policies.feedback import POLICIES
+from sar_tui.framework.policies.level_choice import moves_goal
 from sar_tui.framework.task import Task
 
 GOAL, FEEDBACK_EVERY = "threshold", "feedback_every"
@@ -29,7 +30,9 @@ def with_setting(parameters: TaskParameters, name: str, value: object) -> TaskPa
 
 
 def _goal_follows(task: Task) -> bool:
-    """Return True if the task's goals depend on the threshold: it may have a goal of its own for each level."""
+    """Return True if the goals depend on the threshold: they may be a task's own, or follow a person's results."""
+    if moves_goal(task.parameters):
+        return False
     other = copy.copy(task)
     other.parameters = msgspec.structs.replace(task.parameters, threshold=task.parameters.threshold * 2 + 1)
     try:

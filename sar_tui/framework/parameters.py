@@ -43,7 +43,10 @@ class _Checked(Settings, frozen=True, kw_only=True):
 
 
 if TYPE_CHECKING:
-    from sar_tui.framework.policies.difficulty.consecutive import ConsecutiveSettings
+    from sar_tui.framework.policies.difficulty.one_up_one_down import OneUpOneDownSettings
+    from sar_tui.framework.policies.difficulty.percentile import PercentileSettings
+    from sar_tui.framework.policies.difficulty.sequence import SequenceSettings
+    from sar_tui.framework.policies.difficulty.target import TargetSettings
     from sar_tui.framework.policies.feedback.bandwidth import BandwidthSettings
     from sar_tui.framework.policies.feedback.every import EverySettings
     from sar_tui.framework.policies.feedback.faded import FadedSettings
@@ -51,7 +54,10 @@ if TYPE_CHECKING:
     class TaskParameters(
         SessionSettings,
         GoalSettings,
-        ConsecutiveSettings,
+        OneUpOneDownSettings,
+        SequenceSettings,
+        PercentileSettings,
+        TargetSettings,
         DifficultySettings,
         ScheduleSettings,
         EverySettings,

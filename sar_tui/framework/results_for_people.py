@@ -9,7 +9,7 @@ _DECIMALS = 2
 
 def goal_text(metric: Metric, goal: float, tr: Language) -> str:
     """Return a goal, for participants: "1 second", "0.85 seconds", "12 taps"."""
-    return _seconds(f"{goal / 1000:.4g}", tr) if _is_time(metric) else tr.figures(metric.show(goal))
+    return _seconds(f"{round(goal / 1000, 3):.4g}", tr) if _is_time(metric) else tr.figures(metric.show(goal))
 
 
 def result_text(metric: Metric, value: float, tr: Language, decimals: int | None = None) -> str:

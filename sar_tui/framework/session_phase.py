@@ -71,7 +71,7 @@ def waiting_message(
         reason, detail, seat: as in `messages.Waiting`.
     """
     what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
-    goal = "" if stage == "trial" else task.goal(attempts.level)
+    goal = "" if stage == "trial" else attempts.goal
     return Waiting(
         seat=seat,
         what=what,  # type: ignore[arg-type]

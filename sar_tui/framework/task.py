@@ -7,8 +7,9 @@ The framework runs it: it waits, shows, stamps, scores, adapts and gives feedbac
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from copy import copy
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 from sar_tui.framework.language import language
 from sar_tui.framework.node import Node
@@ -129,15 +130,30 @@ class Task(ABC):
         return ()
 
     def target(self, level: int) -> Target:
-        """Return the target of an attempt at a level."""
+        """Return the target of an attempt at a level, as it follows from the settings."""
         return Target(self.parameters.threshold, self.parameters.neutral_band)
+
+    def target_at(self, level: int, goal: float) -> Target:
+        """Return the target of an attempt at a level with a goal that a difficulty policy made."""
+        return Target(goal, self.target(level).neutral_band)
+
+    def with_goal(self, goal: float | None) -> Self:
+        """Return the same task with this goal in its targets and words, whatever the level; None: its own."""
+        if goal is None:
+            return self
+        aimed = copy(self)
+        vars(aimed)["target"] = lambda level: self.target_at(level, goal)
+        return aimed
 
     @abstractmethod
     def instructions(self) -> str:
         """Return the instructions for the participant."""
 
     def goal(self, level: int) -> str:
-        """Return the goal of an attempt at a level, as a sentence for the participant."""
+        """Return the goal of an attempt at a level, as a sentence for the participant.
+
+        Read it from ``target``, because a difficulty policy can set another than the settings do.
+        """
         goal = goal_text(self.metric, self.target(level).threshold, self.tr)
         needed = f"{self.parameters.min_accuracy:.0%}" if self.parameters.min_accuracy else ""
         if self.parameters.min_accuracy == 1:

@@ -10,7 +10,7 @@ from sar_tui.framework.topics import IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
 
 SENT: tuple[Topic[Any], ...] = (
     # state of the session, and what the participant sees
-    t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.SHOWN, t.VOIDED, t.FOCUS,
+    t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.GOAL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.SHOWN, t.VOIDED, t.FOCUS,
     t.SENSOR, t.STORAGE, t.SESSION_ENDED,
     # results; keys and percepts are not sent, as a trial holds their outcome
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,

@@ -6,6 +6,7 @@ from sar_tui.framework.messages import (
     Action,
     ArbiterState,
     Dropped,
+    GoalChanged,
     LevelChanged,
     LevelDecided,
     OperatorChanged,
@@ -20,6 +21,7 @@ from sar_tui.framework.topics import (
     COMMAND,
     DECISION,
     DROPPED,
+    GOAL,
     LEVEL,
     LEVEL_DECIDED,
     MODE,
@@ -111,6 +113,8 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
         text = _unapproved(message)
     elif topic == LEVEL.name:
         text = _level_changed(message)
+    elif topic == GOAL.name:
+        text = _goal_changed(message)
     elif topic == SENSOR.name:
         text = _sensor(message)
     elif topic == STORAGE.name:
@@ -198,8 +202,19 @@ def _ground(decided: LevelDecided, me: str) -> str:
 def _level_changed(changed: LevelChanged) -> _Text | None:
     if changed.previous == changed.level:
         return None
-    reason = _LEVEL_REASONS.get(changed.reason, changed.reason)
+    why = "" if changed.reason in ("operator", "mark") else _in_brackets(changed.why)
+    reason = why or _LEVEL_REASONS.get(changed.reason, changed.reason)
     return f"Level {changed.previous} → {changed.level} ({reason}).", "plain"
+
+
+def _goal_changed(changed: GoalChanged) -> _Text:
+    values = f"{changed.previous:.4g} → {changed.goal:.4g} {changed.unit}".rstrip()
+    return f"Goal {values} ({_in_brackets(changed.why)}).", "plain"
+
+
+def _in_brackets(sentence: str) -> str:
+    """Return a sentence as it reads in brackets: without capital and full stop."""
+    return sentence[:1].lower() + sentence[1:].rstrip(".")
 
 
 def _sensor(changed: SensorChanged) -> _Text | None:

@@ -120,7 +120,7 @@ class KeyboardTask(Task):
 
     def goal(self, level: int) -> str:
         tr, prompts = self.tr, self.parameters.prompts_per_attempt
-        time = goal_text(self.metric, self.parameters.threshold, tr)
+        time = goal_text(self.metric, self.target(level).threshold, tr)
         enough = math.ceil(self.parameters.min_accuracy * prompts - 1e-9)
         if not enough:
             return tr("Your goal: press the right key in less than {time} on average.", time=time)

@@ -124,6 +124,9 @@ class ReachingTask(Task):
         else:
             goal = self.parameters.threshold * math.sqrt(self.marker_cm(level) / self.marker_cm(1))
             goal = float(round(goal))
+        return self.target_at(level, goal)
+
+    def target_at(self, level: int, goal: float) -> Target:
         return Target(goal, goal * self.parameters.neutral_band / 100)
 
     # --- words ----------------------------------------------------------------------------------------------

@@ -88,7 +88,7 @@ def a_participant(data: Path) -> None:
 async def test_there_is_one_field_for_each_declared_parameter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, size=(80, 200)) as driver:
+    async with open_app(data, catalogue, size=(80, 300)) as driver:
         await driver.press("f2")
         assert driver.sees("Settings of P01 for Keyboard reaction")
         for title in ("Operator", "Timing"):
@@ -210,7 +210,7 @@ async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(dat
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert not field(driver, "difficulty_policy").is_changed
-        assert show(field(driver, "difficulty_policy").value) == "consecutive"
+        assert show(field(driver, "difficulty_policy").value) == "one-up-one-down"
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -383,7 +383,7 @@ async def test_the_form_opens_in_the_tasks_first_field_and_headings_fold_with_a_
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, size=(80, 200)) as driver:
+    async with open_app(data, catalogue, size=(80, 300)) as driver:
         await driver.press("f2")
         await driver.pilot.click(group(driver, "Timing").heading)
         await driver.settle()
@@ -487,7 +487,7 @@ async def test_settings_that_were_never_unfolded_are_saved_and_reset_too(data: P
 @pytest.mark.slow
 async def test_an_invalid_stored_value_is_unfolded_when_the_form_opens(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=9999)
-    async with open_app(data, catalogue, size=(80, 200)) as driver:
+    async with open_app(data, catalogue, size=(80, 300)) as driver:
         await driver.press("f2")
         assert driver.sees("Quiet before a prompt is a whole number, 0 to 5000, not 9999.")
         assert driver.sees("1 to fix")

@@ -155,3 +155,4 @@ def test_only_settings_with_an_effect_can_be_adjusted(catalogue: Catalogue) -> N
     assert offered("reaching") == ("threshold", "feedback_every")
     own_goals = "900, 1000, 1100, 1200, 1300, 1400"
     assert offered("reaching", goal_times_ms=own_goals) == ("feedback_every",)
+    assert offered("keyboard", difficulty_policy="percentile") == ("feedback_every",), "the goal is the person's own"

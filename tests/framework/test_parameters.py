@@ -190,9 +190,9 @@ def test_a_former_spelling_of_a_choice_is_read_as_the_present_one() -> None:
 
 def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
     class Redeclared(TaskParameters, frozen=True, kw_only=True):
-        difficulty_policy: Annotated[Literal["consecutive", "fixed"], meta("Steps")] = "fixed"
+        difficulty_policy: Annotated[Literal["one-up-one-down", "fixed"], meta("Steps")] = "fixed"
 
-    assert build(Redeclared, {"difficulty_policy": "thesis"}).difficulty_policy == "consecutive"
+    assert build(Redeclared, {"difficulty_policy": "thesis"}).difficulty_policy == "one-up-one-down"
 
 
 # --- headings --------------------------------------------------------------------------------------------------------

@@ -24,9 +24,8 @@ def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: P
             return WaitingText(tr("Welcome"), task.instructions(), tr("Press Enter to go on."))
         case "attempt":
             headline = waiting.notice or waiting.attempt_name.capitalize()
-            return WaitingText(
-                headline, waiting.goal, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name)
-            )
+            text = f"{waiting.why}\n\n{waiting.goal}" if waiting.why else waiting.goal
+            return WaitingText(headline, text, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name))
         case "review":
             press = tr("Press Enter to see how it went.")
             return WaitingText(tr("You have done it"), tr("That was the last attempt."), press)

@@ -13,6 +13,7 @@ __all__ = [
     "Fault",
     "Feedback",
     "FeedbackChoice",
+    "GoalChanged",
     "KeyPerceived",
     "LevelChanged",
     "LevelReply",
@@ -81,7 +82,8 @@ class Waiting(Message, frozen=True, kw_only=True):
     ``attempt`` (before one), ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``,
     ``broken`` (something failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in
     trials. ``seat``: whose turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before
-    the prompt. ``notice``: shown to the participant first: a new level, a trial to repeat. ``reason``, in a pause: how
+    the prompt. ``notice``: shown to the participant first: a new level, a trial to repeat. ``why``: why level or goal
+    have changed, for the participant. ``reason``, in a pause: how
     the participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also
     at the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet: ``held`` (a key is
     held down). ``detail``: the error of disk or sensor, for the experimenter. ``ask``: the key that requests feedback
@@ -109,6 +111,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     trials: int = 0
     goal: str = ""
     notice: str = ""
+    why: str = ""
     reason: str = ""
     detail: str = ""
     ask: str = ""
@@ -269,11 +272,30 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
 
 
 class LevelChanged(Message, frozen=True, kw_only=True):
-    """The level of the next attempt changed. ``reason``: ``success``, ``failure``, ``operator`` or ``mark``."""
+    """The level of the next attempt changed.
+
+    ``reason``: ``operator``, ``mark``, the outcome of an attempt (``success``, ``failure``) under the default
+    difficulty policy, or else the policy's name. ``why``: one plain sentence.
+    """
 
     previous: int
     level: int
     reason: str
+    why: str = ""
+
+
+class GoalChanged(Message, frozen=True, kw_only=True):
+    """The goal of the next attempt changed otherwise than with its level.
+
+    ``previous`` and ``goal`` are values of the metric, in its ``unit``. ``reason``: the difficulty policy's name.
+    ``why``: one plain sentence.
+    """
+
+    previous: float
+    goal: float
+    unit: str
+    reason: str
+    why: str
 
 
 class Feedback(Message, frozen=True, kw_only=True):

@@ -4,9 +4,9 @@ import contextlib
 from collections.abc import Collection
 from typing import Any
 
-from sar_tui.framework import marks
+from sar_tui.framework import change_text, marks
 from sar_tui.framework import messages as m
-from sar_tui.framework.attempt_state import AttemptScore
+from sar_tui.framework.attempt_state import AttemptScore, AttemptState
 from sar_tui.framework.attempts import Attempts, NextAttempt
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.marks import MarkedResults
@@ -18,6 +18,7 @@ from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     FEEDBACK,
+    GOAL,
     LEVEL,
     LEVEL_DECIDED,
     LEVEL_REQUEST,
@@ -40,6 +41,8 @@ class AttemptFlow(TrialFlow):
         self._feedback_due_at = 0
         self._is_decision_pending = False
         self._announced_level = 0
+        self._level_change: m.LevelChanged | None = None
+        self._goal_change: m.GoalChanged | None = None
 
     @property
     def _is_under_way(self) -> bool:
@@ -51,6 +54,7 @@ class AttemptFlow(TrialFlow):
     def _begin_attempt(self) -> None:
         self.emit(ATTEMPT_STARTED, self._attempts.begin(self.now))
         self._announced_level = self._attempts.level
+        self._level_change = self._goal_change = None
         self._trial = self._attempts.next_trial()
         self._begin_trial()
 
@@ -69,8 +73,9 @@ class AttemptFlow(TrialFlow):
 
     def _end_attempt(self) -> None:
         """Score, adapt and give feedback, in this order: memory must hold the attempt before feedback recalls it."""
+        before = self._attempts.state
         scored = self._attempts.score(self.now)
-        self._publish_score(scored)
+        self._publish_score(scored, before)
         self._give_feedback(scored, self.task.seats)
         self._after_feedback = Phase.READY if self._attempts.advance() else Phase.REVIEW
         self._feedback_due_at = max(one.feedback.due for one in scored.seats)
@@ -83,8 +88,9 @@ class AttemptFlow(TrialFlow):
 
     def _request_feedback(self) -> None:
         """Give the requested feedback on the last attempt."""
+        before = self._attempts.state
         if requested := self._attempts.request_feedback(self.now):
-            self._publish_score(requested)
+            self._publish_score(requested, before)
             self._give_feedback(requested, self.task.seats)
             self._wait(self._phase)
 
@@ -117,33 +123,58 @@ class AttemptFlow(TrialFlow):
         else:
             super().timer(name, late)
 
-    # --- the level ------------------------------------------------------------------------------------------
+    # --- level and goal -------------------------------------------------------------------------------------
 
-    def _publish_score(self, scored: AttemptScore) -> None:
-        """Publish the attempt, and the level that follows unless an operator has a say in it."""
+    def _publish_score(self, scored: AttemptScore, before: AttemptState) -> None:
+        """Publish the attempt, and the level that follows unless an operator has a say in it; then the goal."""
         for one in scored.seats:
             self.emit(ATTEMPT_ENDED, one.ended)
-        if scored.level is None:
-            return
-        request = m.LevelRequest(change=scored.level, is_last=scored.first.ended.attempt == self._attempts.total)
-        if self.ask(LEVEL_REQUEST, request).happens:
-            self.emit(LEVEL, scored.level)
-        else:
-            self._attempts.hold(scored.level)
+        if change := scored.level:
+            request = m.LevelRequest(change=change, is_last=scored.first.ended.attempt == self._attempts.total)
+            if self.ask(LEVEL_REQUEST, request).happens:
+                self._emit_level(change)
+            else:
+                self._attempts.hold(change)
+        self._publish_goal(before)
+
+    def _emit_level(self, change: m.LevelChanged) -> None:
+        self._level_change = change
+        self.emit(LEVEL, change)
+
+    def _publish_goal(self, before: AttemptState) -> None:
+        if change := self._attempts.goal_change_since(before):
+            self._goal_change = change
+            self.emit(GOAL, change)
+
+    @property
+    def _why_changed(self) -> str:
+        """Sentences for the participant: why the next attempt has another level or goal than the last one."""
+        if not self._announced_level:
+            return ""
+        found = []
+        if (change := self._level_change) and self._attempts.level != self._announced_level:
+            harder = self._attempts.level > self._announced_level
+            found.append(change_text.level_change_text(change.reason, harder=harder, tr=self.task.tr))
+        if self._goal_change:
+            found.append(change_text.goal_change_text(self.task.tr))
+        return " ".join(filter(None, found))
 
     @on(LEVEL_DECIDED)
     def level_decided(self, decided: m.LevelDecided) -> None:
         """Apply a change of level that waited for an operator; a rejected one leaves the level as it is."""
         if decided.decision == "rejected" or self._phase in OVER:
             return
-        self._publish_level(self._attempts.settle(decided.level, under_way=self._is_under_way))
+        before = self._attempts.state
+        self._publish_level(self._attempts.settle(decided.level, under_way=self._is_under_way), before)
 
     def _set_level(self, level: int) -> None:
-        self._publish_level(self._attempts.set_level(level, under_way=self._is_under_way))
+        before = self._attempts.state
+        self._publish_level(self._attempts.set_level(level, under_way=self._is_under_way), before)
 
-    def _publish_level(self, change: m.LevelChanged | None) -> None:
+    def _publish_level(self, change: m.LevelChanged | None, before: AttemptState) -> None:
         if change:
-            self.emit(LEVEL, change)
+            self._emit_level(change)
+        self._publish_goal(before)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
@@ -187,8 +218,9 @@ class AttemptFlow(TrialFlow):
         for message in marks.messages(*last, self._last_results.mark, correct):
             self.emit(MARKED, message)
         unsaid = self.ask(UNSAID_FEEDBACK, m.UnsaidFeedbackRequest(attempt=last[0])).seats
+        before = self._attempts.state
         if scored := self._attempts.amend(results, unsaid):
-            self._publish_score(scored)
+            self._publish_score(scored, before)
             self._give_feedback(scored, unsaid)
             self._wait(self._phase)
 

@@ -3,6 +3,8 @@
 from collections.abc import Collection
 from typing import Literal
 
+from msgspec.structs import replace
+
 from sar_tui.framework import marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.blockers import Blockers
@@ -27,6 +29,7 @@ from sar_tui.framework.topics import (
     COMMAND,
     CUE,
     FEEDBACK,
+    GOAL,
     LEVEL,
     LEVEL_REQUEST,
     MARKED,
@@ -60,6 +63,7 @@ class EventHandler(AttemptFlow):
         MARKED,
         ATTEMPT_ENDED,
         LEVEL,
+        GOAL,
         FEEDBACK,
         SESSION_ENDED,
     )
@@ -234,7 +238,8 @@ class EventHandler(AttemptFlow):
         detail = self._blockers.detail(why)
         seat = self._blockers.lost_seat if why == "sensor" else self._turn
         message = waiting_message(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
-        self.emit(WAITING, message)
+        changed = self._why_changed if phase is Phase.READY else ""
+        self.emit(WAITING, replace(message, why=changed) if changed else message)
 
     @property
     def _turn(self) -> str:

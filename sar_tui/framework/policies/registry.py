@@ -20,9 +20,14 @@ class HasSettings(Protocol):
 
 
 def find(package: str, path: Iterable[str], kind: type[P]) -> dict[str, P]:
-    """Return the policies of a package by name: the ``POLICY`` of each module that has one, in order of name."""
+    """Return the policies of a package by name: the ``POLICY`` of each module that has one, in order of name.
+
+    The name is that of the module, with hyphens.
+    """
     modules = (importlib.import_module(f"{package}.{found.name}") for found in pkgutil.iter_modules(path))
-    policies = ((module.__name__.rpartition(".")[2], getattr(module, "POLICY", None)) for module in modules)
+    policies = (
+        (module.__name__.rpartition(".")[2].replace("_", "-"), getattr(module, "POLICY", None)) for module in modules
+    )
     return {name: policy for name, policy in sorted(policies) if isinstance(policy, kind)}
 
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from sar_tui.framework.declaration import Settings, meta
-from sar_tui.framework.policies.difficulty import POLICIES
+from sar_tui.framework.policies.difficulty import BY_OUTCOME, POLICIES
 
 if TYPE_CHECKING:
     PolicyName = str
@@ -34,11 +34,11 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
         PolicyName,
         meta(
             "Difficulty",
-            help="consecutive: one level up or down after successes or failures in a row. fixed: no change.",
+            help=" ".join(f"{name}: {policy.summary}" for name, policy in POLICIES.items()),
             group="Difficulty",
-            renamed={"thesis": "consecutive"},
+            renamed={"thesis": BY_OUTCOME, "consecutive": BY_OUTCOME},
         ),
-    ] = "consecutive"
+    ] = BY_OUTCOME
 
     def problems(self) -> dict[str, str]:
         """Return why the levels do not fit together, by parameter."""

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from sar_tui.framework.messages import Outcome
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.policies import level_choice
-from sar_tui.framework.policies.difficulty.policy import Difficulty
+from sar_tui.framework.policies.difficulty.policy import Difficulty, ScoredAttempt
 
 OUTCOMES = st.lists(st.sampled_from(["success", "failure"]), max_size=80)
 
@@ -31,8 +31,8 @@ def set_ups(draw: st.DrawFn) -> tuple[TaskParameters, int]:
 def levels(parameters: TaskParameters, count: int, outcomes: list[Outcome]) -> list[int]:
     state = level_choice.start(parameters, count)
     found = [state.level]
-    for outcome in outcomes:
-        state = level_choice.step(state, outcome, parameters, count)
+    for number, outcome in enumerate(outcomes, 1):
+        state = level_choice.step(state, ScoredAttempt(number, outcome), parameters, count)
         found.append(state.level)
     return found
 
@@ -74,6 +74,16 @@ def test_the_level_changes_exactly_after_the_required_number_in_a_row(
 def test_a_fixed_level_stays(start: int, outcomes: list[Outcome]) -> None:
     parameters = build(TaskParameters, {"start_level": start, "difficulty_policy": "fixed"})
     assert set(levels(parameters, 10, outcomes)) == {start}
+
+
+def test_each_change_of_level_has_a_reason_and_no_other_attempt_has_one() -> None:
+    parameters = build(TaskParameters, {"consecutive_failures": 2, "start_level": 2})
+    state, why = level_choice.start(parameters, 3), []
+    outcomes: list[Outcome] = ["success", "success", "failure", "failure"]
+    for number, outcome in enumerate(outcomes, 1):
+        state = level_choice.step(state, ScoredAttempt(number, outcome), parameters, 3)
+        why.append(state.why)
+    assert why == ["Goal reached.", "", "", "Goal missed 2 times in a row."]
 
 
 def test_by_default_every_success_raises_and_every_failure_lowers_the_level() -> None:

@@ -26,11 +26,11 @@ class StrideSettings(Settings, frozen=True, kw_only=True):
     stride: Annotated[int, meta("Stride", "levels", ge=1, le=5, group="Difficulty")] = 1
 
 
-def step(state, outcome, settings, bounds):
+def step(state, attempt, settings, bounds):
     return Difficulty(min(state.level + settings.stride, bounds.highest))
 
 
-POLICY = DifficultyPolicy(step, StrideSettings)
+POLICY = DifficultyPolicy("Each attempt is harder.", StrideSettings, step)
 '''
 ALTERNATE = '''
 """Feedback on every other attempt."""
