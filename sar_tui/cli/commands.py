@@ -20,6 +20,8 @@ COMMANDS = {
     "simulate": "simulate:simulate",
     "sessions": "sessions:sessions",
     "show": "sessions:show",
+    "wellbeing": "wellbeing:wellbeing",
+    "adverse": "adverse:app",
     "detect": "detect:detect",
     "reanalyse": "reanalyse:reanalyse",
     "validate": "validate:validate",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from sar_tui.cli.tables import Findings
     from sar_tui.framework.trial_types import Metric
     from sar_tui.reports.output_summary import OutputSummary
+    from sar_tui.store.adverse_events import AdverseEvent
 
 Row = dict[str, Any]
 _PLOT_SIZE = (100, 14)
@@ -35,7 +36,7 @@ def sessions(
     tasks: Tasks = None,
 ) -> None:
     """List the recorded sessions, the newest first."""
-    from sar_tui.store import participants
+    from sar_tui.store import participants, wellbeing
     from sar_tui.store.sessions import listing, operators
 
     home = Home.of(context, data, tasks)
@@ -43,7 +44,8 @@ def sessions(
     with home.database() as database:
         known = operators(database)
         listed = listing(database, home.folder, participant=code)
-    rows = [{**row, "operators": known.get(row["id"], [])} for row in listed]
+        felt = wellbeing.by_session(database, [row["id"] for row in listed])
+    rows = [{**row, "operators": known.get(row["id"], []), "wellbeing": felt.get(row["id"], [])} for row in listed]
     if as_json:
         print_json({"sessions": rows})
         return
@@ -56,11 +58,13 @@ def sessions(
         return
 
     from sar_tui.cli.long_table import print_table
+    from sar_tui.reports.wellbeing import marks
     from sar_tui.store.sessions import local_time, participant_codes
 
     def cells(row: Row) -> tuple[object, ...]:
         status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
         status += ", operator" if row["operators"] else ""
+        status += f", {felt}" if (felt := marks(row["wellbeing"])) else ""
         began = local_time(row["started_at"])
         return row["id"], began, participant_codes(row), row["task"], status, row["attempts"]
 
@@ -77,6 +81,7 @@ def show(
 ) -> None:
     """Show a session: attempts, plot, timing."""
     from sar_tui.reports.output_summary import output_summaries
+    from sar_tui.store import adverse_events, wellbeing
     from sar_tui.store import sessions as store
 
     home = Home.of(context, data, tasks)
@@ -86,8 +91,11 @@ def show(
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
         outputs = output_summaries(database, found["id"])
+        felt = wellbeing.of_session(database, found["id"])
+        events = adverse_events.listing(database, session=found["id"])
     if as_json:
-        print_json({"session": found, "attempts": attempts, "trials": trials, "outputs": outputs})
+        known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs}
+        print_json({**known, "wellbeing": felt, "adverse_events": events})
         return
 
     from sar_tui.cli.tables import attempts_table, seats, summary
@@ -102,6 +110,7 @@ def show(
             _print_plot(out, attempts, seat, metric)
     out.print(summary(attempts, metric, _findings(home, found["task"])), soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
+    _print_wellbeing(out, found, felt, events)
     _print_timing(out, found["machine"], trials)
     print_failed_outputs(out, outputs)
 
@@ -187,6 +196,24 @@ def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
     marks = [f"attempt {t['attempt']} {mark}" for t in trials if (mark := (t["details"] or {}).get("mark"))]
     if marks:
         out.print(f"Marked by the therapist: {', '.join(marks)}.", soft_wrap=True, end="\n\n")
+
+
+def _print_wellbeing(out: "Console", row: Row, felt: Sequence[Row], events: "Sequence[AdverseEvent]") -> None:
+    """Print what the participants said of pain and tiredness, and adverse events that began in the session."""
+    from sar_tui.reports.wellbeing import sentences
+
+    lines = []
+    for seat, code in (("A", row["participant"]), ("B", row["partner"])):
+        if code and (said := sentences(felt, seat)):
+            lines.append(f"{f'{code}: ' if row['partner'] else ''}{' '.join(said)}")
+    for event in events:
+        done = "".join(
+            f" {name}: {text}." for name, text in (("Action", event.action), ("Outcome", event.outcome)) if text
+        )
+        who = f" of {event.participant}" if row["partner"] else ""
+        lines.append(f"! Adverse event {event.event}{who}, {event.severity}: {event.what}.{done}")
+    if lines:
+        out.print("\n".join(lines), soft_wrap=True, end="\n\n")
 
 
 def _print_timing(out: "Console", machine: Row, trials: Sequence[Row]) -> None:

@@ -7,7 +7,7 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
-from sar_tui.store import imu
+from sar_tui.store import imu, wellbeing
 from sar_tui.store.messages import Numbers, encoder
 
 Rows = dict[str, list[tuple[Any, ...]]]
@@ -52,6 +52,7 @@ SQL = {
     "notes": "INSERT INTO notes (session, at_ns, author, text, label) VALUES (?,?,?,?,?)",
     "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
     "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
+    "pauses": wellbeing.PAUSES,
     "session_ends": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
 }
 """The statements for the rows of a batch, in order of execution."""
@@ -65,7 +66,7 @@ def _text(value: object) -> str:
 
 _OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded}
 _OF_ACTIONS = {m.Proposal, m.PendingApproval, m.ProposalSeen, m.Action, m.Dropped, m.LevelDecided, m.OutputReport}
-_OF_SESSIONS = {m.NoteAdded, m.SessionEnded}
+_OF_SESSIONS = {m.NoteAdded, m.SessionCommand, m.SessionEnded}
 """Messages that become more than a row of ``messages``: a small part of all."""
 
 
@@ -87,10 +88,16 @@ def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> 
     return rows
 
 
+_SAID_IN_PAUSES = {"pain": "pain", "tired": "fatigue"}
+"""What is stored of a pause, by its reason."""
+
+
 def _add_to_session(rows: Rows, session: str, at: int, message: m.Message) -> None:
     match message:
         case m.NoteAdded() as n:
             rows["notes"].append((session, n.at or at, n.actor, n.text, n.label))
+        case m.SessionCommand(command="pause") as c if c.reason in _SAID_IN_PAUSES:
+            rows["pauses"].append((session, c.seat, _SAID_IN_PAUSES[c.reason], wellbeing.now()))
         case m.SessionEnded() as e:
             rows["session_ends"].append((e.status, datetime.now(UTC).isoformat(), session))
 

@@ -194,6 +194,23 @@ def version_6(db: sqlite_utils.Database) -> None:
         db.execute(statement)
 
 
+@migrations()
+def version_7(db: sqlite_utils.Database) -> None:
+    """Pain and tiredness: answers to questions, and what was said in pauses, also of earlier sessions."""
+    for statement in _WELLBEING:
+        db.execute(statement)
+
+
+@migrations()
+def version_8(db: sqlite_utils.Database) -> None:
+    """Adverse events, each with all its versions."""
+    db.execute(
+        "CREATE TABLE adverse_events (event TEXT NOT NULL, version INTEGER NOT NULL, participant TEXT NOT NULL,"
+        " session TEXT, onset TEXT NOT NULL, what TEXT NOT NULL, severity TEXT NOT NULL, action TEXT NOT NULL,"
+        " outcome TEXT NOT NULL, recorded_at TEXT NOT NULL, recorded_by TEXT NOT NULL, PRIMARY KEY (event, version))"
+    )
+
+
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")
@@ -244,4 +261,23 @@ _PROGRAMMES = (
     FROM programmes WHERE participant=NEW.participant AND task=NEW.task;
 END""",
     "ALTER TABLE sessions ADD COLUMN programme INTEGER",
+)
+
+_WELLBEING = (
+    "CREATE TABLE wellbeing (session TEXT, seat TEXT NOT NULL, participant TEXT NOT NULL, moment TEXT NOT NULL,"
+    " question TEXT NOT NULL, answer TEXT NOT NULL, at TEXT NOT NULL, PRIMARY KEY (participant, question, at))",
+    "CREATE INDEX idx_wellbeing_session ON wellbeing (session)",
+    """INSERT OR IGNORE INTO wellbeing
+SELECT said.session, seats.seat, seats.participant, 'pause',
+    CASE json_extract(said.message, '$.reason') WHEN 'pain' THEN 'pain' ELSE 'fatigue' END, 'yes',
+    coalesce(
+        strftime('%Y-%m-%dT%H:%M:%f+00:00', json_extract(clock_anchor, '$.utc'),
+            printf('%+.3f seconds', (said.at_ns - json_extract(clock_anchor, '$.clock_ns')) / 1e9)),
+        sessions.started_at)
+FROM events AS said
+JOIN sessions ON sessions.id=said.session
+JOIN seats ON seats.session=said.session AND seats.seat=coalesce(json_extract(said.message, '$.seat'), 'A')
+LEFT JOIN runs ON runs.session=said.session AND runs.run=said.run
+WHERE said.topic='operator/act' AND json_extract(said.message, '$.command')='pause'
+    AND json_extract(said.message, '$.reason') IN ('pain', 'tired')""",
 )

@@ -5,6 +5,9 @@ import sqlite3
 from sar_tui.store import messages
 from sar_tui.store.database import transaction
 
+_APPENDED = ("wellbeing", "adverse_events")
+"""Tables whose rows people add to later: what the target has is never replaced."""
+
 
 def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> None:
     """Copy a session with its participants and their programmes.
@@ -18,9 +21,10 @@ def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session
     """
     with transaction(target) as connection:
         for table in _tables(source, "session"):
-            if not adds:
+            keeps = adds or table in _APPENDED
+            if not keeps:
                 connection.execute(f'DELETE FROM "{table}" WHERE session=?', (session,))
-            copy_rows(source, connection, table, "session=?", session, or_ignore=adds)
+            copy_rows(source, connection, table, "session=?", session, or_ignore=keeps)
         messages.copy(source, connection, session, adds=adds)
         connection.execute("DELETE FROM sessions WHERE id=?", (session,))
         copy_rows(source, connection, "sessions", "id=?", session)

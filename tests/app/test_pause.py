@@ -54,6 +54,19 @@ async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Cat
         await driver.to_prompt()
         reasons = [act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"]
         assert reasons == ["", "tired", "pain"]
+        said = driver.stored("SELECT session, seat, participant, moment, question, answer FROM wellbeing ORDER BY at")
+        here = (driver.session_id, "A", "P01", "pause")
+        assert said == [(*here, "fatigue", "yes"), (*here, "pain", "yes")]
+
+
+async def test_pain_said_in_a_pause_is_in_the_sessions_row(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape", "down", "down", "enter")
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("interrupted: Enter resumes · pain")
 
 
 async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:

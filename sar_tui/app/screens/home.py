@@ -124,13 +124,14 @@ class HomeScreen(Screen[None]):
         people.highlighted = codes.index(chosen) if chosen in codes else 0
 
     def _list_recent(self) -> None:
-        from sar_tui.store import sessions
+        from sar_tui.store import sessions, wellbeing
 
         recent, chosen = self.query_one("#recent", OptionList), self._chosen("recent")
         rows = sessions.listing(self.app.database, self.app.folder, limit=30)
+        felt = wellbeing.by_session(self.app.database, [row["id"] for row in rows])
         self._recent = {row["id"]: row for row in rows}
         recent.clear_options()
-        recent.add_options([Option(_line(row), id=row["id"]) for row in rows])
+        recent.add_options([Option(_line(row, felt.get(row["id"], [])), id=row["id"]) for row in rows])
         if rows:
             recent.highlighted = list(self._recent).index(chosen) if chosen in self._recent else 0
         else:
@@ -368,12 +369,14 @@ def _can_resume(row: "Row") -> bool:
     return bool(row["status"] == "interrupted" and row["mode"] == "live")
 
 
-def _line(row: "Row") -> str:
-    """Return a session as a line: start, participants, task, attempts, status."""
+def _line(row: "Row", felt: "list[Row]") -> str:
+    """Return a session as a line: start, participants, task, attempts, status, pain and tiredness."""
+    from sar_tui.reports.wellbeing import marks
     from sar_tui.store import sessions
 
     when = sessions.local_time(row["started_at"])
     done = f"{row['attempts']} of {row['parameters'].get('attempts', '?')}"
     how = "interrupted: Enter resumes" if _can_resume(row) else row["status"]
     kind = "" if row["mode"] == "live" else f" ({row['mode']})"
-    return f"{when}  {sessions.participant_codes(row):<8} {row['task']:<10} {done:>9}  {how}{kind}"
+    pain = f" · {told}" if (told := marks(felt)) else ""
+    return f"{when}  {sessions.participant_codes(row):<8} {row['task']:<10} {done:>9}  {how}{kind}{pain}"

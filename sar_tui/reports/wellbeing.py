@@ -1,0 +1,58 @@
+"""Pain and tiredness in words: of a session, and what the therapist should know of a participant."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.policies.wellbeing import SEVERE, TellReason, stop_now
+from sar_tui.store.wellbeing import NOT_SAID, Row, ratings
+
+_NAMES = {"pain": "pain", "fatigue": "tiredness"}
+_IN_PAUSES = {"pain": "in pain", "fatigue": "tired"}
+_TOLD: dict[TellReason, str] = {
+    "new pain": "Pain is new: some in each of the last four sessions, and none before. Tell the therapist.",
+    "worse pain": "Pain is worse: more in each of the last four sessions than before them. Tell the therapist.",
+    "tired": f"Very tired ({SEVERE} or more of 10) after each of the last two sessions. Tell the therapist.",
+}
+
+
+def marks(rows: Sequence[Row]) -> str:
+    """Return the worst pain and tiredness of a session in a few characters, for a list; empty if there is none.
+
+    Pain that was said in a pause is shown even if no number is known.
+    """
+    found = []
+    for question, name in (("pain", "pain"), ("fatigue", "tired")):
+        numbers = [int(row["answer"]) for row in rows if row["question"] == question and row["answer"].isdecimal()]
+        is_said = any(row["question"] == question and row["moment"] == "pause" for row in rows)
+        if max(numbers, default=0) or is_said:
+            found.append(f"{name} {max(numbers, default=0) or ''}".strip())
+    return ", ".join(found)
+
+
+def sentences(rows: Sequence[Row], seat: str) -> list[str]:
+    """Return what a participant said in a session, a sentence for each symptom, and if it was a reason to stop."""
+    mine = [row for row in rows if row["seat"] == seat]
+    found = [text for question in _NAMES if (text := _symptom(mine, question))]
+    rated = ratings(mine, seat)
+    if stop_now(None, rated.pain_before) or stop_now(rated.pain_before, rated.pain_after):
+        found.append("That was a reason to stop and to tell the therapist.")
+    return found
+
+
+def advice(reasons: Sequence[TellReason]) -> list[str]:
+    """Return a sentence for each thing that the therapist should be told."""
+    return [_TOLD[reason] for reason in reasons]
+
+
+def _symptom(rows: Sequence[Row], question: str) -> str:
+    parts = []
+    for moment in ("before", "after"):
+        given = [row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, question)]
+        where = [row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, "place")]
+        if given:
+            place = f" ({where[-1]})" if question == "pain" and where and where[-1] != NOT_SAID else ""
+            parts.append(f"{'would rather not say' if given[-1] == NOT_SAID else given[-1]} {moment}{place}")
+    pauses = sum((row["moment"], row["question"]) == ("pause", question) for row in rows)
+    if pauses:
+        times = {1: "in a pause"}.get(pauses, f"in {pauses} pauses")
+        parts.append(f'"{_IN_PAUSES[question]}" {times}')
+    return f"{_NAMES[question].capitalize()}: {', '.join(parts)}." if parts else ""

@@ -1,0 +1,110 @@
+"""Answers about pain and tiredness, before and after sessions and in pauses."""
+
+import sqlite3
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from typing import Any, Literal
+
+from sar_tui.framework.policies.wellbeing import Moment, SessionRatings
+from sar_tui.store.database import transaction
+
+Row = dict[str, Any]
+Question = Literal["pain", "place", "fatigue"]
+NOT_SAID = "not said"
+"""Answer of a participant who would rather not say."""
+_COLUMNS = ("session", "seat", "participant", "moment", "question", "answer", "at")
+PAUSES = (
+    "INSERT OR IGNORE INTO wellbeing (session, seat, participant, moment, question, answer, at)"
+    " SELECT ?1, seat, participant, 'pause', ?3, 'yes', ?4 FROM seats WHERE session=?1 AND seat=?2"
+)
+"""Statement that stores what was said in a pause: session, seat, question, time."""
+
+
+def now() -> str:
+    """Return the present time as it is stored."""
+    return datetime.now(UTC).isoformat()
+
+
+def save(
+    db: sqlite3.Connection,
+    participant: str,
+    moment: Moment,
+    question: Question,
+    answer: str,
+    *,
+    session: str | None = None,
+    seat: str = "A",
+) -> str:
+    """Store an answer at once, and return its time. Raises StoreError.
+
+    Answers before a session have none yet: see `attach`.
+    """
+    at = now()
+    with transaction(db) as connection:
+        connection.execute(
+            f"INSERT INTO wellbeing ({', '.join(_COLUMNS)}) VALUES (?,?,?,?,?,?,?)",
+            (session, seat, participant, moment, question, answer, at),
+        )
+    return at
+
+
+def attach(db: sqlite3.Connection, session: str, participants: Sequence[str], since: str) -> None:
+    """Give answers that were stored since a time, before the session began, their session. Raises StoreError."""
+    slots = ",".join("?" for _ in participants)
+    with transaction(db) as connection:
+        connection.execute(
+            f"UPDATE wellbeing SET session=? WHERE session IS NULL AND at>=? AND participant IN ({slots})",
+            (session, since, *participants),
+        )
+
+
+def of_session(db: sqlite3.Connection, session: str) -> list[Row]:
+    """Return the rows of a session, in order."""
+    return list(_rows(db.execute(f"{_SELECT} WHERE session=? ORDER BY at, rowid", (session,))))
+
+
+def by_session(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, list[Row]]:
+    """Return the rows of some sessions by session; only those of which something is known."""
+    found: dict[str, list[Row]] = {}
+    wanted = set(sessions)
+    for row in _rows(db.execute(f"{_SELECT} WHERE session IS NOT NULL ORDER BY at, rowid")):
+        if row["session"] in wanted:
+            found.setdefault(row["session"], []).append(row)
+    return found
+
+
+def of_participant(db: sqlite3.Connection, participant: str) -> list[Row]:
+    """Return the rows of a participant, oldest first; some have no session, as it did not begin."""
+    return list(_rows(db.execute(f"{_SELECT} WHERE participant=? ORDER BY at, rowid", (participant,))))
+
+
+def ratings(rows: Sequence[Row], seat: str = "A") -> SessionRatings:
+    """Return the ratings of a session from its rows; the last answer of a question counts."""
+    found: dict[str, int] = {}
+    told_pain = False
+    for row in rows:
+        if row["seat"] != seat:
+            continue
+        if row["moment"] == "pause":
+            told_pain = told_pain or row["question"] == "pain"
+        elif row["question"] in ("pain", "fatigue") and row["answer"].isdecimal():
+            found[f"{row['question']}_{row['moment']}"] = int(row["answer"])
+    return SessionRatings(**found, told_pain=told_pain)
+
+
+def history(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
+    """Return the ratings of a participant's live sessions, oldest first, also of those that did not ask."""
+    sessions = db.execute(
+        "SELECT sessions.id, seats.seat FROM sessions JOIN seats ON seats.session=sessions.id"
+        " WHERE participant=? AND mode='live' ORDER BY sessions.rowid",
+        (participant,),
+    ).fetchall()
+    known = by_session(db, [session for session, _ in sessions])
+    return [ratings(known.get(session, ()), seat) for session, seat in sessions]
+
+
+_SELECT = f"SELECT {', '.join(_COLUMNS)} FROM wellbeing"
+
+
+def _rows(cursor: sqlite3.Cursor) -> Iterator[Row]:
+    return (dict(zip(_COLUMNS, row, strict=True)) for row in cursor)

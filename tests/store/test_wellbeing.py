@@ -1,0 +1,80 @@
+"""Answers about pain and tiredness are stored at once, and belong to their session."""
+
+import gzip
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.policies.wellbeing import SessionRatings
+from sar_tui.store import participants, sessions, wellbeing
+from sar_tui.store.database import connect
+from sar_tui.store.session_copy import copy_session
+
+FACTS = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}}
+
+
+def new_session(database: sqlite3.Connection, name: str, participant: str = "P01", partner: str = "") -> None:
+    participants.add(database, participant)
+    sessions.create(database, name, task="keyboard", participant=participant, partner=partner, mode="live", **FACTS)  # type: ignore[arg-type]
+
+
+def test_answers_before_a_session_belong_to_it_once_it_begins(database: sqlite3.Connection) -> None:
+    wellbeing.save(database, "P01", "before", "pain", "8")
+    since = wellbeing.save(database, "P01", "before", "pain", "2")
+    wellbeing.save(database, "P01", "before", "place", "left shoulder")
+    wellbeing.save(database, "P02", "before", "pain", "1")
+    new_session(database, "abc")
+    wellbeing.attach(database, "abc", ["P01"], since)
+    known = [(row["session"], row["answer"]) for row in wellbeing.of_participant(database, "P01")]
+    assert known == [(None, "8"), ("abc", "2"), ("abc", "left shoulder")]
+    assert [row["session"] for row in wellbeing.of_participant(database, "P02")] == [None]
+
+
+def test_ratings_are_the_last_answers_of_each_seat(database: sqlite3.Connection) -> None:
+    new_session(database, "abc", partner="P02")
+    for answer in ("4", "5"):
+        wellbeing.save(database, "P01", "before", "pain", answer, session="abc")
+    wellbeing.save(database, "P01", "after", "pain", wellbeing.NOT_SAID, session="abc")
+    wellbeing.save(database, "P02", "after", "fatigue", "10", session="abc", seat="B")
+    rows = wellbeing.by_session(database, ["abc", "def"])["abc"]
+    assert wellbeing.ratings(rows) == SessionRatings(pain_before=5)
+    assert wellbeing.ratings(rows, "B") == SessionRatings(fatigue_after=10)
+    assert wellbeing.history(database, "P02") == [SessionRatings(fatigue_after=10)]
+
+
+def test_sessions_without_an_answer_are_known_without_ratings(database: sqlite3.Connection) -> None:
+    new_session(database, "abc")
+    assert wellbeing.of_session(database, "abc") == []
+    assert wellbeing.history(database, "P01") == [SessionRatings()]
+
+
+def test_a_copied_session_keeps_the_answers_that_the_target_has(database: sqlite3.Connection, tmp_path: Path) -> None:
+    with closing(connect(tmp_path / "other")) as other:
+        for each in (database, other):
+            new_session(each, "abc")
+        wellbeing.save(other, "P01", "before", "pain", "2", session="abc")
+        wellbeing.save(database, "P01", "after", "pain", "3", session="abc")
+        for _ in range(2):
+            copy_session(other, database, "abc")
+    assert [row["answer"] for row in wellbeing.of_session(database, "abc")] == ["2", "3"]
+
+
+@pytest.mark.parametrize(("reason", "question"), [("pain", "pain"), ("tired", "fatigue")])
+def test_pauses_of_earlier_sessions_are_found(tmp_path: Path, reason: str, question: str) -> None:
+    packed = Path(__file__).with_name("earlier.db.gz").read_bytes()
+    (tmp_path / "sar-tui.db").write_bytes(gzip.decompress(packed))
+    with closing(sqlite3.connect(tmp_path / "sar-tui.db")) as earlier:
+        (session,) = earlier.execute(
+            "SELECT id FROM sessions WHERE status='interrupted' OR status='running'"
+        ).fetchone()
+        said = f'{{"command":"pause","reason":"{reason}"}}'
+        for number, message in enumerate((said, '{"command":"pause"}', '{"command":"resume"}')):
+            row = (session, 10_000 + number, 1, 10**12, "operator/act", message)
+            earlier.execute("INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)", row)
+        earlier.commit()
+    with closing(connect(tmp_path)) as database:
+        (row,) = wellbeing.of_session(database, session)
+    assert (row["moment"], row["question"], row["answer"], row["seat"]) == ("pause", question, "yes", "A")
+    assert row["at"].endswith("+00:00")
