@@ -89,7 +89,7 @@ def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> 
 
 
 _SAID_IN_PAUSES = {"pain": "pain", "tired": "fatigue"}
-"""What is stored of a pause, by its reason."""
+"""The question that a pause answers, by its reason."""
 
 
 def _add_to_session(rows: Rows, session: str, at: int, message: m.Message) -> None:
