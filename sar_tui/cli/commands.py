@@ -24,6 +24,7 @@ COMMANDS = {
     "adverse": "adverse:app",
     "detect": "detect:detect",
     "reanalyse": "reanalyse:reanalyse",
+    "progress": "progress:progress",
     "validate": "validate:validate",
     "graph": "graph:graph",
     "serve": "serve:serve",

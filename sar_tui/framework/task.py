@@ -19,6 +19,7 @@ from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.trial_types import (
     Act,
     Again,
+    Axis,
     Details,
     Mark,
     Metric,
@@ -87,6 +88,15 @@ class Task(ABC):
     def levels(self) -> int:
         """Number of levels."""
         return self.parameters.max_level
+
+    @property
+    def axis(self) -> Axis:
+        """The axis of difficulty, on which progress over sessions is measured."""
+        return Axis()
+
+    def difficulty(self, level: int) -> float:
+        """Return the place of a level on the axis of difficulty; by default the level itself."""
+        return float(level)
 
     @property
     def trials_per_attempt(self) -> int:

@@ -47,6 +47,23 @@ class Target(msgspec.Struct, frozen=True):
     neutral_band: float
 
 
+class Axis(msgspec.Struct, frozen=True):
+    """The axis on which the difficulty of levels is measured: results worsen along it, in about a straight line.
+
+    ``is_log2``: the axis holds logarithms to base 2, as of a number of choices; people are shown the number itself.
+    """
+
+    name: str = "level"
+    unit: str = ""
+    decimals: int = 1
+    is_log2: bool = False
+
+    def show(self, difficulty: float) -> str:
+        """Return a place on the axis with its unit, for display: "10.4 keys"."""
+        value = 2**difficulty if self.is_log2 else difficulty
+        return f"{value:.{self.decimals}f} {self.unit}".rstrip()
+
+
 class Quality(msgspec.Struct, frozen=True):
     """A measure of how a trial was done (knowledge of performance), taken from its details.
 

@@ -75,17 +75,25 @@ class _Line(msgspec.Struct, frozen=True):
 
 
 def _line(attempts: Sequence[Attempt]) -> _Line:
-    weight = sum(each.weight for each in attempts)
-    x = sum(each.weight * each.difficulty for each in attempts) / weight
-    y = sum(each.weight * each.distance for each in attempts) / weight
+    """Return the sums of some attempts, in one pass: a report has thousands of sessions."""
+    weight = x = y = xx = xy = yy = 0.0
+    for each in attempts:
+        w, d, e = each.weight, each.difficulty, each.distance
+        weight += w
+        x += w * d
+        y += w * e
+        xx += w * d * d
+        xy += w * d * e
+        yy += w * e * e
+    x, y = x / weight, y / weight
     return _Line(
         attempts=len(attempts),
         weight=weight,
         x=x,
         y=y,
-        xx=sum(each.weight * (each.difficulty - x) ** 2 for each in attempts),
-        xy=sum(each.weight * (each.difficulty - x) * (each.distance - y) for each in attempts),
-        yy=sum(each.weight * (each.distance - y) ** 2 for each in attempts),
+        xx=max(0.0, xx - weight * x * x),
+        xy=xy - weight * x * y,
+        yy=max(0.0, yy - weight * y * y),
     )
 
 

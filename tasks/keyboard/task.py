@@ -10,7 +10,7 @@ from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.framework.trial_types import Act, Axis, Details, Metric, Performance, Result, Situation, Stimulus, Trial
 
 from .layouts import ARROWS, Level, levels, needs_shift
 
@@ -101,6 +101,14 @@ class KeyboardTask(Task):
     @property
     def levels(self) -> int:
         return len(self._levels)
+
+    @property
+    def axis(self) -> Axis:
+        """The information in the choice (Hick 1952; Hyman 1953)."""
+        return Axis("choice", "keys", is_log2=True)
+
+    def difficulty(self, level: int) -> float:
+        return math.log2(len(self._levels[level - 1].keys))
 
     @property
     def trials_per_attempt(self) -> int:

@@ -10,6 +10,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import (
     Act,
     Again,
+    Axis,
     Mark,
     Metric,
     Performance,
@@ -68,6 +69,13 @@ class ReachingTask(Task):
     @property
     def levels(self) -> int:
         return len(self.parameters.marker_distances_cm)
+
+    @property
+    def axis(self) -> Axis:
+        return Axis("distance", "cm")
+
+    def difficulty(self, level: int) -> float:
+        return self.marker_cm(level)
 
     @property
     def trials_per_attempt(self) -> int:

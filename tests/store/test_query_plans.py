@@ -14,7 +14,7 @@ from sar_tui.reports.output_summary import output_summaries
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import imu, sessions
+from sar_tui.store import imu, results, sessions
 from sar_tui.store.database import connect
 
 LARGE = {"messages", "earlier_events", "events", "trials", "attempts", "actions", "imu_chunks", "notes"}
@@ -35,6 +35,7 @@ LOOKS: dict[str, Look] = {
     "home": lambda database, folder, _: sessions.listing(database, folder, limit=30),
     "sessions": lambda database, folder, _: (sessions.operators(database), sessions.listing(database, folder)),
     "sessions of one": lambda database, folder, _: sessions.listing(database, folder, participant="SIM"),
+    "progress": lambda database, *_: list(results.sessions_of(database, "SIM")),
     "show": show,
     "show last": lambda database, folder, _: sessions.find(database, folder, "last"),
     "resume last": lambda database, folder, _: sessions.latest_interrupted(database, folder),

@@ -1,0 +1,183 @@
+"""``sar-tui progress``: a participant over sessions."""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.errors import Refused
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from sar_tui.framework.language import Language
+    from sar_tui.framework.task import Task
+    from sar_tui.reports.progress import Day, LineProgress, Progress
+
+    Find = Callable[[str], type[Task] | None]
+
+LANGUAGES = ("en", "es")
+_LISTED = 20
+"""Sessions of a line that are printed; JSON has all."""
+_MONTHS = 3
+_SIDES = {"": "", "easier": "above the levels played", "harder": "below the levels played"}
+
+
+def progress(
+    context: typer.Context,
+    participant: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)],
+    task: Annotated[
+        str | None, typer.Option("--task", metavar="TASK", show_default=False, help="Only this task.")
+    ] = None,
+    compare: Annotated[
+        str | None,
+        typer.Option(
+            "--compare", metavar="SESSION,SESSION", show_default=False, help="Compare two sessions, by id or beginning."
+        ),
+    ] = None,
+    note: Annotated[bool, typer.Option("--note", help="Print a paragraph to paste into a record.")] = False,
+    language: Annotated[
+        str, typer.Option("--language", metavar="CODE", help="Language of the sentences: en, es.")
+    ] = "en",
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Show a participant's progress over sessions: the level at goal, noise, practice and dose."""
+    from sar_tui.reports.progress import progress as make_progress
+    from sar_tui.store.participants import check_code
+    from sar_tui.store.results import sessions_of
+
+    if language not in LANGUAGES:
+        raise Refused(f"There are no sentences in {language}. Choose one of: {', '.join(LANGUAGES)}.")
+    home = Home.of(context, data, tasks)
+    code = check_code(participant)
+    find = _finder(home)
+    with home.database() as database:
+        found = make_progress(code, sessions_of(database, code, task), find)
+    if not found.lines and not as_json:
+        of_task = f" of the task {task}" if task else ""
+        raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
+    if compare is not None:
+        _compare(found, compare, find, language, as_json)
+    elif as_json:
+        print_json(found)
+    elif note:
+        from sar_tui.reports import progress_words
+
+        for line in found.lines:
+            tr = progress_words.words(language, find(line.task))
+            console().print(progress_words.note(code, line, found.days, tr), soft_wrap=True, end="\n\n")
+    else:
+        _print(console(), found, find, language)
+
+
+def _finder(home: Home) -> "Find":
+    """Return a function that finds an installed task by name; it returns None for any other."""
+    from sar_tui.plugins import PluginError
+
+    catalogue = home.catalogue()
+
+    @cache
+    def find(name: str) -> "type[Task] | None":
+        try:
+            return catalogue.task(name)
+        except PluginError:
+            return None
+
+    return find
+
+
+def _print(out: "Console", found: "Progress", find: "Find", language: str) -> None:
+    from sar_tui.reports import progress_words
+
+    for line in found.lines:
+        tr = progress_words.words(language, find(line.task))
+        out.print(f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n")
+        _print_sessions(out, line, tr)
+        for sentence in progress_words.sentences(line, tr):
+            out.print(sentence, soft_wrap=True)
+        out.print()
+    _print_dose(out, found.days, progress_words.words(language, None))
+
+
+def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> None:
+    from sar_tui.cli.tables import add, table
+    from sar_tui.reports import progress_words
+
+    numbers = ("levels", "mean", "SD", "right", "reached", "at goal")
+    unit = line.axis.unit or line.axis.name
+    made = table("session", "date", *numbers, f"{unit}, 95 % band", right=numbers, whole=("session", "date"))
+    for each in line.sessions[-_LISTED:]:
+        add(
+            made,
+            each.session,
+            progress_words.day(each.began),
+            f"{each.first_level} → {each.last_level}",
+            None if each.mean is None else line.metric.show(each.mean),
+            None if each.sd is None else f"{each.sd:.{line.metric.decimals}f}",
+            f"{each.right / each.trials:.0%}" if each.trials else "",
+            f"{each.reached} of {each.attempts}",
+            f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else None,
+            progress_words.band(line, each, tr) or _SIDES[each.side],
+        )
+    out.print(made)
+    if len(line.sessions) > _LISTED:
+        out.print(f"{len(line.sessions) - _LISTED} earlier sessions are in --json.")
+    if line.between_sd is not None:
+        shown = f"{line.between_sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
+        out.print(f"SD between the sessions' means: {shown}; the column SD is that between a session's attempts.")
+    out.print()
+
+
+def _print_dose(out: "Console", days: "Sequence[Day]", tr: "Language") -> None:
+    from sar_tui.reports import progress_words
+
+    if not days:
+        return
+    out.print(tr("Dose"))
+    for month, marks in progress_words.calendar(days)[-_MONTHS:]:
+        out.print(f"{month}  {marks}")
+    out.print(progress_words.legend(tr), end="\n\n")
+    last = days[-1]
+    out.print(
+        tr(
+            "{date}: {done} of {planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",
+            date=last.date,
+            done=str(last.done),
+            planned=str(last.planned),
+            repetitions=str(last.repetitions),
+            minutes=f"{last.time_on_task_s / 60:.1f}",
+        ),
+        soft_wrap=True,
+    )
+
+
+def _compare(found: "Progress", named: str, find: "Find", language: str, as_json: bool) -> None:
+    from sar_tui.reports import progress_words
+    from sar_tui.reports.progress import compare as make_comparison
+
+    names = [name.strip() for name in named.split(",")]
+    if len(names) != 2 or not all(names):
+        raise Refused("--compare takes two sessions, such as --compare 3f2a,last.")
+    one, other = (_session(found, name) for name in names)
+    comparison = make_comparison(found, one, other)
+    assert comparison is not None
+    if as_json:
+        print_json(comparison)
+        return
+    line = next(line for line in found.lines if any(each.session == one for each in line.sessions))
+    tr = progress_words.words(language, find(line.task))
+    console().print(progress_words.compared(line, comparison, tr), soft_wrap=True)
+
+
+def _session(found: "Progress", name: str) -> str:
+    """Return the id of a session of the participant, given its id, its beginning, or ``last``. Raises Refused."""
+    known = [each.session for line in found.lines for each in line.sessions]
+    meant = known[-1:] if name == "last" else [session for session in known if session.startswith(name)]
+    if len(meant) != 1:
+        many = "More than one session" if meant else "No session with a finished attempt"
+        raise Refused(f"{many} of {found.participant} begins with {name}.")
+    return meant[0]

@@ -1,0 +1,180 @@
+"""Lines of comparable sessions. Sessions with other settings, seats or versions of the task never share a line."""
+
+import math
+import statistics
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from datetime import datetime
+from typing import Any, Literal
+
+import msgspec
+
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.parameters import build, current_values
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
+from sar_tui.progress.level_estimate import (
+    Attempt,
+    Estimate,
+    Slope,
+    brackets_goal,
+    level_at_goal,
+    own_slope,
+    shared_slope,
+)
+from sar_tui.progress.task_level import AttemptResult, compared_settings, on_axis
+
+Side = Literal["", "easier", "harder"]
+
+
+class SessionResults(msgspec.Struct, frozen=True):
+    """The results of a participant in a session; practice attempts are left out.
+
+    Args:
+        began: in local time.
+        ended: False if it was left before its end.
+        task_version: version of the task that made them.
+        title: of the task.
+        parameters: as stored.
+        results: of its attempts, in order.
+        reached: number of attempts that reached the goal.
+        trials: number of prompts or reaches.
+        right: number of right responses.
+        seconds: time on the task, without the time between attempts.
+        qualities: means of the measures of how it was done, by name.
+    """
+
+    session: str
+    began: datetime
+    task: str
+    title: str
+    task_version: str
+    seat: str
+    mode: str
+    status: str
+    metric: Metric
+    parameters: Mapping[str, Any]
+    results: Sequence[AttemptResult]
+    reached: int
+    trials: int
+    right: int
+    seconds: float
+    qualities: Mapping[str, float]
+
+
+class Point(msgspec.Struct, frozen=True):
+    """A session on a line.
+
+    Args:
+        results: of the session.
+        mean, sd: of the results of its attempts; None without any, or with one.
+        estimate: its level at goal; None if it is not known.
+        side: ``easier`` if all results were better than the goal, so that the levels played were all too easy;
+            ``harder`` if none was.
+    """
+
+    results: SessionResults
+    mean: float | None
+    sd: float | None
+    estimate: Estimate | None
+    side: Side = ""
+
+
+class Line(msgspec.Struct, frozen=True):
+    """Comparable sessions, first to last.
+
+    ``settings``: what they have in common. ``task``: with these settings; None if it is not installed, or no longer
+    accepts them.
+    """
+
+    settings: Mapping[str, Any]
+    task: Task | None
+    points: Sequence[Point]
+
+    @property
+    def last(self) -> SessionResults:
+        """The results of the last session."""
+        return self.points[-1].results
+
+    @property
+    def fixed_level(self) -> int | None:
+        """The level of all attempts, if there was only one."""
+        levels = {result.level for point in self.points for result in point.results.results}
+        return levels.pop() if len(levels) == 1 else None
+
+    @property
+    def measure(self) -> Literal["level", "result", ""]:
+        """The measure of progress: the level at goal, or the mean result where the level never changed."""
+        if any(point.estimate for point in self.points):
+            return "level"
+        return "result" if self.fixed_level is not None else ""
+
+    def value(self, point: Point) -> float | None:
+        """Return the measure of a session, so that more is better; None if it is not known."""
+        if self.measure == "level":
+            return point.estimate.value if point.estimate else None
+        if self.measure == "result" and point.mean is not None:
+            return point.mean if point.results.metric.better == "higher" else -point.mean
+        return None
+
+
+def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Task] | None]) -> list[Line]:
+    """Return the lines of a participant's sessions, the one with the newest session last.
+
+    Args:
+        sessions: in the order in which they were played; those without a finished attempt are left out.
+        find_task: returns an installed task by name.
+    """
+    grouped: dict[bytes, tuple[type[Task] | None, dict[str, Any], list[SessionResults]]] = {}
+    for each in sessions:
+        if not each.results:
+            continue
+        kind = find_task(each.task)
+        kind = kind if kind and kind.version == each.task_version else None
+        settings = _compared(kind, each.parameters)
+        key = msgspec.json.encode((each.task, each.task_version, each.seat, each.mode, each.metric, settings))
+        members = grouped.pop(key, (kind, settings, []))
+        members[2].append(each)
+        grouped[key] = members
+    return [_line(*members) for members in grouped.values()]
+
+
+def _compared(kind: type[Task] | None, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that comparable sessions share; all of them if the task that declares them is not there."""
+    if kind is None:
+        return dict(sorted(parameters.items()))
+    stored = current_values(kind.Parameters, parameters)
+    return {name: stored.get(name, default) for name, default in compared_settings(kind.Parameters).items()}
+
+
+def _line(kind: type[Task] | None, settings: Mapping[str, Any], members: Sequence[SessionResults]) -> Line:
+    task = _set_up(kind, settings) if kind else None
+    attempts = [on_axis(task, each.results) if task else [] for each in members]
+    slopes = [own_slope(each) for each in attempts]
+    shared = shared_slope([slope for slope in slopes if slope])
+    points = [_point(each, found, shared) for each, found in zip(members, attempts, strict=True)]
+    return Line(settings, task, points)
+
+
+def _set_up(kind: type[Task], settings: Mapping[str, Any]) -> Task | None:
+    try:
+        return kind(build(kind.Parameters, settings))
+    except (ParameterError, *PLUGIN_ERRORS):
+        return None
+
+
+def _point(results: SessionResults, attempts: Sequence[Attempt], shared: Slope | None) -> Point:
+    values = [result.metric for result in results.results if result.metric is not None]
+    side: Side = ""
+    if attempts and not brackets_goal(attempts):
+        side = "easier" if attempts[0].distance < 0 else "harder"
+    mean = statistics.fmean(values) if values else None
+    return Point(
+        results=results,
+        mean=mean,
+        sd=math.dist(values, [mean] * len(values)) / math.sqrt(len(values) - 1)
+        if mean is not None and len(values) > 1
+        else None,
+        estimate=level_at_goal(attempts, shared) if attempts else None,
+        side=side,
+    )

@@ -1,0 +1,237 @@
+"""Progress of a participant over sessions: lines of comparable sessions, and the dose of each day."""
+
+from collections.abc import Callable, Iterable, Sequence
+from statistics import stdev
+from typing import Any, Literal
+
+import msgspec
+
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Axis, Metric
+from sar_tui.progress import change
+from sar_tui.progress.change import Baseline, Verdict
+from sar_tui.progress.level_estimate import Estimate
+from sar_tui.progress.lines import Line, Point, SessionResults, Side, lines
+from sar_tui.progress.task_level import compared_settings, places, to_level
+
+
+class AtGoal(msgspec.Struct, frozen=True):
+    """The level at goal of a session with its 95 % band, on the axis of difficulty and in levels.
+
+    A level is None where the axis goes beyond the task's levels. ``borrowed``: the slope is that of other sessions.
+    """
+
+    difficulty: float
+    low: float
+    high: float
+    borrowed: bool
+    level: float | None
+    level_low: float | None
+    level_high: float | None
+
+
+class SessionProgress(msgspec.Struct, frozen=True):
+    """A session on a line. ``value`` is what the line's verdicts compare: more is better."""
+
+    session: str
+    began: str
+    status: str
+    attempts: int
+    planned: int
+    reached: int
+    trials: int
+    right: int
+    time_on_task_s: float
+    first_level: int
+    last_level: int
+    mean: float | None
+    sd: float | None
+    qualities: dict[str, float]
+    at_goal: AtGoal | None
+    side: Side
+    value: float | None
+
+
+class LineProgress(msgspec.Struct, frozen=True):
+    """Comparable sessions, and what can be said of them.
+
+    Args:
+        measure: ``level`` (level at goal), ``result`` (mean result, where the level never changed), or empty.
+        settings: what the sessions have in common, where it differs from the defaults.
+        between_sd: SD of the sessions' means.
+        baseline: None before it has enough sessions.
+        verdict: on the last session whose value is known, against the baseline.
+    """
+
+    task: str
+    title: str
+    seat: str
+    mode: str
+    metric: Metric
+    axis: Axis
+    goal: float | None
+    measure: Literal["level", "result", ""]
+    settings: dict[str, Any]
+    sessions: list[SessionProgress]
+    between_sd: float | None
+    baseline: Baseline | None
+    verdict: Verdict
+
+
+class Day(msgspec.Struct, frozen=True):
+    """The dose of a day: attempts planned in the sessions begun, and done; repetitions; time on task."""
+
+    date: str
+    sessions: int
+    planned: int
+    done: int
+    repetitions: int
+    time_on_task_s: float
+
+
+class Progress(msgspec.Struct, frozen=True):
+    """Progress of a participant. ``lines``: the one with the newest session last. ``days``: only live sessions."""
+
+    participant: str
+    lines: list[LineProgress]
+    days: list[Day]
+
+
+def progress(
+    participant: str, sessions: Iterable[SessionResults], find_task: Callable[[str], type[Task] | None]
+) -> Progress:
+    """Return the progress of a participant, from the results of their sessions in the order they were played."""
+    played = list(sessions)
+    return Progress(participant, [_line(line) for line in lines(played, find_task)], dose(played))
+
+
+def dose(sessions: Iterable[SessionResults]) -> list[Day]:
+    """Return the days with live sessions, first to last."""
+    days: dict[str, list[SessionResults]] = {}
+    for each in sessions:
+        if each.mode == "live":
+            days.setdefault(each.began.date().isoformat(), []).append(each)
+    return [
+        Day(
+            date=date,
+            sessions=len(found),
+            planned=sum(_planned(each) for each in found),
+            done=sum(len(each.results) for each in found),
+            repetitions=sum(each.trials for each in found),
+            time_on_task_s=sum(each.seconds for each in found),
+        )
+        for date, found in sorted(days.items())
+    ]
+
+
+def _planned(session: SessionResults) -> int:
+    planned = session.parameters.get("attempts")
+    return planned if isinstance(planned, int) else len(session.results)
+
+
+def known_values(line: Line) -> list[float]:
+    """Return the values of the sessions whose measure is known, first to last."""
+    return [value for point in line.points if (value := line.value(point)) is not None]
+
+
+def _line(line: Line) -> LineProgress:
+    last, values = line.last, known_values(line)
+    found = change.baseline(values)
+    rising = places(line.task) if line.task else []
+    means = [point.mean for point in line.points if point.mean is not None]
+    return LineProgress(
+        task=last.task,
+        title=line.task.tr(line.task.title) if line.task else last.title,
+        seat=last.seat,
+        mode=last.mode,
+        metric=last.metric,
+        axis=line.task.axis if line.task else Axis(),
+        goal=line.task.target(1).threshold if line.task else last.parameters.get("threshold"),
+        measure=line.measure,
+        settings=_differing(line),
+        sessions=[_session(line, point, rising) for point in line.points],
+        between_sd=stdev(means) if len(means) > 1 else None,
+        baseline=found,
+        verdict=change.verdict(values[-1], found) if values else "not yet known",
+    )
+
+
+def _differing(line: Line) -> dict[str, Any]:
+    """Return the shared settings that differ from the defaults; none if the task is not there."""
+    if line.task is None:
+        return {}
+    defaults = compared_settings(type(line.task.parameters))
+    return {name: value for name, value in line.settings.items() if value != defaults[name]}
+
+
+def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgress:
+    results = point.results
+    levels = [result.level for result in results.results]
+    return SessionProgress(
+        session=results.session,
+        began=results.began.isoformat(timespec="seconds"),
+        status=results.status,
+        attempts=len(results.results),
+        planned=_planned(results),
+        reached=results.reached,
+        trials=results.trials,
+        right=results.right,
+        time_on_task_s=results.seconds,
+        first_level=levels[0],
+        last_level=levels[-1],
+        mean=point.mean,
+        sd=point.sd,
+        qualities=dict(results.qualities),
+        at_goal=_at_goal(rising, point.estimate) if point.estimate else None,
+        side=point.side,
+        value=line.value(point),
+    )
+
+
+def _at_goal(rising: Sequence[float], estimate: Estimate) -> AtGoal:
+    return AtGoal(
+        difficulty=estimate.value,
+        low=estimate.low,
+        high=estimate.high,
+        borrowed=estimate.borrowed,
+        level=to_level(rising, estimate.value),
+        level_low=to_level(rising, estimate.low),
+        level_high=to_level(rising, estimate.high),
+    )
+
+
+class Comparison(msgspec.Struct, frozen=True):
+    """Two sessions side by side.
+
+    ``comparable``: they are on one line. ``difference``: later minus earlier value of the line's measure; more is
+    better. ``verdict``: against the MDC95 of the line's baseline.
+    """
+
+    earlier: SessionProgress
+    later: SessionProgress
+    comparable: bool
+    difference: float | None
+    verdict: Verdict
+
+
+def compare(found: Progress, one: str, other: str) -> Comparison | None:
+    """Compare two sessions of a participant, in the order they were played; None if one has no finished attempt."""
+    places = {session.session: (session.began, line, session) for line in found.lines for session in line.sessions}
+    if one not in places or other not in places:
+        return None
+    (_, line, earlier), (_, other_line, later) = sorted((places[one], places[other]), key=lambda place: place[0])
+    comparable = line is other_line
+    if not comparable or earlier.value is None or later.value is None:
+        return Comparison(earlier, later, comparable, None, "not yet known")
+    return Comparison(
+        earlier,
+        later,
+        comparable,
+        later.value - earlier.value,
+        change.difference(later.value, earlier.value, line.baseline),
+    )
+
+
+def month(days: Sequence[Day], year: int, number: int) -> dict[int, Day]:
+    """Return the days of a month that have sessions, by their number."""
+    return {int(day.date[-2:]): day for day in days if day.date.startswith(f"{year:04}-{number:02}-")}

@@ -1,0 +1,224 @@
+"""Progress in words: sentences for the screen, the printed page, and a paragraph for a person's record."""
+
+import inspect
+from collections.abc import Callable, Sequence
+from datetime import date, datetime
+from pathlib import Path
+
+from sar_tui.framework.language import Language, language
+from sar_tui.framework.task import Task
+from sar_tui.progress.change import BASELINE, FAMILIARISATION
+from sar_tui.reports.progress import AtGoal, Comparison, Day, LineProgress, SessionProgress
+
+_FOLDER = Path(__file__).parent
+
+
+def words(code: str, kind: type[Task] | None) -> Language:
+    """Return the language of a report, with the translations of a task."""
+    return language(code, _FOLDER, *([Path(inspect.getfile(kind)).parent] if kind else []))
+
+
+def day(stamp: str) -> str:
+    """Return the date of a session's stamp."""
+    return stamp[:10]
+
+
+def figure(line: LineProgress, value: float, tr: Language) -> str:
+    """Return a value of the line's measure as people read it: "10.4 keys", "950 ms"."""
+    if line.measure == "level":
+        shown = line.axis.show(value)
+        return tr.figures(shown.replace(line.axis.unit, tr(line.axis.unit)) if line.axis.unit else shown)
+    return tr.figures(line.metric.show(abs(value)))
+
+
+def at_goal(line: LineProgress, session: SessionProgress, tr: Language) -> str:
+    """Return a session's level at goal with its band; empty if it is not known."""
+    found = session.at_goal
+    if found is None:
+        return ""
+    shown, limits = figure(line, found.difficulty, tr), tr("95 % band {limits}", limits=_limits(line, found, tr))
+    if found.level is None or line.axis.name == "level":
+        return f"{shown} ({limits})"
+    level = tr("level {level}", level=f"{found.level:.1f}")
+    return f"{level} ({shown}, {limits})"
+
+
+def band(line: LineProgress, session: SessionProgress, tr: Language) -> str:
+    """Return a session's level at goal and its band on the axis of difficulty: "10.4 (9.6 to 11.2)"."""
+    found = session.at_goal
+    return f"{_number(line, found.difficulty, tr)} ({_limits(line, found, tr)})" if found else ""
+
+
+def _limits(line: LineProgress, found: AtGoal, tr: Language) -> str:
+    return tr("{low} to {high}", low=_number(line, found.low, tr), high=_number(line, found.high, tr))
+
+
+def _number(line: LineProgress, difficulty: float, tr: Language) -> str:
+    return tr.figures(line.axis.show(difficulty).removesuffix(line.axis.unit).strip())
+
+
+def sentences(line: LineProgress, tr: Language) -> list[str]:
+    """Return what can be said of a line, in the order in which it is read."""
+    said = [_now(line, tr)]
+    if line.measure:
+        said += [_practice(line, tr), _noise(line, tr), _verdict(line, tr)]
+    return [sentence for sentence in said if sentence]
+
+
+def _now(line: LineProgress, tr: Language) -> str:
+    last = line.sessions[-1]
+    if line.measure == "result" and last.mean is not None:
+        return tr(
+            "All attempts were at level {level}. The last mean: {value}.",
+            level=str(last.last_level),
+            value=line.metric.show(last.mean),
+        )
+    if last.side == "easier":
+        return tr("In the last session every result was better than the goal: harder levels can be tried.")
+    if last.side == "harder":
+        return tr("In the last session no result reached the goal: easier levels can be tried.")
+    if last.at_goal:
+        return tr("Level at goal in the last session: {level}.", level=at_goal(line, last, tr))
+    return tr("The level at goal is not known: it needs results on both sides of the goal, at two levels or more.")
+
+
+def _practice(line: LineProgress, tr: Language) -> str:
+    found = line.baseline
+    if found is None or found.practice <= 0:
+        return ""
+    return tr(
+        "Practice: from {first} in the first session to {mean} in the next {number}. A gain like this comes with "
+        "repeating any test; it is not recovery.",
+        first=figure(line, found.mean - found.practice, tr),
+        mean=figure(line, found.mean, tr),
+        number=str(BASELINE),
+    )
+
+
+def _noise(line: LineProgress, tr: Language) -> str:
+    found = line.baseline
+    if found is None:
+        return tr(
+            "Smallest change that is more than noise (MDC95): not yet known. It needs {number} sessions with a known "
+            "value.",
+            number=str(FAMILIARISATION + BASELINE),
+        )
+    ends = sorted(
+        (found.mean - found.mdc95, found.mean + found.mdc95 + found.rise), key=lambda value: abs(value) if value else 0
+    )
+    return tr(
+        "Baseline: {mean}. Sessions from {low} to {high} are no more than noise and practice (MDC95).",
+        mean=figure(line, found.mean, tr),
+        low=figure(line, ends[0], tr),
+        high=figure(line, ends[1], tr),
+    )
+
+
+def _verdict(line: LineProgress, tr: Language) -> str:
+    return {
+        "more": tr("The last known session is better than that: a change that noise and practice do not explain."),
+        "less": tr("The last known session is worse than that: a change that noise does not explain."),
+        "noise": tr("The last known session is within that: no change can be shown."),
+        "not yet known": "",
+    }[line.verdict]
+
+
+def heading(line: LineProgress, tr: Language) -> str:
+    """Return the heading of a line: the task, the seat of a pair, the goal, and settings that are not the default."""
+    parts = [tr(line.title)]
+    if line.seat != "A":
+        parts.append(tr("seat {seat}", seat=line.seat))
+    if line.goal is not None:
+        parts.append(tr("goal {goal}", goal=line.metric.show(line.goal)))
+    if line.mode != "live":
+        parts.append(tr(line.mode))
+    parts += [f"{name} {_setting(value)}" for name, value in line.settings.items() if name != "threshold"]
+    return " · ".join(parts)
+
+
+def _setting(value: object) -> str:
+    return " ".join(map(str, value)) if isinstance(value, list) else str(value)
+
+
+def note(participant: str, line: LineProgress, days: Sequence[Day], tr: Language) -> str:
+    """Return a paragraph on a line, to paste into a person's record."""
+    sessions = line.sessions
+    first, last = day(sessions[0].began), day(sessions[-1].began)
+    trials, right = sum(each.trials for each in sessions), sum(each.right for each in sessions)
+    said = [
+        f"{participant}, {heading(line, tr)}: "
+        + tr(
+            "{sessions} sessions from {first} to {last}; {done} of {planned} attempts done, {trials} repetitions, "
+            "{minutes} min on task, {right} right.",
+            sessions=str(len(sessions)),
+            first=first,
+            last=last,
+            done=str(sum(each.attempts for each in sessions)),
+            planned=str(sum(each.planned for each in sessions)),
+            trials=str(trials),
+            minutes=f"{sum(each.time_on_task_s for each in sessions) / 60:.0f}",
+            right=f"{right / trials:.0%}" if trials else "–",
+        ),
+        *sentences(line, tr),
+        tr("A training measure of this program; no diagnosis, and no published important difference (MCID) applies."),
+    ]
+    return " ".join(said)
+
+
+def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
+    """Return the comparison of two sessions in words. ``line`` is theirs, if they share one."""
+    if line is None or not found.comparable:
+        return tr("These sessions had other settings, or another task: their results cannot be compared.")
+    if found.earlier.value is None or found.later.value is None:
+        return tr("The measure of one of these sessions is not known, so they cannot be compared.")
+    change = tr(
+        "From {earlier} to {later}.",
+        earlier=figure(line, found.earlier.value, tr),
+        later=figure(line, found.later.value, tr),
+    )
+    verdict = {
+        "more": tr("That is better, by more than noise (MDC95)."),
+        "less": tr("That is worse, by more than noise (MDC95)."),
+        "noise": tr("That is no more than noise (MDC95)."),
+        "not yet known": tr("How much is noise is not yet known: it needs more sessions."),
+    }[found.verdict]
+    return f"{change} {verdict}"
+
+
+# --- the dose of a month ------------------------------------------------------------------------------------
+
+MARKS: tuple[tuple[str, str, Callable[[Day], bool]], ...] = (
+    ("■", "all planned attempts done", lambda day: day.done >= day.planned),
+    ("◧", "half or more", lambda day: 2 * day.done >= day.planned),
+    ("□", "fewer", lambda day: True),
+)
+"""Marks of a day that say its dose without colour: the first whose condition holds."""
+NO_SESSION = "·"
+
+
+def mark(found: Day | None) -> str:
+    """Return the mark of a day."""
+    if found is None:
+        return NO_SESSION
+    return next(sign for sign, _, holds in MARKS if holds(found))
+
+
+def legend(tr: Language) -> str:
+    """Return the meaning of the marks."""
+    named = [f"{sign} {tr(meaning)}" for sign, meaning, _ in MARKS]
+    return "   ".join([*named, f"{NO_SESSION} {tr('no session')}"])
+
+
+def calendar(days: Sequence[Day]) -> list[tuple[str, str]]:
+    """Return a mark for each day of the months from the first session to the last, as ("2026-03", "··■··◧")."""
+    by_date = {day.date: day for day in days}
+    months = sorted({day.date[:7] for day in days})
+    return [
+        (month, "".join(mark(by_date.get(f"{month}-{number:02}")) for number in _numbers(month))) for month in months
+    ]
+
+
+def _numbers(month: str) -> range:
+    first = datetime.fromisoformat(f"{month}-01")
+    after = date(first.year + first.month // 12, first.month % 12 + 1, 1)
+    return range(1, (after - first.date()).days + 1)

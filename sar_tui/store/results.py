@@ -1,0 +1,76 @@
+"""A participant's results over all sessions, for reports of progress. A session's prompts are not looked at."""
+
+import sqlite3
+from collections.abc import Iterator
+from datetime import datetime
+
+import msgspec
+
+from sar_tui.progress.lines import SessionResults
+from sar_tui.progress.task_level import AttemptResult
+from sar_tui.store import provenance
+
+_SESSIONS = (
+    "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
+    " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+    " WHERE participant=? AND json_extract(software, '$.task.metric') IS NOT NULL {of_task} ORDER BY sessions.rowid"
+)
+_ATTEMPTS = (
+    "SELECT attempts.session, attempts.seat, level, metric, correct, trials, outcome='success',"
+    " max(0, ended_ns - started_ns)"
+    " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
+    " WHERE participant=? AND NOT practice ORDER BY attempts.session, attempt"
+)
+_QUALITIES = (
+    "SELECT attempts.session, attempts.seat, quality.key, avg(quality.value)"
+    " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
+    " JOIN json_each(attempts.qualities) AS quality"
+    " WHERE participant=? AND NOT practice AND qualities<>'{}' GROUP BY 1, 2, 3"
+)
+"""``CROSS``: a participant's seats are looked up first, and only their attempts are read."""
+_LONGEST_ATTEMPT_NS = 6 * 3600 * 1_000_000_000
+"""An attempt that seems longer was begun before the computer was started again: its stamps cannot be compared."""
+
+_Stored = tuple[AttemptResult, int, int, int]
+
+
+def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = None) -> Iterator[SessionResults]:
+    """Yield the results of a participant's sessions in the order in which they were stored.
+
+    Args:
+        db: the database.
+        participant: the code.
+        task: selects one task.
+    """
+    stored: dict[tuple[str, str], list[_Stored]] = {}
+    for session, seat, level, metric, correct, trials, reached, took in db.execute(_ATTEMPTS, (participant,)):
+        result = AttemptResult(level, metric, correct)
+        lasted = took if took <= _LONGEST_ATTEMPT_NS else 0
+        stored.setdefault((session, seat), []).append((result, trials, reached, lasted))
+    qualities: dict[tuple[str, str], dict[str, float]] = {}
+    for session, seat, name, mean in db.execute(_QUALITIES, (participant,)):
+        if isinstance(mean, float):
+            qualities.setdefault((session, seat), {})[name] = mean
+    query = _SESSIONS.format(of_task="AND sessions.task=?" if task else "")
+    for row in db.execute(query, (participant, task) if task else (participant,)):
+        found, began, of_task, mode, status, seat, parameters, software = row
+        attempts = stored.get((found, seat), [])
+        made_by = msgspec.json.decode(software)
+        yield SessionResults(
+            session=found,
+            began=datetime.fromisoformat(began).astimezone(),
+            task=of_task,
+            title=made_by.get("title", of_task),
+            task_version=str(made_by.get("version", "")),
+            seat=seat,
+            mode=mode,
+            status=status,
+            metric=provenance.metric({"task": made_by}),
+            parameters=msgspec.json.decode(parameters),
+            results=[result for result, *_ in attempts],
+            reached=sum(reached for _, _, reached, _ in attempts),
+            trials=sum(trials for _, trials, _, _ in attempts),
+            right=sum(result.correct for result, *_ in attempts),
+            seconds=sum(lasted for *_, lasted in attempts) / 1e9,
+            qualities=qualities.get((found, seat), {}),
+        )

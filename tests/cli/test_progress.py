@@ -1,0 +1,76 @@
+"""``sar-tui progress``: for people, as a note, and as JSON."""
+
+import pytest
+
+from tests.program import Call
+
+
+@pytest.fixture
+def trained(call: Call) -> list[str]:
+    """The ids of two short simulated sessions of P01."""
+    return [
+        call("simulate", "keyboard", "--user", "average", "--seed", seed, "-p", "P01", "--json",
+             "--set", "prompts_per_attempt=5", "--attempts", 12).json["session"]
+        for seed in (1, 2)
+    ]  # fmt: skip
+
+
+def test_progress_shows_the_sessions_and_what_can_be_said(call: Call, trained: list[str]) -> None:
+    called = call("progress", "p01")
+    assert called.code == 0
+    assert all(session in called.out for session in trained)
+    assert "P01 · Keyboard reaction · goal 1000 ms · simulated · prompts_per_attempt 5" in called.out
+    assert "Level at goal in the last session: level " in called.out
+    assert "not yet known" in called.out
+
+
+def test_json_has_every_line_and_session(call: Call, trained: list[str]) -> None:
+    found = call("progress", "P01", "--json").json
+    assert found["participant"] == "P01"
+    (line,) = found["lines"]
+    assert [each["session"] for each in line["sessions"]] == trained
+    assert line["axis"] == {"name": "choice", "unit": "keys", "decimals": 1, "is_log2": True}
+    at_goal = line["sessions"][0]["at_goal"]
+    assert at_goal["low"] < at_goal["difficulty"] < at_goal["high"]
+    assert found["days"] == []
+
+
+@pytest.mark.usefixtures("trained")
+def test_a_note_is_one_paragraph_in_either_language(call: Call) -> None:
+    english = call("progress", "P01", "--note").out.strip()
+    spanish = call("progress", "P01", "--note", "--language", "es").out.strip()
+    assert english.startswith("P01, Keyboard reaction · goal 1000 ms")
+    assert spanish.startswith("P01, Reacción con el teclado · meta 1000 ms")
+    assert "\n" not in english + spanish
+    assert "no diagnosis" in english
+    assert "MCID" in spanish
+
+
+def test_two_sessions_are_compared(call: Call, trained: list[str]) -> None:
+    named = f"{trained[0][:6]},last"
+    assert "How much is noise is not yet known" in call("progress", "P01", "--compare", named).out
+    compared = call("progress", "P01", "--compare", named, "--json").json
+    assert (compared["earlier"]["session"], compared["later"]["session"]) == tuple(trained)
+    assert compared["verdict"] == "not yet known"
+
+
+@pytest.mark.usefixtures("trained")
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("P09",), "P09 has no finished attempts yet."),
+        (("P01", "--task", "reaching"), "P01 has no finished attempts of the task reaching yet."),
+        (("not a code",), "A participant code has 1 to 32 letters"),
+        (("P01", "--language", "fr"), "Choose one of: en, es."),
+        (("P01", "--compare", "last"), "--compare takes two sessions"),
+        (("P01", "--compare", "last,zz"), "No session with a finished attempt of P01 begins with zz."),
+    ],
+)
+def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...], says: str) -> None:
+    called = call("progress", *arguments)
+    assert (called.code, called.out) == (2, "")
+    assert says in called.err
+
+
+def test_nobody_has_no_lines_in_json(call: Call) -> None:
+    assert call("progress", "P09", "--json").json == {"participant": "P09", "lines": [], "days": []}

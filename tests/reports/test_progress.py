@@ -1,0 +1,169 @@
+"""Progress over sessions: verdicts, doses, comparisons, and their words in both languages."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.progress.lines import SessionResults
+from sar_tui.reports import progress_words
+from sar_tui.reports.progress import Progress, compare, dose, progress
+from tests.progress.session_results import adapted, at_one_level, session
+from tests.untranslated import english_in
+
+SPANISH = tomllib.loads((Path(progress_words.__file__).parent / "words.es.toml").read_text(encoding="utf-8"))
+
+
+def of(keyboard: type[Task], *sessions: SessionResults) -> Progress:
+    return progress("P01", sessions, {"keyboard": keyboard}.get)
+
+
+def steady(count: int, base: float = 450.0) -> list[SessionResults]:
+    return [session(number, adapted(number, base=base)) for number in range(count)]
+
+
+def said(found: Progress, language: str = "en", kind: type[Task] | None = None) -> str:
+    tr = progress_words.words(language, kind)
+    return " ".join(sentence for line in found.lines for sentence in progress_words.sentences(line, tr))
+
+
+def test_nothing_played_is_no_progress(keyboard: type[Task]) -> None:
+    found = of(keyboard)
+    assert (found.lines, found.days) == ([], [])
+
+
+def test_one_session_has_a_level_at_goal_and_no_verdict(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(1))
+    (line,) = found.lines
+    assert line.sessions[0].at_goal is not None
+    assert (line.baseline, line.verdict, line.between_sd) == (None, "not yet known", None)
+    assert "Level at goal in the last session: level 3." in said(found)
+    assert "not yet known. It needs 4 sessions" in said(found)
+
+
+def test_a_thousand_sessions_are_one_line(keyboard: type[Task]) -> None:
+    (line,) = of(keyboard, *steady(1000)).lines
+    assert len(line.sessions) == 1000
+    assert sum(each.at_goal is not None for each in line.sessions) > 900
+
+
+def test_a_person_who_stays_the_same_has_not_changed(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(6))
+    assert found.lines[0].verdict == "noise"
+    assert "no change can be shown" in said(found)
+
+
+def test_a_person_who_gets_much_faster_has_changed(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(5), session(9, adapted(9, base=50.0)))
+    assert found.lines[0].verdict == "more"
+    assert "better than that: a change that noise and practice do not explain" in said(found)
+
+
+def test_a_person_who_gets_much_slower_has_changed(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(5), session(9, adapted(9, base=750.0)))
+    assert found.lines[0].verdict == "less"
+
+
+def test_the_gain_after_the_first_session_is_called_practice(keyboard: type[Task]) -> None:
+    found = of(keyboard, session(0, adapted(0, base=600.0)), *(session(n, adapted(n)) for n in (1, 2, 3)))
+    assert "Practice: from" in said(found)
+    assert "it is not recovery" in said(found)
+
+
+def test_at_a_fixed_level_lower_times_are_better(keyboard: type[Task]) -> None:
+    means = (990.0, 950.0, 955.0, 945.0, 700.0)
+    found = of(keyboard, *(session(n, at_one_level(n, mean)) for n, mean in enumerate(means)))
+    (line,) = found.lines
+    assert (line.measure, line.verdict) == ("result", "more")
+    low, high = re.search(r"Sessions from (\d+) ms to (\d+) ms", said(found)).groups()  # type: ignore[union-attr]
+    assert int(low) < 945
+    assert int(high) > 955
+
+
+def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
+    assert "harder levels can be tried" in said(found)
+
+
+# --- two sessions ------------------------------------------------------------------------------------------------
+
+
+def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(5), session(9, adapted(9, base=50.0)))
+    comparison = compare(found, "session009", "session001")
+    assert comparison is not None
+    assert (comparison.earlier.session, comparison.later.session) == ("session001", "session009")
+    assert comparison.verdict == "more"
+    words = progress_words.compared(found.lines[0], comparison, progress_words.words("en", None))
+    assert words.endswith("That is better, by more than noise (MDC95).")
+
+
+def test_sessions_on_two_lines_are_not_compared(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(2), session(9, adapted(9), {"threshold": 800.0}))
+    comparison = compare(found, "session001", "session009")
+    assert comparison is not None
+    assert (comparison.comparable, comparison.difference) == (False, None)
+    assert "cannot be compared" in progress_words.compared(None, comparison, progress_words.words("en", None))
+
+
+def test_an_unknown_session_is_not_compared(keyboard: type[Task]) -> None:
+    assert compare(of(keyboard, *steady(2)), "session001", "nothing") is None
+
+
+# --- dose --------------------------------------------------------------------------------------------------------
+
+
+def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
+    (day,) = dose(
+        [
+            session(0, adapted(0), on_day=0),
+            session(1, adapted(1, attempts=5), on_day=0),
+            session(2, adapted(2), on_day=0, mode="simulated"),
+        ]
+    )
+    assert (day.sessions, day.planned, day.done, day.repetitions) == (2, 40, 25, 500)
+    assert day.time_on_task_s == 750.0
+
+
+def test_a_calendar_marks_each_day_without_colour() -> None:
+    done = {0: 20, 1: 12, 2: 3}
+    days = dose([session(number, adapted(number, attempts=count)) for number, count in done.items()])
+    assert progress_words.calendar(days) == [("2026-02", "·" * 26 + "■◧"), ("2026-03", "□" + "·" * 30)]
+
+
+def test_no_dose_has_no_calendar() -> None:
+    assert progress_words.calendar(dose([])) == []
+
+
+# --- words -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "sessions",
+    [
+        steady(1),
+        [session(0, adapted(0, base=600.0)), *steady(6)[1:]],
+        [*steady(5), session(9, adapted(9, base=50.0))],
+        [*steady(5), session(9, adapted(9, base=750.0))],
+        [session(1, at_one_level(1, 400.0))],
+        [session(1, at_one_level(1, 1900.0))],
+        [session(number, at_one_level(number, 950.0)) for number in range(5)],
+        [session(1, adapted(1), mode="simulated", seat="B")],
+    ],
+)
+def test_every_sentence_is_spoken_in_spanish(keyboard: type[Task], sessions: list[SessionResults]) -> None:
+    found = of(keyboard, *sessions)
+    tr = progress_words.words("es", keyboard)
+    shown = [progress_words.note("P01", line, found.days, tr) for line in found.lines]
+    assert english_in([*shown, progress_words.legend(tr)], SPANISH) == []
+    assert "ms" not in shown[0] or not re.search(r"\d\.\d", shown[0])
+
+
+def test_every_translation_is_of_a_text_of_the_reports() -> None:
+    folder = Path(progress_words.__file__).parents[1]
+    files = [*folder.glob("reports/*.py"), folder / "cli/progress.py", *folder.parent.glob("tasks/*/task.py")]
+    inserted = {"simulated", "no session"}
+    source = re.sub(r'"\n\s*f?"', "", "".join(path.read_text(encoding="utf-8") for path in files))
+    assert [text for text in SPANISH if f'"{text}"' not in source and text not in inserted] == []
