@@ -42,6 +42,7 @@ class Agent(Horizontal):
     Agent > .words > Static {{ width: 100%; height: auto; }}
     Agent > .words > .more, Agent > .words > .note {{ margin-top: 1; display: none; }}
     Agent > .words > .note {{ color: $text-muted; }}
+    Agent > .tail {{ display: none; width: 1; height: 1; margin: 3 0 0 1; color: $accent; }}
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class Agent(Horizontal):
         if self._picture:
             yield self._picture
         yield self._robot
+        yield Static("◁", classes="tail")
         with Vertical(classes="words"):
             yield self._said
             yield self._more
@@ -106,6 +108,7 @@ class Agent(Horizontal):
             self._put(self._more, self._joined)
         elif text:
             self._has_words = True
+            self.add_class("speaks")
             self._said.update(text)
             self._joined = ""
             self._put(self._more, "")
@@ -118,6 +121,7 @@ class Agent(Horizontal):
         """Remove the words, and look ahead."""
         if self._has_words:
             self._has_words = False
+            self.remove_class("speaks")
             self._said.update("")
             self._joined = ""
             self._put(self._more, "")

@@ -203,7 +203,8 @@ class AppDriver:
     def said(self) -> str:
         """The text beside the agent's face."""
         words = self.app.screen.query_one("#agent > .words").region
-        return " ".join(" ".join(row[words.x :] for row in self.rows[words.y : words.bottom]).split())
+        beside = " ".join(row[words.x :] for row in self.rows[words.y : words.bottom])
+        return " ".join(beside.translate(_FRAMES).split())
 
     def sees(self, words: str) -> bool:
         """Return True if the words are on the screen, wherever its lines break."""
