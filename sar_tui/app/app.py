@@ -71,6 +71,7 @@ class SarTui(OpeningApp):
         self.live: LiveSession | None = None
         self.feeds: Sequence[ImuFeed] = ()
         self._is_leaving = False
+        self._asked_since = ""
         self._session_clock = clock
         self._link = link
         self.picture: type[Widget] | None = None
@@ -94,6 +95,46 @@ class SarTui(OpeningApp):
         if self.is_web:
             self._cannot_begin("A session cannot run in a browser, where responses cannot be timed. Use a terminal.")
             return
+        self._asked_since = ""
+        if isinstance(what, str) or not what.parameters.ask_wellbeing:
+            self._prepare_session(what)
+        else:
+            self._ask_before(what)
+
+    def _ask_before(self, plan: "Plan") -> None:
+        """Ask about pain and tiredness, and then begin the session, unless pain speaks against it."""
+        from sar_tui.app import wellbeing
+        from sar_tui.framework.declaration import ParameterError
+        from sar_tui.runs.plan import Failed, set_up
+        from sar_tui.store.wellbeing import now
+
+        try:
+            theme = self.catalogue.theme(plan.theme, plan.parameters.language)
+            task = set_up(plan.task, plan.parameters)
+        except (PluginError, ParameterError, Failed) as error:
+            self._cannot_begin(str(error))
+            return
+        self._asked_since = now()
+        self._use(theme, plan.parameters.language)
+        codes = [code for code in (plan.participant, plan.partner) if code]
+
+        def answered(goes_on: bool | None) -> None:
+            if goes_on:
+                self._prepare_session(plan)
+            else:
+                self._not_begun()
+
+        self.push_screen(wellbeing.ask_before(self, task, theme, codes), answered)
+
+    def _not_begun(self) -> None:
+        """Return to the home screen, or exit, because somebody decided not to begin."""
+        if self.is_for_one_session:
+            self.exit(return_code=0)
+        else:
+            self._show_pending_notice()
+
+    def _prepare_session(self, what: "Plan | str") -> None:
+        """Begin a session, after a check of its sensors if it is new."""
         if isinstance(what, str) or not what.task.sensor_seats(what.parameters):
             self._enter_session(what)
         else:
@@ -128,10 +169,7 @@ class SarTui(OpeningApp):
                 self._enter_session(plan, feeds)
             else:
                 self._stop_feeds()
-                if self.is_for_one_session:
-                    self.exit(return_code=0)
-                else:
-                    self._show_pending_notice()
+                self._not_begun()
 
         self.push_screen(screen, checked)
 
@@ -159,6 +197,11 @@ class SarTui(OpeningApp):
             self._cannot_begin(str(explain(error)))
             return
         self.live, self.feeds = live, ()
+        if self._asked_since:
+            from sar_tui.store import wellbeing
+
+            with contextlib.suppress(StoreError):  # they stay with the participant
+                wellbeing.attach(self.database, live.run.id, list(live.codes.values()), self._asked_since)
         self.clear_notifications()
         session = live.run.session
         self._use(session.theme, session.task.parameters.language)
@@ -177,6 +220,22 @@ class SarTui(OpeningApp):
         """Close the session once its screen is gone: after its summary, or because the task failed."""
         self.close_session()
         self.look_for_edits(True)
+        live = self.live
+        if self.failure or live is None or not live.asks_after:
+            self._return_home()
+            return
+        from sar_tui.app import wellbeing
+
+        def answered(_: bool | None) -> None:
+            self._return_home()
+            for text in wellbeing.warnings(self, list(live.codes.values())):
+                self.notify(text, severity="warning", timeout=60)
+
+        self.check_database()
+        self.push_screen(wellbeing.ask_after(self, live), answered)
+
+    def _return_home(self) -> None:
+        """Return to the home screen, or exit if the app was opened for one session."""
         if self._begin is not None or self.failure:
             self.exit(return_code=1 if self.failure else 0)
             return

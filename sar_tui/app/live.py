@@ -55,6 +55,7 @@ class LiveSession:
         self.screen: ScreenOutput
         self.view: GuardedView
         self.run: Run
+        self.codes: dict[str, str] = {}
         self._folder = folder
         self._catalogue = catalogue
         self._stopping = False
@@ -67,6 +68,7 @@ class LiveSession:
             self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
         else:
             self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
+        self.codes = self.run.participants
         if self._link and self._peers:
             from sar_tui.link.peer import session_welcome
 
@@ -134,6 +136,12 @@ class LiveSession:
     def is_closed(self) -> bool:
         """True once the session was closed."""
         return self._closed
+
+    @property
+    def asks_after(self) -> bool:
+        """True if pain and tiredness are to be asked now: the session was ended, and is in the database."""
+        session = self.run.session
+        return session.task.parameters.ask_wellbeing and session.ended and not (self.rescued or self.unsaved)
 
     @property
     def rescued(self) -> str:

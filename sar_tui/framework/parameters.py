@@ -20,9 +20,11 @@ from sar_tui.framework.settings.goal import GoalSettings
 from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.framework.settings.session import SessionSettings
 from sar_tui.framework.settings.timing import TimingSettings
+from sar_tui.framework.settings.wellbeing import WellbeingSettings
 
 _COMMON: tuple[type[Settings], ...] = (
     SessionSettings,
+    WellbeingSettings,
     GoalSettings,
     *registry.settings_types(difficulty.POLICIES),
     DifficultySettings,
@@ -53,6 +55,7 @@ if TYPE_CHECKING:
 
     class TaskParameters(
         SessionSettings,
+        WellbeingSettings,
         GoalSettings,
         OneUpOneDownSettings,
         SequenceSettings,

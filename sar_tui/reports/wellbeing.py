@@ -49,7 +49,8 @@ def _symptom(rows: Sequence[Row], question: str) -> str:
         given = [row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, question)]
         where = [row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, "place")]
         if given:
-            place = f" ({where[-1]})" if question == "pain" and where and where[-1] != NOT_SAID else ""
+            has_place = question == "pain" and given[-1] != "0" and where and where[-1] != NOT_SAID
+            place = f" ({where[-1]})" if has_place else ""
             parts.append(f"{'would rather not say' if given[-1] == NOT_SAID else given[-1]} {moment}{place}")
     pauses = sum((row["moment"], row["question"]) == ("pause", question) for row in rows)
     if pauses:

@@ -1,5 +1,6 @@
 """All screens of a session in Spanish are in Spanish only."""
 
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import sar_tui.app
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.screens.session import SessionScreen
+from sar_tui.app.screens.wellbeing import ENDS, PLACES, WellbeingScreen
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework.language import read_words, slot_problem
 from sar_tui.framework.messages import SensorChanged, SensorState
@@ -18,6 +20,7 @@ from sar_tui.framework.topics import SENSOR
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.attempt_results import MARKERS
 from sar_tui.runs.plan import Plan, make_plan
+from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.language import app_language, session_language
 from tests.app.app_driver import AppDriver, known, open_app
@@ -68,8 +71,10 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     rooms = (APP, package / "widgets", package / "tui")
     code = [*(path for room in rooms for path in room.rglob("*.py")), package / "reports" / "attempts_plot.py"]
     bindings = [*BaseApp.BINDINGS, *SarTui.BINDINGS, *SessionScreen.BINDINGS, *SensorCheckScreen.BINDINGS]
+    bindings += WellbeingScreen.BINDINGS
     labels = {binding.description for binding in bindings if isinstance(binding, Binding) and binding.show}
-    texts = {"palette", *labels, *MARKERS}.union(*(texts_in(path.read_text("utf-8")) for path in code))
+    answers = {NOT_SAID, *PLACES.values(), *chain.from_iterable(ENDS.values())}
+    texts = {"palette", *labels, *MARKERS, *answers}.union(*(texts_in(path.read_text("utf-8")) for path in code))
     translations = read_words(APP / "words.es.toml")
     assert set(translations) == texts
     assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []

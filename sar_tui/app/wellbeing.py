@@ -1,0 +1,57 @@
+"""When the app asks about pain and tiredness, and where the answers go."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from sar_tui.app.screens.wellbeing import Person, Save, WellbeingScreen
+from sar_tui.framework.policies.wellbeing import Moment, tell_therapist
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.reports.wellbeing import advice
+from sar_tui.store import wellbeing
+from sar_tui.store.database import StoreError
+from sar_tui.tui.language import session_language
+
+if TYPE_CHECKING:
+    from sar_tui.app.app import SarTui
+    from sar_tui.app.live import LiveSession
+
+
+def ask_before(app: "SarTui", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingScreen:
+    """Return the screen that asks before a session."""
+    people = _people(task, dict(zip(task.seats, codes, strict=False)))
+    tr = session_language(task).including(theme.texts)
+    return WellbeingScreen("before", people, _saving(app, "before"), tr)
+
+
+def ask_after(app: "SarTui", live: "LiveSession") -> WellbeingScreen:
+    """Return the screen that asks after a session."""
+    session, codes = live.run.session, dict(live.codes)
+    rows = wellbeing.of_session(app.database, live.run.id)
+    before = {seat: wellbeing.ratings(rows, seat).pain_before for seat in codes}
+    people = [person._replace(pain_before=before[person.seat]) for person in _people(session.task, codes)]
+    tr = session_language(session.task).including(session.theme.texts)
+    return WellbeingScreen("after", people, _saving(app, "after", live.run.id), tr)
+
+
+def warnings(app: "SarTui", codes: Sequence[str]) -> list[str]:
+    """Return a sentence for each thing that the therapist should be told of some participants."""
+    return [
+        f"{code}: {text}" for code in codes for text in advice(tell_therapist(wellbeing.history(app.database, code)))
+    ]
+
+
+def _people(task: Task, codes: dict[str, str]) -> list[Person]:
+    """Return the participants by seat, named if there are several."""
+    several = len(codes) > 1
+    return [Person(seat, code, f"{task.seat_name(seat)} ({code})" if several else "") for seat, code in codes.items()]
+
+
+def _saving(app: "SarTui", moment: Moment, session: str | None = None) -> Save:
+    def save(person: Person, question: wellbeing.Question, answer: str) -> None:
+        try:
+            wellbeing.save(app.database, person.code, moment, question, answer, session=session, seat=person.seat)
+        except StoreError as error:
+            app.notify(str(error), severity="error", timeout=15)
+
+    return save

@@ -1,0 +1,193 @@
+"""Pain and tiredness are asked before and after a session, with one key each and nothing chosen beforehand."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+
+ALL = "SELECT session, moment, question, answer FROM wellbeing ORDER BY at"
+
+
+def answers(driver: AppDriver) -> list[tuple[str, ...]]:
+    """Return what is stored, without the session."""
+    return [row[1:] for row in driver.stored(ALL)]
+
+
+async def test_a_session_asks_before_and_after(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        assert driver.sees("How much pain do you have now?")
+        assert driver.sees("0 1 2 3 4 5 6 7 8 9 10")
+        assert driver.sees("Press a number from 0 to 9. For 10, press T. Press N if you would rather not say.")
+        await driver.press("enter", "space", "q")
+        assert driver.sees("Please press one of these keys.")
+        assert answers(driver) == [], "nothing is chosen beforehand"
+        await driver.press("2")
+        assert driver.sees("Where does it hurt?")
+        assert driver.sees("You said: 2. Backspace goes back.")
+        await driver.press("5")
+        assert driver.sees("How tired are you now?")
+        await driver.press("n")
+        assert driver.sees("Press Enter to go on.")
+        await driver.do_session()
+        await driver.press("enter")
+        assert driver.sees("How much pain do you have now?")
+        await driver.press("0", "t")
+        assert driver.app.return_code == 0
+        session = driver.session_id
+        assert driver.stored(ALL) == [
+            (session, "before", "pain", "2"),
+            (session, "before", "place", "left shoulder"),
+            (session, "before", "fatigue", "not said"),
+            (session, "after", "pain", "0"),
+            (session, "after", "fatigue", "10"),
+        ]
+
+
+@pytest.mark.parametrize("parameters", [{}, {"ask_wellbeing": False}])
+async def test_a_session_asks_only_if_it_is_set(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], parameters: dict[str, object]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **parameters)) as driver:
+        assert driver.screen_name == "SessionScreen"
+        await driver.do_session()
+        await driver.press("enter")
+        assert answers(driver) == []
+
+
+async def test_an_answer_can_be_corrected_and_the_last_one_counts(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("9", "backspace", "0")
+        assert driver.sees("How tired are you now?")
+        await driver.press("3")
+        assert driver.screen_name == "SessionScreen", "the pain that was corrected is no reason to stop"
+        assert answers(driver) == [("before", "pain", "9"), ("before", "pain", "0"), ("before", "fatigue", "3")]
+
+
+async def test_a_key_that_is_held_answers_one_question_only(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.write("0", "0", "0")
+        assert driver.sees("How tired are you now?")
+        assert answers(driver) == [("before", "pain", "0")]
+
+
+@pytest.mark.parametrize(("key", "screen"), [("enter", "SessionScreen"), ("escape", "HomeScreen")])
+async def test_severe_pain_before_a_session_is_a_reason_not_to_begin(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, screen: str
+) -> None:
+    known(data, ask_wellbeing=True)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("right", "right", "right", "enter")
+        await driver.press("7", "3", "4")
+        assert driver.sees("Please stop and rest")
+        assert driver.sees("Tell your therapist about the pain now.")
+        await driver.press("5", "space")
+        assert driver.sees("Please stop and rest"), "only Enter and Escape leave it"
+        await driver.press(key)
+        assert driver.screen_name == screen
+        assert [row[2:] for row in driver.stored(ALL)] == [("pain", "7"), ("place", "left arm"), ("fatigue", "4")]
+
+
+async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("1", "2", "3")
+        await driver.do_session()
+        await driver.press("enter")
+        await driver.press("4", "2", "3")
+        assert driver.sees("Please stop and rest Tell your therapist about the pain now. Press Enter to close.")
+        await driver.press("enter")
+        assert driver.app.return_code == 0
+
+
+async def test_the_questions_can_be_skipped(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("3", "escape")
+        assert driver.screen_name == "SessionScreen"
+        await driver.do_session()
+        await driver.press("enter", "escape")
+        assert driver.app.return_code == 0
+        assert answers(driver) == [("before", "pain", "3")]
+
+
+async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("0", "1")
+        await driver.to_first_prompt()
+        session = driver.session_id
+    async with open_app(data, catalogue, session) as driver:
+        assert driver.screen_name == "SessionScreen"
+        await driver.press("enter")
+        await driver.do_attempt(await driver.to_prompt())
+        await driver.do_attempt(await driver.begin())
+        await driver.see_the_summary()
+        await driver.press("enter")
+        await driver.press("4", "2", "3")
+        assert driver.sees("Please stop and rest")
+    assert stored(data, "SELECT DISTINCT session FROM wellbeing") == [(session,)]
+
+
+async def test_two_participants_are_asked_in_turn(data: Path, catalogue: Catalogue) -> None:
+    from sar_tui.runs.plan import make_plan
+
+    settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
+    async with open_app(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
+        assert driver.sees("Left (P01) How much pain")
+        await driver.press("0", "1")
+        assert driver.sees("Right (P02) How much pain")
+        await driver.press("2", "n", "3")
+        assert driver.screen_name == "SessionScreen"
+        rows = driver.stored("SELECT participant, seat, question, answer FROM wellbeing ORDER BY at")
+        assert rows == [
+            ("P01", "A", "pain", "0"),
+            ("P01", "A", "fatigue", "1"),
+            ("P02", "B", "pain", "2"),
+            ("P02", "B", "place", "not said"),
+            ("P02", "B", "fatigue", "3"),
+        ]
+
+
+async def test_the_questions_are_in_the_sessions_language(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    spanish = plan(catalogue, keyboard, ask_wellbeing=True, language="es")
+    async with open_app(data, catalogue, spanish) as driver:
+        assert driver.sees("¿Cuánto dolor tiene ahora?")
+        assert driver.sees("Para el 10, pulse D. Pulse N si prefiere no decirlo.")
+        await driver.press("d")
+        assert driver.sees("Ha dicho: 10.")
+        await driver.press("8")
+        assert driver.sees("Ha dicho: cabeza. Con Retroceso se vuelve atrás.")
+        await driver.press("n")
+        assert driver.sees("Pare y descanse, por favor")
+        assert driver.stored(ALL)[1][2:] == ("place", "head"), "stored in English"
+
+
+async def test_the_questions_fit_a_small_window(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        assert max(map(len, driver.rows)) <= 80
+        await driver.press("3")
+        for place in ("1 left hand", "9 somewhere else", "Press N if you would rather not say."):
+            assert driver.sees(place)
+
+
+async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+    known(data, ask_wellbeing=True, attempts=1)
+    async with open_app(data, catalogue) as driver:
+        for way in (("right", "right", "right", "enter"), ("enter",)):
+            await driver.press(*way, "0", "1")
+            await driver.do_session()
+            await driver.press("enter")
+            await driver.press("0", "8")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("P01: Very tired (7 or more of 10) after each of the last two sessions.")
+        assert driver.sees("completed · tired 8")
