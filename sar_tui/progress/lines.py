@@ -139,6 +139,19 @@ def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Ta
     return [_line(*members) for members in grouped.values()]
 
 
+def comparable(sessions: Iterable[SessionResults], task: Task) -> Line | None:
+    """Return the line that a live session of a task, with its settings and one participant, would join; or None."""
+    kind, settings = type(task), _compared(type(task), msgspec.json.decode(msgspec.json.encode(task.parameters)))
+    members = [
+        each
+        for each in sessions
+        if (each.task, each.task_version, each.seat, each.mode) == (kind.name, kind.version, "A", "live")
+        and each.results
+        and _compared(kind, each.parameters) == settings
+    ]
+    return _line(kind, settings, members) if members else None
+
+
 def _compared(kind: type[Task] | None, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings that comparable sessions share; all of them if the task that declares them is not there."""
     if kind is None:

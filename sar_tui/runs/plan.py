@@ -63,7 +63,8 @@ def make_plan(
         catalogue: where the task and the theme are found.
         task: the task or its name.
         participants: codes in the order of the task's seats; a simulated session makes up the second if it is missing.
-        settings: values of the task's parameters, typed or as text; they override the saved ones.
+        settings: values of the task's parameters, typed or as text; they override the saved ones. A start level among
+            them is fixed.
         saved: the programme of the first participant. Values that the task cannot use any more are left out.
         theme: name of the theme; by default the saved one.
         speech: overrides the setting of that name, and adds speech to the outputs.
@@ -84,6 +85,8 @@ def make_plan(
         codes.append(f"{codes[0]}-B")
     check_seats(kind, codes)
     kept, left_out = usable(kind.Parameters, saved.parameters)
+    if "start_level" in settings:
+        settings = {"start_from": "fixed", **settings}
     parameters = _parameters(kind, {**kept, **settings}, speech)
     name = theme or saved.theme
     catalogue.theme(name, parameters.language)

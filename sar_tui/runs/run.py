@@ -19,6 +19,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.checkpoints import Checkpoints, program
 from sar_tui.runs.plan import Failed, Plan, set_up
+from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import checkpoints, locks, participants, sessions
 from sar_tui.store.database import StoreError, connect, open_file
 from sar_tui.store.last_saved import forget
@@ -115,10 +116,12 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
     """
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     task = set_up(plan.task, plan.parameters)
-    nodes = make_nodes(task, theme, plan.seed)
     database = connect(folder)
     held: list[BaseFileLock] = []
     with _released_on_failure(database, held):
+        if plan.mode == "live":
+            task = set_up(plan.task, with_start_level(database, task, plan.participant))
+        nodes = make_nodes(task, theme, plan.seed)
         codes = [code for code in (plan.participant, plan.partner) if code]
         if plan.mode == "live":
             codes = [participants.add(database, code) for code in codes]
@@ -135,7 +138,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             theme=theme.name,
             participant=codes[0],
             seed=plan.seed,
-            parameters=plan.parameters,
+            parameters=task.parameters,
             mode=plan.mode,
             partner=codes[1] if len(codes) > 1 else "",
             programme=plan.programme,

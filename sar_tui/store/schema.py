@@ -211,6 +211,16 @@ def version_8(db: sqlite_utils.Database) -> None:
     )
 
 
+@migrations()
+def version_9(db: sqlite_utils.Database) -> None:
+    """Start levels that a therapist saved stay fixed: earlier programs knew no others."""
+    db.execute(
+        "UPDATE programmes SET parameters=json_set(parameters, '$.start_from', 'fixed')"
+        " WHERE json_extract(parameters, '$.start_level') IS NOT NULL"
+        " AND json_extract(parameters, '$.start_from') IS NULL"
+    )
+
+
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")

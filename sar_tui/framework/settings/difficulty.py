@@ -15,8 +15,24 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
     """Levels of a session, and the policy that chooses among them."""
 
     start_level: Annotated[
-        int, meta("Start level", help="The level of the first attempt.", ge=1, le=100, group="Difficulty")
+        int,
+        meta(
+            "Start level",
+            help="The level of the first attempt; of the first session only, unless it starts from fixed.",
+            ge=1,
+            le=100,
+            group="Difficulty",
+        ),
     ] = 1
+    start_from: Annotated[
+        Literal["estimate", "last level", "fixed"],
+        meta(
+            "Start from",
+            help="estimate: the level at which the last session's times just reached the goal. last level: the one it "
+            "ended at. fixed: the start level, as it is.",
+            group="Difficulty",
+        ),
+    ] = "estimate"
     min_level: Annotated[
         int, meta("Lowest level", help="The level never falls below this.", ge=1, le=100, group="Difficulty")
     ] = 1

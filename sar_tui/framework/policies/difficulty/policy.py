@@ -92,3 +92,8 @@ class DifficultyPolicy(NamedTuple):
     step: Callable[[Difficulty, ScoredAttempt, Any, Bounds], Difficulty] = stay
     goal: Callable[[Sequence[float | None], Literal["lower", "higher"], Any], Goal | None] | None = None
     start: Callable[[int, Any, Bounds], int] = start_at
+
+    @property
+    def moves_level(self) -> bool:
+        """True if the level follows the person, from the start level on."""
+        return self.step is not stay and self.start is start_at
