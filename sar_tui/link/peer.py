@@ -7,6 +7,7 @@ import msgspec
 
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Message, Role
+from sar_tui.framework.trial_types import Metric
 
 if TYPE_CHECKING:
     from sar_tui.framework.task import Task
@@ -34,8 +35,8 @@ class Welcome(msgspec.Struct, frozen=True):
     """Description of a session, sent to a peer that has just joined; the frames of its snapshot follow.
 
     ``link``: the link's id. ``name``, ``role``: the peer's, as the session knows it. ``unit``, ``decimals``: of the
-    metric. ``spoken_names``: how the agent addresses each of several participants, by seat. ``parameters``: of the
-    task, as plain values.
+    metric; ``metric`` is not known of a session of an earlier version. ``spoken_names``: how the agent addresses
+    each of several participants, by seat. ``parameters``: of the task, as plain values.
     """
 
     link: str
@@ -50,6 +51,7 @@ class Welcome(msgspec.Struct, frozen=True):
     levels: int
     attempts: int
     trials: int
+    metric: Metric | None = None
     marks: tuple[MarkKey, ...] = ()
     spoken_names: dict[str, str] = {}
     parameters: dict[str, Any] = {}
@@ -79,6 +81,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
         levels=task.levels,
         attempts=parameters.practice_attempts + parameters.attempts,
         trials=task.trials_per_attempt,
+        metric=task.metric,
         marks=tuple(MarkKey(mark.name, mark.title) for mark in task.marks),
         spoken_names=spoken if len(participants) > 1 else {},
         parameters=msgspec.to_builtins(parameters),

@@ -26,6 +26,7 @@ from sar_tui.operator.commands import Commands
 from sar_tui.operator.phrases import addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.operator.text_charts import wrap
+from sar_tui.operator.trend import trend
 from sar_tui.operator.widgets import CachedStatic, TooSmallNotice
 from sar_tui.tui.ordered_keys import OrderedScreen
 from sar_tui.tui.terminal_probe import INTERVAL_S as PROBE_INTERVAL_S
@@ -34,6 +35,8 @@ FRAME_SECONDS = 1 / 15
 """Shortest time between two drawings."""
 _TALL, _WIDE = 27, 92
 """Lines from which the log is longer, and columns from which the agent's text is wider."""
+_BROAD = 120
+"""Columns from which the attempts are plotted beside palette and log."""
 _PALETTE_ROWS = 5
 _GAP, _LINK_SHARE = 2, 0.6
 """Columns between the session and the link in the header, and the largest share of the link (see `operator.tcss`)."""
@@ -103,13 +106,16 @@ class PanelLayout(OrderedScreen[str]):
             activity.border_title = "What they do"
             yield activity
         yield ProposalStrip(self.file)
-        with Horizontal(id="palette-header"):
-            yield CachedStatic("palette-title")
-            yield Static(key_help.palette_keys(self.file), id="palette-keys", markup=False)
-        yield CachedStatic("palette")
-        log = CachedStatic("log")
-        log.border_title = "Log"
-        yield log
+        with Horizontal(id="lower"):
+            with Vertical(id="palette-and-log"):
+                with Horizontal(id="palette-header"):
+                    yield CachedStatic("palette-title")
+                    yield Static(key_help.palette_keys(self.file), id="palette-keys", markup=False)
+                yield CachedStatic("palette")
+                log = CachedStatic("log")
+                log.border_title = "Log"
+                yield log
+            yield CachedStatic("trend")
         yield CachedStatic("footer")
         help_sheet = CachedStatic("key-help")
         help_sheet.border_title = "Keys"
@@ -173,6 +179,7 @@ class PanelLayout(OrderedScreen[str]):
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")
         self.set_class(event.size.width >= _WIDE, "wide")
+        self.set_class(event.size.width >= _BROAD, "broad")
         self.query_one(TooSmallNotice).fit(event.size)
         self.is_stale = True
         self.call_after_refresh(self.draw)
@@ -259,6 +266,7 @@ class PanelLayout(OrderedScreen[str]):
         wall = self._wall_time()
         times = partial(status_view.time_of_day, now=now, wall=wall)
         self._put("log", status_view.log_lines(lines, self._width("log"), log.content_size.height, times))
+        self._draw_trend()
         question = key_help.question(self.question, state, self.file)
         footer = key_help.footer(self.file, question, self._width("footer"), is_observer=self.is_observer)
         self._put("footer", footer)
@@ -297,6 +305,17 @@ class PanelLayout(OrderedScreen[str]):
         to = f" ·{to} ({key_help.key_label('seat', self.file)})" if to else ""
         self._put("palette-title", Content(f"{page.title} {number + 1}/{count}{to}"))
         self._put("palette", key_help.palette_page(page, width, _PALETTE_ROWS))
+
+    def _draw_trend(self) -> None:
+        plot, state = self.query_one("#trend", CachedStatic), self.commands.state
+        if not plot.display or state.welcome is None:
+            return
+        several = len(state.welcome.participants) > 1
+        plot.border_title = (
+            f"Attempts of {state.welcome.participants.get(self.seat, self.seat)}" if several else "Attempts"
+        )
+        size = plot.content_size
+        plot.show(trend(state.seat(self.seat).attempts, state.welcome.metric, size.width, size.height))
 
     def find_page(self) -> tuple[palette.Page, int, int]:
         """Return the palette's open page, its index and the number of pages."""

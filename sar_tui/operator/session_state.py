@@ -63,17 +63,24 @@ MAX_STOPS = 10
 """Number of stops that are kept."""
 MAX_TRIALS = 60
 """Number of trials that are kept for each participant."""
+MAX_ATTEMPTS = 100
+"""Number of attempts that are kept for each participant."""
 TRACE_SECONDS = 8
 """Seconds of a hand's motion that are kept."""
 
 
 class Seat(msgspec.Struct, frozen=True):
-    """Results of one participant: the last trials, attempt and mark, and the hand's angular speed (rad/s)."""
+    """Results of one participant: the last trials, attempts and mark, and the hand's angular speed (rad/s)."""
 
     trials: tuple[TrialEnded, ...] = ()
-    attempt: AttemptEnded | None = None
+    attempts: tuple[AttemptEnded, ...] = ()
     mark: str = ""
     rates: tuple[float, ...] = ()
+
+    @property
+    def attempt(self) -> AttemptEnded | None:
+        """The last attempt."""
+        return self.attempts[-1] if self.attempts else None
 
 
 class SessionState(msgspec.Struct, frozen=True):
@@ -227,7 +234,9 @@ def _on_mark(state: SessionState, marked: TrialMarked) -> SessionState:
 
 
 def _on_attempt(state: SessionState, ended: AttemptEnded) -> SessionState:
-    return state.with_seat(ended.seat, replace(state.seat(ended.seat), attempt=ended))
+    seat = state.seat(ended.seat)
+    others = tuple(each for each in seat.attempts if each.attempt != ended.attempt)
+    return state.with_seat(ended.seat, replace(seat, attempts=(*others, ended)[-MAX_ATTEMPTS:]))
 
 
 def _on_level(state: SessionState, changed: LevelChanged) -> SessionState:

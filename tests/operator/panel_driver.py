@@ -18,6 +18,7 @@ from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Message, Role
 from sar_tui.framework.theme import Theme
+from sar_tui.framework.trial_types import Metric
 from sar_tui.link.peer import (
     Connection,
     Frame,
@@ -87,6 +88,7 @@ def welcome(role: Role = "operator", **other: Any) -> Welcome:
         "levels": 10,
         "attempts": 20,
         "trials": 20,
+        "metric": Metric("reaction_time", "ms", "lower"),
         "parameters": {"min_level": 1, "max_level": 10, "operator_lost": "autonomous", "operator_difficulty": "veto"},
     }
     return Welcome(**fields | other)

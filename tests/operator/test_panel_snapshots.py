@@ -1,4 +1,4 @@
-"""Snapshots of the panel as plain text, in each theme, at 80 by 24 and at 100 by 30.
+"""Snapshots of the panel as plain text, in each theme, at 80 by 24, 100 by 30 and 140 by 45.
 
 They are stored in ``snapshots/``. Redraw them with ``SAR_TUI_UPDATE_SNAPSHOTS=1``, then look at the changes.
 """
@@ -15,8 +15,8 @@ from tests.album import Album
 from tests.operator import panel_driver as b
 
 FOLDER = Path(__file__).parent / "snapshots"
-SMALL, LARGE = (80, 24), (100, 30)
-KINDS = (("calm", SMALL), ("calm", LARGE), ("high-contrast", SMALL), ("playful", LARGE))
+SMALL, LARGE, LARGEST = (80, 24), (100, 30), (140, 45)
+KINDS = (("calm", SMALL), ("calm", LARGE), ("calm", LARGEST), ("high-contrast", SMALL), ("playful", LARGE))
 VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants", "lost", "keys")
 
 

@@ -17,7 +17,7 @@ from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.operator import proposal_view, status_view
 from sar_tui.operator.act import Act
 from sar_tui.operator.event_log import Line
-from sar_tui.operator.session_state import MAX_TRIALS, SessionState
+from sar_tui.operator.session_state import MAX_ATTEMPTS, MAX_TRIALS, SessionState
 from sar_tui.operator.text_charts import cut, motion, responses, sparkline, two_lines, wrap
 from tests.operator import panel_driver as b
 
@@ -93,6 +93,15 @@ def test_a_repeated_trial_counts_once_and_old_trials_are_dropped() -> None:
     assert [trial.trial for trial in twice.seat("A").trials] == [1, 2]
     many = after(*[(t.TRIAL, b.trial(number, "f", 400)) for number in range(1, 90)])
     assert len(many.seat("A").trials) == MAX_TRIALS
+
+
+def test_all_attempts_are_kept_and_one_that_is_scored_again_replaces_its_earlier_score() -> None:
+    again = [b.attempt(attempt=1), b.attempt(attempt=2), b.attempt(attempt=2, metric=510.0)]
+    state = after(*[(t.ATTEMPT_ENDED, ended) for ended in again])
+    assert [(ended.attempt, ended.metric) for ended in state.seat("A").attempts] == [(1, 498.2), (2, 510.0)]
+    assert state.seat("A").attempt == again[-1]
+    many = after(*[(t.ATTEMPT_ENDED, b.attempt(attempt=number)) for number in range(1, MAX_ATTEMPTS + 9)])
+    assert len(many.seat("A").attempts) == MAX_ATTEMPTS
 
 
 def test_a_mark_changes_whether_a_trial_is_correct() -> None:
