@@ -24,14 +24,14 @@ def ask_before(app: "SarTui", task: Task, theme: Theme, codes: Sequence[str]) ->
     return WellbeingScreen("before", people, _saving(app, "before"), tr)
 
 
-def ask_after(app: "SarTui", live: "LiveSession") -> WellbeingScreen:
-    """Return the screen that asks after a session."""
+def ask_after(app: "SarTui", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
+    """Return the screen that asks after a session, or in a pause of it."""
     session, codes = live.run.session, dict(live.codes)
     rows = wellbeing.of_session(app.database, live.run.id)
     before = {seat: wellbeing.ratings(rows, seat).pain_before for seat in codes}
     people = [person._replace(pain_before=before[person.seat]) for person in _people(session.task, codes)]
     tr = session_language(session.task).including(session.theme.texts)
-    return WellbeingScreen("after", people, _saving(app, "after", live.run.id), tr)
+    return WellbeingScreen(moment, people, _saving(app, moment, live.run.id), tr)
 
 
 def warnings(app: "SarTui", codes: Sequence[str]) -> list[str]:

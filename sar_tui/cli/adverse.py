@@ -128,9 +128,9 @@ def list_events(
     if not found:
         out.print(f"There are no adverse events{f' of {code}' if code else ''}.")
         return
-    made = table("event", "onset", "who", "what", "severity", "action", "outcome", "session", whole=("event", "onset"))
+    made = table("event", "onset", "who", "severity", "what", "action", "outcome", whole=("event", "severity"))
     for one in found:
-        add(made, one.event, one.onset, one.participant, one.what, one.severity, one.action, one.outcome, one.session)
+        add(made, one.event, one.onset, one.participant, one.severity, one.what, one.action, one.outcome)
     out.print(made)
 
 

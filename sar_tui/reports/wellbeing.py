@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from sar_tui.framework.policies.wellbeing import SEVERE, TellReason, stop_now
-from sar_tui.store.wellbeing import NOT_SAID, Row, ratings
+from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, ratings
 
 _NAMES = {"pain": "pain", "fatigue": "tiredness"}
 _IN_PAUSES = {"pain": "in pain", "fatigue": "tired"}
@@ -33,7 +33,8 @@ def sentences(rows: Sequence[Row], seat: str) -> list[str]:
     mine = [row for row in rows if row["seat"] == seat]
     found = [text for question in _NAMES if (text := _symptom(mine, question))]
     rated = ratings(mine, seat)
-    if stop_now(None, rated.pain_before) or stop_now(rated.pain_before, rated.pain_after):
+    pains = (rated.pain_before, rated.pain_pause, rated.pain_after)
+    if any(stop_now(rated.pain_before, pain) for pain in pains):
         found.append("That was a reason to stop and to tell the therapist.")
     return found
 
@@ -52,8 +53,9 @@ def _symptom(rows: Sequence[Row], question: str) -> str:
             has_place = question == "pain" and given[-1] != "0" and where and where[-1] != NOT_SAID
             place = f" ({where[-1]})" if has_place else ""
             parts.append(f"{'would rather not say' if given[-1] == NOT_SAID else given[-1]} {moment}{place}")
-    pauses = sum((row["moment"], row["question"]) == ("pause", question) for row in rows)
+    pauses = [row["answer"] for row in rows if (row["moment"], row["question"]) == ("pause", question)]
     if pauses:
-        times = {1: "in a pause"}.get(pauses, f"in {pauses} pauses")
-        parts.append(f'"{_IN_PAUSES[question]}" {times}')
+        count, numbers = pauses.count(IN_PAUSE), ", then ".join(filter(str.isdecimal, pauses))
+        times = "in a pause" if count < 2 else f"in {count} pauses"
+        parts.append(f'"{_IN_PAUSES[question]}" {times}' + (f" ({numbers})" if numbers else ""))
     return f"{_NAMES[question].capitalize()}: {', '.join(parts)}." if parts else ""

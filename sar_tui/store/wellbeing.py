@@ -12,10 +12,12 @@ Row = dict[str, Any]
 Question = Literal["pain", "place", "fatigue"]
 NOT_SAID = "not said"
 """Answer of a participant who would rather not say."""
+IN_PAUSE = "yes"
+"""Answer that is stored of each pause for pain or tiredness, before any question."""
 _COLUMNS = ("session", "seat", "participant", "moment", "question", "answer", "at")
 PAUSES = (
     "INSERT OR IGNORE INTO wellbeing (session, seat, participant, moment, question, answer, at)"
-    " SELECT ?1, seat, participant, 'pause', ?3, 'yes', ?4 FROM seats WHERE session=?1 AND seat=?2"
+    f" SELECT ?1, seat, participant, 'pause', ?3, '{IN_PAUSE}', ?4 FROM seats WHERE session=?1 AND seat=?2"
 )
 """Statement that stores what was said in a pause: session, seat, question, time."""
 
@@ -85,10 +87,14 @@ def ratings(rows: Sequence[Row], seat: str = "A") -> SessionRatings:
     for row in rows:
         if row["seat"] != seat:
             continue
-        if row["moment"] == "pause":
-            told_pain = told_pain or row["question"] == "pain"
-        elif row["question"] in ("pain", "fatigue") and row["answer"].isdecimal():
-            found[f"{row['question']}_{row['moment']}"] = int(row["answer"])
+        is_number = row["question"] in ("pain", "fatigue") and row["answer"].isdecimal()
+        if row["moment"] != "pause":
+            if is_number:
+                found[f"{row['question']}_{row['moment']}"] = int(row["answer"])
+        elif row["question"] == "pain":
+            told_pain = True
+            if is_number:
+                found["pain_pause"] = max(int(row["answer"]), found.get("pain_pause", 0))
     return SessionRatings(**found, told_pain=told_pain)
 
 

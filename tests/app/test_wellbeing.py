@@ -107,6 +107,33 @@ async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
         assert driver.app.return_code == 0
 
 
+async def test_pain_in_a_pause_is_asked_with_its_number(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("2", "5", "1")
+        prompt = await driver.to_first_prompt()
+        await driver.press("escape", "down", "down", "enter")
+        assert driver.sees("How much pain do you have now?")
+        await driver.press("6", "5")
+        assert driver.sees("Tell your therapist about the pain now."), "it rose by more than 3"
+        await driver.press("enter")
+        assert driver.sees("Tell your therapist or the experimenter about the pain before you go on.")
+        await driver.press("enter")
+        assert (await driver.to_prompt()).text == prompt.text, "the session goes on"
+        session = driver.session_id
+        said = driver.stored("SELECT question, answer FROM wellbeing WHERE moment='pause' AND session=?", session)
+        assert sorted(said) == [("pain", "6"), ("pain", "yes"), ("place", "left shoulder")]
+
+
+async def test_pain_in_a_pause_is_only_asked_if_it_is_set(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.to_first_prompt()
+        await driver.press("escape", "down", "down", "enter")
+        assert driver.screen_name == "SessionScreen"
+        assert driver.sees("Tell your therapist or the experimenter about the pain before you go on.")
+
+
 async def test_the_questions_can_be_skipped(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         await driver.press("3", "escape")

@@ -42,6 +42,13 @@ def test_show_says_what_the_participant_said(call: Call, data: Path, simulated: 
     assert [row["answer"] for row in rows] == ["2", "not said", "5", "left shoulder", "10", "yes"]
 
 
+def test_a_number_given_in_a_pause_is_shown(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        wellbeing.save(database, "P01", "pause", "pain", "9", session=simulated)
+    assert '"in pain" in a pause (9).' in call("show", simulated).out
+    assert "pain 9" in call("sessions").out
+
+
 def test_a_list_of_sessions_marks_pain_and_tiredness(call: Call, data: Path, simulated: str) -> None:
     assert "completed, simulated, pain 5, tired 10" in call("sessions").out
     (row,) = call("sessions", "--json").json["sessions"]

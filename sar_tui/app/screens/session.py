@@ -185,6 +185,10 @@ class SessionScreen(AgentScreen):
 
     def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:
         self._live.operate(event.act)
+        if event.act.reason == "pain" and self._live.run.session.task.parameters.ask_wellbeing:
+            from sar_tui.app.wellbeing import ask_after
+
+            self.app.push_screen(ask_after(self.app, self._live, "pause"))
 
     def on_pause_menu_therapist_asked(self) -> None:
         """Open the therapist's changes, behind the passphrase if there is one."""

@@ -65,7 +65,7 @@ class WellbeingScreen(Screen[bool]):
     """Asks each participant; the result is True to go on, False not to begin the session.
 
     Args:
-        moment: before or after the session.
+        moment: before or after the session, or in a pause for pain, where only pain is asked.
         people: the participants, in the order in which they are asked.
         save: stores each answer as soon as it is given.
         tr: language of the session.
@@ -144,7 +144,7 @@ class WellbeingScreen(Screen[bool]):
         """Ask the next question; after the last one go on, or advise to stop."""
         if question == "pain" and answer not in ("0", NOT_SAID):
             self._asked.append((person, "place"))
-        elif question != "fatigue":
+        elif question != "fatigue" and self._moment != "pause":
             self._asked.append((person, "fatigue"))
         elif person != self._people[-1]:
             self._asked.append((self._people[self._people.index(person) + 1], "pain"))
@@ -196,7 +196,7 @@ class WellbeingScreen(Screen[bool]):
 
     def _advice(self) -> dict[str, str]:
         tr = self.tr
-        if self._moment == "after":
+        if self._moment != "before":
             keys = tr("Press Enter to close.")
         else:
             keys = f"{tr('Press Enter to begin, if your therapist agrees.')}\n{tr('Press Escape to stop for today.')}"
@@ -211,7 +211,7 @@ class WellbeingScreen(Screen[bool]):
     def _scale(self, question: Question) -> str:
         """Return the numbers, with the names of both ends below them."""
         low, high = (self.tr(end) for end in ENDS[question])
-        numbers = "".join(str(number).center(_STEP) for number in range(HIGHEST + 1))
+        numbers = "".join(str(number).ljust(_STEP) for number in range(HIGHEST + 1)).rstrip()
         return f"{numbers}\n{low}{high.rjust(len(numbers) - len(low))}"
 
     def _places(self) -> str:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import msgspec
 
-Moment = Literal["before", "after"]
+Moment = Literal["before", "pause", "after"]
 HIGHEST = 10
 """The worst pain, and the greatest tiredness: both are rated from 0, as on a numeric rating scale (NRS)."""
 SEVERE = 7
@@ -25,9 +25,13 @@ TellReason = Literal["new pain", "worse pain", "tired"]
 
 
 class SessionRatings(msgspec.Struct, frozen=True):
-    """Ratings of one session; None if not asked, or not answered. ``told_pain``: pain was told in a pause."""
+    """Ratings of one session; None if not asked, or not answered.
+
+    ``pain_pause``: the worst in a pause. ``told_pain``: pain was said in a pause, with a number or without.
+    """
 
     pain_before: int | None = None
+    pain_pause: int | None = None
     pain_after: int | None = None
     fatigue_before: int | None = None
     fatigue_after: int | None = None
@@ -36,7 +40,7 @@ class SessionRatings(msgspec.Struct, frozen=True):
     @property
     def pain(self) -> int | None:
         """The worst pain of the session: at least 1 if it was told in a pause; None if nothing is known."""
-        known = [rating for rating in (self.pain_before, self.pain_after) if rating is not None]
+        known = [rating for rating in (self.pain_before, self.pain_pause, self.pain_after) if rating is not None]
         return max([*known, *([1] if self.told_pain else [])], default=None)
 
 

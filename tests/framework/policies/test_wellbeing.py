@@ -70,6 +70,7 @@ def test_the_first_four_sessions_are_compared_with_the_first_rating() -> None:
 def test_pain_told_in_a_pause_counts_as_pain() -> None:
     told = SessionRatings(told_pain=True)
     assert told.pain == 1
+    assert SessionRatings(pain_before=2, pain_pause=6, pain_after=3, told_pain=True).pain == 6
     assert tell_therapist([*pains(0), told, told, told, told]) == ("new pain",)
 
 
