@@ -1,12 +1,14 @@
 """``sar-tui progress``: a participant over sessions."""
 
+import os
 from collections.abc import Callable, Sequence
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -37,6 +39,16 @@ def progress(
             "--compare", metavar="SESSION,SESSION", show_default=False, help="Compare two sessions, by id or beginning."
         ),
     ] = None,
+    html: Annotated[
+        Path | None,
+        typer.Option(
+            "--html",
+            parser=named_path,
+            metavar="FILE",
+            show_default=False,
+            help="Write a page with charts, to print. It needs the extra `report`.",
+        ),
+    ] = None,
     note: Annotated[bool, typer.Option("--note", help="Print a paragraph to paste into a record.")] = False,
     language: Annotated[
         str, typer.Option("--language", metavar="CODE", help="Language of the sentences: en, es.")
@@ -57,10 +69,12 @@ def progress(
     find = _finder(home)
     with home.database() as database:
         found = make_progress(code, sessions_of(database, code, task), find)
-    if not found.lines and not as_json:
+    if not found.lines and not as_json and html is None:
         of_task = f" of the task {task}" if task else ""
         raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
-    if compare is not None:
+    if html is not None:
+        _write_page(found, html, find, language)
+    elif compare is not None:
         _compare(found, compare, find, language, as_json)
     elif as_json:
         print_json(found)
@@ -72,6 +86,21 @@ def progress(
             console().print(progress_words.note(code, line, found.days, tr), soft_wrap=True, end="\n\n")
     else:
         _print(console(), found, find, language)
+
+
+def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> None:
+    """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts cannot be drawn."""
+    from sar_tui.reports.progress_page import ChartsMissing, page
+
+    if path.exists():
+        raise Refused(f"{path} exists already, and is not overwritten. Name another file.")
+    try:
+        text = page(found, find, language)
+    except ChartsMissing as error:
+        raise Refused(str(error)) from error
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+        file.write(text)
+    print(f"{path} is written. Open it in a browser, which can also print it.")
 
 
 def _finder(home: Home) -> "Find":

@@ -1,5 +1,10 @@
 """``sar-tui progress``: for people, as a note, and as JSON."""
 
+import os
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
 import pytest
 
 from tests.program import Call
@@ -74,3 +79,26 @@ def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...],
 
 def test_nobody_has_no_lines_in_json(call: Call) -> None:
     assert call("progress", "P09", "--json").json == {"participant": "P09", "lines": [], "days": []}
+
+
+@pytest.mark.usefixtures("trained")
+def test_a_page_is_written_for_its_owner_alone_and_never_overwritten(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "vl_convert", SimpleNamespace(vegalite_to_svg=lambda spec: "<svg ></svg>"))
+    file = tmp_path / "p01.html"
+    assert call("progress", "P01", "--html", file).code == 0
+    assert "<h1>P01 · Progress</h1>" in file.read_text(encoding="utf-8")
+    if os.name == "posix":
+        assert file.stat().st_mode & 0o777 == 0o600
+    again = call("progress", "P01", "--html", file)
+    assert (again.code, "is not overwritten" in again.err) == (2, True)
+
+
+@pytest.mark.usefixtures("trained")
+def test_without_the_package_no_page_is_left(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "vl_convert", None)
+    called = call("progress", "P01", "--html", tmp_path / "p01.html")
+    assert called.code == 2
+    assert "sar-tui[report]" in called.err
+    assert not (tmp_path / "p01.html").exists()

@@ -1,0 +1,128 @@
+"""Progress as a page to print: one self-contained HTML file with drawn charts and their text alternatives."""
+
+from collections.abc import Callable, Iterator
+from html import escape
+
+from sar_tui.framework.language import Language
+from sar_tui.framework.task import Task
+from sar_tui.reports import progress_charts, progress_words
+from sar_tui.reports.progress import Day, LineProgress, Progress
+
+_LISTED = 60
+"""Sessions in the table of a line; the charts have all."""
+NO_PACKAGE = (
+    "The charts need the Python package vl-convert-python. Install it with: pip install 'sar-tui[report]'. "
+    "`sar-tui progress` without --html works as it is."
+)
+_STYLE = """
+body { font: 15px/1.5 sans-serif; color: #111; background: #fff; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
+figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcaption { font-size: .85rem; color: #333; }
+table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
+th { border-bottom: 1px solid #888; } td:first-child, th:first-child { text-align: left; }
+pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
+@media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
+"""
+
+
+class ChartsMissing(Exception):
+    """The package that draws charts is not installed. The message is one clear sentence."""
+
+
+def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: str) -> str:
+    """Return the page in a language.
+
+    Raises:
+        ChartsMissing: the extra ``report`` is not installed.
+    """
+    own = progress_words.words(code, None)
+    title = f"{found.participant} · {own('Progress')}"
+    body = [f"<h1>{escape(title)}</h1>"]
+    for line in found.lines:
+        body += _line(line, progress_words.words(code, find_task(line.task)))
+    if not found.lines:
+        body.append(f"<p>{escape(own('There are no finished attempts yet.'))}</p>")
+    body += _dose(found.days, own)
+    foot = own(
+        "A training measure of this program; no diagnosis, and no published important difference (MCID) applies."
+    )
+    return (
+        f'<!DOCTYPE html>\n<html lang="{escape(code)}">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n"
+        + "\n".join(body)
+        + f'\n<p class="foot">{escape(foot)}</p>\n</body>\n</html>\n'
+    )
+
+
+def _line(line: LineProgress, tr: Language) -> Iterator[str]:
+    yield f"<h2>{escape(progress_words.heading(line, tr))}</h2>"
+    yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
+    if spec := progress_charts.measure_chart(line, tr):
+        yield _figure(
+            spec,
+            tr("Level at goal of each session with its 95 % band. Grey: no more than noise and practice."),
+            _range(line, tr),
+        )
+    if spec := progress_charts.result_chart(line, tr):
+        yield _figure(spec, tr("Mean result of each session, with the SD between its attempts. Dashed: the goal."), "")
+    for name, chart in progress_charts.quality_charts(line).items():
+        yield _figure(chart, tr("Mean of each session: {name}.", name=name.replace("_", " ")), "")
+    yield _table(line, tr)
+
+
+def _range(line: LineProgress, tr: Language) -> str:
+    """Return the first and the last known level at goal, as the text alternative of their chart."""
+    known = [each for each in line.sessions if each.at_goal]
+    told = [f"{progress_words.day(each.began)}: {progress_words.at_goal(line, each, tr)}" for each in known]
+    return ". ".join(dict.fromkeys((told[0], told[-1])))
+
+
+def _figure(spec: progress_charts.Spec, caption: str, more: str) -> str:
+    label = escape(f"{caption} {more}".strip(), quote=True)
+    drawing = _drawn(spec).replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1)
+    return f"<figure>{drawing}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def _drawn(spec: progress_charts.Spec) -> str:
+    try:
+        import vl_convert
+    except ImportError:
+        raise ChartsMissing(NO_PACKAGE) from None
+    return str(vl_convert.vegalite_to_svg(spec))
+
+
+def _table(line: LineProgress, tr: Language) -> str:
+    unit = tr(line.axis.unit or line.axis.name)
+    columns = ("date", "levels", "mean", "SD", "correct", "reached", "level at goal")
+    heads = [*(tr(name) for name in columns), f"{unit}, 95 %"]
+    rows = []
+    for each in line.sessions[-_LISTED:]:
+        cells = (
+            progress_words.day(each.began),
+            f"{each.first_level} → {each.last_level}",
+            "" if each.mean is None else line.metric.show(each.mean),
+            "" if each.sd is None else f"{each.sd:.{line.metric.decimals}f}",
+            f"{each.right / each.trials:.0%}" if each.trials else "",
+            f"{each.reached}/{each.attempts}",
+            f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "–",
+            progress_words.band(line, each, tr) or "–",
+        )
+        rows.append("".join(f"<td>{escape(tr.figures(cell))}</td>" for cell in cells))
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in rows)}</tbody></table>"
+
+
+def _dose(days: list[Day], tr: Language) -> Iterator[str]:
+    if not days:
+        return
+    yield f"<h2>{escape(tr('Dose'))}</h2>"
+    if spec := progress_charts.dose_chart(days, tr):
+        total = tr(
+            "{repetitions} repetitions on {days} days.",
+            repetitions=str(sum(day.repetitions for day in days)),
+            days=str(len(days)),
+        )
+        yield _figure(spec, tr("Repetitions of each day."), total)
+    marks = "\n".join(f"{month}  {row}" for month, row in progress_words.calendar(days))
+    yield f"<pre>{escape(marks)}</pre><p>{escape(progress_words.legend(tr))}</p>"

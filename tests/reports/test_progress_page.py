@@ -1,0 +1,136 @@
+"""The page of progress: self-contained, with text alternatives, for no session, one, and a thousand."""
+
+import re
+import sys
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.progress.lines import SessionResults
+from sar_tui.reports import progress_charts, progress_page, progress_words
+from sar_tui.reports.progress import progress
+from tests.progress.session_results import adapted, at_one_level, session
+from tests.reports.test_progress import SPANISH, steady
+from tests.untranslated import english_in
+
+
+@pytest.fixture
+def specs(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """Collect the charts instead of drawing them."""
+    collected: list[dict[str, Any]] = []
+
+    def draw(spec: dict[str, Any]) -> str:
+        collected.append(spec)
+        return '<svg class="marks"></svg>'
+
+    monkeypatch.setitem(sys.modules, "vl_convert", SimpleNamespace(vegalite_to_svg=draw))
+    return collected
+
+
+def page(keyboard: type[Task], sessions: list[SessionResults], code: str = "en") -> str:
+    find = {"keyboard": keyboard}.get
+    return progress_page.page(progress("P01", sessions, find), find, code)
+
+
+@pytest.mark.usefixtures("specs")
+def test_nobody_has_a_page_that_says_so(keyboard: type[Task]) -> None:
+    made = page(keyboard, [])
+    assert "There are no finished attempts yet." in made
+    assert "<svg" not in made
+
+
+def test_one_session_has_its_charts(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+    made = page(keyboard, steady(1))
+    assert made.count("<svg") == len(specs) == 3  # level at goal, result, dose
+    assert made.count("<figcaption>") == 3
+
+
+def test_a_thousand_sessions_are_charted_and_the_newest_listed(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
+    made = page(keyboard, steady(1000))
+    assert len(specs[1]["data"]["values"]) == 1000
+    assert made.count("<tr>") == 61
+
+
+@pytest.mark.usefixtures("specs")
+def test_each_chart_has_a_text_alternative(keyboard: type[Task]) -> None:
+    made = page(keyboard, steady(5))
+    labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
+    assert len(labels) == 3
+    assert re.search(r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3", labels[0])
+    assert "2000 repetitions on 5 days." in labels[2]
+
+
+@pytest.mark.usefixtures("specs")
+def test_a_page_needs_nothing_from_elsewhere(keyboard: type[Task]) -> None:
+    made = page(keyboard, steady(5))
+    assert re.findall(r"https?:|src=|href=|@import|url\(|<script", made) == []
+
+
+@pytest.mark.usefixtures("specs")
+def test_texts_are_escaped(keyboard: type[Task]) -> None:
+    made = page(keyboard, [session(1, adapted(1), {"levels": ["<b>", "&c"]})])
+    assert "<b>" not in made
+    assert "&lt;b&gt; &amp;c" in made
+
+
+@pytest.mark.usefixtures("specs")
+def test_the_page_is_in_spanish(keyboard: type[Task]) -> None:
+    made = page(keyboard, steady(5), "es")
+    assert '<html lang="es">' in made
+    assert english_in([re.sub(r"<[^>]+>", "\n", made)], SPANISH) == []
+    assert "aciertos" in made
+
+
+def test_a_line_at_one_level_has_no_chart_of_levels(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+    made = page(keyboard, [session(number, at_one_level(number, 950.0)) for number in range(4)])
+    assert len(specs) == 2
+    assert "Level at goal of each session" not in made
+
+
+def test_smoothness_has_a_chart_of_its_own(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+    made = page(keyboard, [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)])
+    assert len(specs) == 4
+    assert "Mean of each session: sparc." in made
+
+
+def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
+    page(keyboard, steady(5))
+    (noise,) = specs[0]["layer"][0]["data"]["values"]
+    values = [value["value"] for value in specs[0]["data"]["values"]]
+    assert noise["low"] < min(values)
+    assert 2 < noise["high"] < 60  # keys, not bits
+
+
+def test_without_the_package_one_sentence_says_so(keyboard: type[Task], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "vl_convert", None)
+    with pytest.raises(progress_page.ChartsMissing, match=r"pip install 'sar-tui\[report\]'"):
+        page(keyboard, steady(1))
+
+
+@pytest.mark.slow
+def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
+    converter = pytest.importorskip("vl_convert", reason="the extra `report` is not installed")
+    find = {"keyboard": keyboard}.get
+    sessions = [session(n, adapted(n), qualities={"sparc": -1.6}) for n in range(5)]
+    found = progress("P01", sessions, find)
+    tr = progress_words.words("es", keyboard)
+    (line,) = found.lines
+    charts = [
+        progress_charts.measure_chart(line, tr),
+        progress_charts.result_chart(line, tr),
+        *progress_charts.quality_charts(line).values(),
+        progress_charts.dose_chart(found.days, tr),
+    ]
+    for chart in charts:
+        drawn = converter.vegalite_to_svg(chart)
+        assert drawn.startswith("<svg ")
+        assert set(re.findall(r'https?://[^"\s]+', drawn)) <= {
+            "http://www.w3.org/2000/svg",
+            "http://www.w3.org/1999/xlink",
+        }
