@@ -59,6 +59,20 @@ async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Cat
         assert said == [(*here, "fatigue", "yes"), (*here, "pain", "yes")]
 
 
+async def test_the_agent_rests_with_the_participant_and_is_silent_about_the_attempt(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        assert driver.said
+        await driver.press("escape", "down", "enter")
+        assert driver.said == ""
+        assert "─   ─ z" in driver.text, "it sleeps"
+        await driver.press("down", "enter")
+        assert "●   ●" in driver.text
+        assert "─   ─ z" not in driver.text
+
+
 async def test_pain_said_in_a_pause_is_in_the_sessions_row(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

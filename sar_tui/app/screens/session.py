@@ -38,6 +38,9 @@ from sar_tui.widgets.progress_line import ProgressLine
 _MARKABLE = ("trial", "answer", "review")
 """Stages in which there is a trial to mark; and before an attempt, except the first."""
 
+_PAUSED_FACES = {"tired": "sleeping", "pain": "encouraging"}
+"""Expressions in pauses, by their reasons; what the agent said before would not fit."""
+
 
 class SessionScreen(AgentScreen):
     """The stage of a session (see `screen_output.Stage`), which also reads its keys.
@@ -258,6 +261,8 @@ class SessionScreen(AgentScreen):
             self._show_position(waiting)
             self._show_trials(waiting.trial - 1)
             self.query_one(PauseMenu).open(waiting.reason)
+            if face := _PAUSED_FACES.get(waiting.reason):
+                self.clear_agent(face)
             self._stage("menu")
 
     def _update_motion(self, waiting: Waiting) -> None:
