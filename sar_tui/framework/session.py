@@ -16,16 +16,10 @@ from sar_tui.framework.nodes.event_handler import EventHandler
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.nodes.perception import Perception
 from sar_tui.framework.replay_comparison import is_same
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
-
-RULES = 2
-"""Version of the loop's rules. A session keeps those it began with, so that it can be replayed and resumed.
-
-1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
-is pressed is dropped, and each proposal has ``operator_time_ms``.
-"""
 
 _STATE = ("ended", "is_agent_acting", "awaits_operator", "_rules")
 """Attributes of a session that change while it runs, beside its nodes, its faults and the task's names."""
@@ -102,6 +96,7 @@ class Session:
 
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""
+        self.task.rules = self._rules
         for node in self._extra:
             node.attach(self.bus)
         self.apply_theme(self.theme)
@@ -138,6 +133,7 @@ class Session:
             node.restore(state["nodes"][node.name])
         self.bus.restore(state["bus"])
         vars(self).update(state["session"])
+        self.task.rules = self._rules
         self.faults.extend(state["faults"])
         self.task.names = state["names"]
         if applied := self.bus.last(THEME):
@@ -165,7 +161,7 @@ class Session:
         last = 0
         for record in history:
             if isinstance(record.message, SessionStarted):
-                self._rules = record.message.rules
+                self._rules = self.task.rules = record.message.rules
             if record.topic.origin == "input":
                 clock.set(record.at)
                 self.bus.publish(record.topic, record.message)

@@ -16,6 +16,7 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.results_for_people import goal_text
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.trial_types import (
     Act,
     Again,
@@ -59,6 +60,7 @@ class Task(ABC):
         qualities: measures for feedback on performance.
         marks: that a therapist can put on a trial.
         seats: places of participants.
+        rules: version of the rules of this session, so that a task that has changed plays an earlier one as it was.
     """
 
     name: ClassVar[str]
@@ -82,6 +84,7 @@ class Task(ABC):
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
         self.names: dict[str, str] = {}
+        self.rules = RULES
         self.tr = language(parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent)
 
     @property

@@ -92,8 +92,8 @@ def begin_run(db: sqlite3.Connection, session: str, *, software: object, machine
 def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
     """Return a participant's best results in a task, by level, over all live sessions except ``without``.
 
-    Levels can be compared only between sessions with the same values of the parameters that the task itself declares.
-    Practice attempts and attempts below the minimum accuracy do not count.
+    Levels can be compared only between sessions with the same version of the task, and the same values of the
+    parameters that the task itself declares. Practice attempts and attempts below the minimum accuracy do not count.
     """
     metric = task.metric
     kind = type(task.parameters)
@@ -103,8 +103,9 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     live = _query(
         db,
         "SELECT sessions.id, parameters FROM sessions JOIN seats ON seats.session = sessions.id"
-        " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?",
-        (participant, task.name, without),
+        " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?"
+        " AND json_extract(software, '$.task.version')=?",
+        (participant, task.name, without, task.version),
     )
 
     def is_comparable(row: Row) -> bool:

@@ -9,9 +9,11 @@ from sar_tui.framework.declaration import meta
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.results_for_people import goal_text
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Act, Axis, Details, Metric, Performance, Result, Situation, Stimulus, Trial
 
+from .earlier_levels import LAST_RULES, earlier_levels
 from .layouts import ARROWS, Level, levels, needs_shift
 
 _GLYPHS = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
@@ -49,6 +51,9 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
             help="Your own sets of keys, easiest first, one word each (fj dfjk asdfjkl). Empty: those of Keys.",
         ),
     ] = ()
+    max_level: Annotated[
+        int, meta("Highest level", help="The level never rises above this or the last set of keys.", ge=1, le=100)
+    ] = 20
     sequence: Annotated[
         Literal["random", "repeating"], meta("Sequence", help="Random prompts, or the same sequence again and again.")
     ] = "random"
@@ -69,11 +74,11 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
             )
         return problems
 
-    def chosen_levels(self) -> tuple[Level, ...]:
-        """Return the levels: custom ones, else those of the choice set and layout."""
+    def chosen_levels(self, rules: int = RULES) -> tuple[Level, ...]:
+        """Return the levels: custom ones, else those of the choice set and layout under a version of the rules."""
         if self.levels:
             return tuple(Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels)
-        return levels(self.choice_set, self.layout)
+        return (earlier_levels if rules <= LAST_RULES else levels)(self.choice_set, self.layout)
 
 
 class KeyboardDetails(Details, frozen=True):
@@ -88,6 +93,7 @@ class KeyboardTask(Task):
 
     name = "keyboard"
     title = "Keyboard reaction"
+    version = "2"
     summary = "Press the key that appears, as fast as you can."
     metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
     Parameters = KeyboardParameters
@@ -96,7 +102,13 @@ class KeyboardTask(Task):
 
     def __init__(self, parameters: TaskParameters) -> None:
         super().__init__(parameters)
-        self._levels = self.parameters.chosen_levels()
+        self._by_rules: dict[int, tuple[Level, ...]] = {}
+
+    @property
+    def _levels(self) -> tuple[Level, ...]:
+        if self.rules not in self._by_rules:
+            self._by_rules[self.rules] = self.parameters.chosen_levels(self.rules)
+        return self._by_rules[self.rules]
 
     @property
     def levels(self) -> int:

@@ -164,9 +164,9 @@ async def test_values_are_checked_as_they_are_typed_alone_and_together(data: Pat
         assert reads(driver, "foreperiod_min_ms") == "Shortest wait (1800 ms) is above the longest (1500 ms)."
         await fill(driver, "foreperiod_max_ms", "1900")
         assert "Default: 500." in reads(driver, "foreperiod_min_ms")
-        await fill(driver, "start_level", "11")
+        await fill(driver, "start_level", "21")
         assert (
-            reads(driver, "start_level") == "There are only 10 levels in this choice of keys, so there is no level 11."
+            reads(driver, "start_level") == "There are only 20 levels in this choice of keys, so there is no level 21."
         )
 
 

@@ -57,7 +57,7 @@ def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
     data: Path, seed: int, every: int
 ) -> None:
     """Feedback on each attempt (Figures 4.11, 4.12), and on every third (4.13, 4.14)."""
-    settings = {"attempts": 20, "prompts_per_attempt": 8, "difficulty_policy": "fixed", "start_level": 3}
+    settings = {"attempts": 20, "prompts_per_attempt": 8, "difficulty_policy": "fixed", "start_level": 5}
     users = {user: StoredSession(data, user, seed, feedback_every=every, **settings) for user in ("poor", "competent")}
     poor, competent = users["poor"].valences, users["competent"].valences
     assert competent["positive"] > poor["positive"]

@@ -100,7 +100,7 @@ def test_the_level_follows_the_outcome_by_one_within_its_bounds(samples: list[Sa
         assert sample.attempts[0]["level"] == 1
         for attempt, following in pairwise(sample.attempts):
             step = 1 if attempt["outcome"] == "success" else -1
-            assert following["level"] == min(10, max(1, attempt["level"] + step))
+            assert following["level"] == min(20, max(1, attempt["level"] + step))
 
 
 def test_every_kind_of_feedback_occurs(samples: list[Sample]) -> None:
@@ -120,7 +120,7 @@ def test_the_average_user_crosses_the_threshold_both_ways(samples: list[Sample])
 
 def test_nobody_spends_over_half_of_the_last_ten_attempts_at_a_bound(samples: list[Sample]) -> None:
     for sample in samples:
-        for bound in (1, 10):
+        for bound in (1, 20):
             assert sample.last_levels.count(bound) <= 5, (sample.user, sample.seed, bound)
 
 

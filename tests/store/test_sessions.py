@@ -16,16 +16,20 @@ from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ALL
 from sar_tui.framework.trial_types import Metric
+from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold
 from tests.examples import examples
 
+VERSION = Catalogue().task("keyboard").version
+
 
 def enter(database: sqlite3.Connection, participant: str = "P01", **more: Any) -> str:
     facts = {"task": "keyboard", "theme": "calm", "seed": 5, "mode": "live", "parameters": {"attempts": 3}}
+    facts |= {"software": {"task": {"version": VERSION}}}
     session = sessions.new_id()
-    sessions.create(database, session, participant=participant, software={}, machine={}, **(facts | more))
+    sessions.create(database, session, participant=participant, machine={}, **(facts | more))
     return session
 
 
@@ -200,7 +204,7 @@ def test_the_best_result_is_from_live_sessions_by_level_without_practice(
                     best[level] = value if known is None or metric.is_better(value, known) else known
             return best
 
-        task: Any = SimpleNamespace(name="keyboard", metric=metric, parameters=TaskParameters())
+        task: Any = SimpleNamespace(name="keyboard", version=VERSION, metric=metric, parameters=TaskParameters())
         assert sessions.best(database, "P01", task) == expected()
         for session in entered:
             assert sessions.best(database, "P01", task, without=session) == expected(without=session)
@@ -219,6 +223,17 @@ def test_the_best_result_excludes_other_keys_and_low_accuracy(
     for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
         task = keyboard(build(keyboard.Parameters, {"choice_set": keys}))
         assert sessions.best(database, "P01", task) == {"1": best}
+
+
+def test_the_best_result_excludes_earlier_versions_of_the_task_whose_levels_were_others(
+    database: sqlite3.Connection, keyboard: type[Task]
+) -> None:
+    task = keyboard(build(keyboard.Parameters, {}))
+    for version, metric in (("1", 300.0), (keyboard.version, 700.0)):
+        stored = {"parameters": msgspec.to_builtins(task.parameters), "software": {"task": {"version": version}}}
+        row = {"session": enter(database, **stored), "attempt": 1, "seat": "A", "practice": 0, "level": 1}
+        Database(database)["attempts"].insert(row | {"metric": metric, "metric_unit": "ms", "accuracy": 1.0})
+    assert sessions.best(database, "P01", task) == {"1": 700.0}
 
 
 def test_every_topic_can_be_found_by_its_name() -> None:

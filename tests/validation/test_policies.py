@@ -104,7 +104,7 @@ def reworded(done: Simulated) -> Simulated:
     [
         (altered({"feedback": "none"}), "every", "every: feedback after every 2", "attempts 10 differ"),
         (altered({"feedback": "positive"}), "faded", "faded: one attempt rarer", "attempts 10 differ"),
-        (altered({"metric": 500.0}), "bandwidth", "bandwidth: only", "attempts 10 differ"),
+        (altered({"metric": 1000.0}), "bandwidth", "bandwidth: only", "attempts 10 differ"),
         (altered({"feedback": "none"}), "summary", "summary: a summary after every 5", "attempts 10 differ"),
         (lambda done: done._replace(asked=[]), "request", "request: only after", "differ"),
         (altered({"feedback": "positive"}), "none", "none: no feedback", "attempts 10 differ"),

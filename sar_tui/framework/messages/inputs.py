@@ -28,7 +28,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
 
     ``best``: the participant's best results of earlier sessions, by level (as text). ``others_best``: those of other
     participants, by seat. ``names``: what the agent calls each participant, by seat; without a name, the seat.
-    ``rules``: version of the loop's rules that the session follows (see `session.RULES`).
+    ``rules``: version of the loop's rules that the session follows (see `rules.RULES`).
     """
 
     run: int

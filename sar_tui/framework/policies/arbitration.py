@@ -35,7 +35,7 @@ _FIRST: tuple[Kind, ...] = ("feedback", "difficulty")
 class Arbitration(msgspec.Struct, frozen=True):
     """The modes that are set. They apply while there is an operator (``operated``).
 
-    ``version``: of the loop's rules (see `session.RULES`).
+    ``version``: of the loop's rules (see `rules.RULES`).
     """
 
     modes: dict[ControlledKind, Mode]

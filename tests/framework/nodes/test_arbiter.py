@@ -12,7 +12,7 @@ from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.nodes.arbiter import ACTION_TIMEOUT, PER_CHARACTER, Arbiter
 from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.session import RULES
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,

@@ -488,7 +488,7 @@ def test_an_onset_of_another_presentation_is_ignored(new_session: NewSession) ->
     assert driver.all(TRIAL) == []
 
 
-@pytest.mark.parametrize(("level", "typed", "correct"), [(1, str.upper, True), (8, str.swapcase, False)])
+@pytest.mark.parametrize(("level", "typed", "correct"), [(1, str.upper, True), (16, str.swapcase, False)])
 def test_case_is_ignored_unless_the_level_asks_for_shift(
     new_session: NewSession, level: int, typed: Callable[[str], str], correct: bool
 ) -> None:

@@ -5,7 +5,12 @@ from typing import Any
 import msgspec
 import pytest
 
+from sar_tui.framework import checkpoint
 from sar_tui.framework import messages as m
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.framework.rules import RULES
+from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
@@ -501,6 +506,26 @@ def test_a_session_of_earlier_rules_is_replayed_and_resumed_by_them(calm: Theme)
     assert [dropped.reason for dropped in killed.all(DROPPED)] == ["late"], "it was lost"
     driver = LoopDriver(Catalogue().task("keyboard"), calm, history=killed.records, **settings)
     assert driver.last(SESSION).rules == 1
+
+
+@pytest.mark.parametrize(("rules", "keys"), [(2, 19), (RULES, 6)])
+def test_the_levels_of_the_keyboard_task_are_those_of_the_rules_that_the_session_began_with(
+    calm: Theme, rules: int, keys: int
+) -> None:
+    settings = {"attempts": 3, "prompts_per_attempt": 2, "start_level": 5, "difficulty_policy": "fixed"}
+    kind = Catalogue().task("keyboard")
+    killed = LoopDriver(kind, calm, begin=False, **settings)
+    killed.session._rules = rules
+    killed.session.begin()
+    killed.enter()
+    killed.attempt()
+    restored = Session(kind(build(kind.Parameters, settings)), calm, VirtualClock(), 1)
+    checkpoint.restore(restored, checkpoint.save(killed.session))
+    assert restored.task.rules == rules
+    resumed = LoopDriver(kind, calm, history=killed.records, **settings)
+    resumed.enter()
+    for driver in (killed, resumed):
+        assert driver.begin_attempt().choices == keys
 
 
 @pytest.mark.parametrize(("verdict", "encouraged"), [("accept", 1), ("veto", 0)])

@@ -1,10 +1,12 @@
 """Levels of the keyboard task for each layout and hand, each harder than the last."""
 
+import math
 from itertools import pairwise, product
 
 import pytest
 
 from sar_tui.framework.parameters import build, fields
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 
@@ -20,10 +22,10 @@ UNSHIFTED = {
 """Characters of the three rows and the digits without Shift, left to right, top to bottom."""
 
 
-def levels(choice_set: str, layout: str) -> list[tuple[str, ...]]:
+def levels(choice_set: str, layout: str, rules: int = RULES) -> list[tuple[str, ...]]:
     kind = Catalogue().task("keyboard")
     parameters = build(kind.Parameters, {"choice_set": choice_set, "layout": layout})
-    return [level.keys for level in parameters.chosen_levels()]  # type: ignore[attr-defined]
+    return [level.keys for level in parameters.chosen_levels(rules)]  # type: ignore[attr-defined]
 
 
 def column(key: str, layout: str) -> int:
@@ -50,8 +52,26 @@ def test_every_level_has_more_keys_than_the_one_before(choice_set: str, layout: 
 
 
 @pytest.mark.parametrize(("choice_set", "layout"), ALL)
-def test_there_are_ten_levels_and_three_of_arrows(choice_set: str, layout: str) -> None:
-    assert len(levels(choice_set, layout)) == (3 if choice_set == "arrow keys" else 10)
+def test_there_are_many_levels_and_three_of_arrows(choice_set: str, layout: str) -> None:
+    count = {"arrow keys": 3, "both hands": 20}.get(choice_set, 12 if layout == "azerty" else 13)
+    assert len(levels(choice_set, layout)) == count
+
+
+@pytest.mark.parametrize(("choice_set", "layout"), ALL)
+def test_from_four_keys_on_a_level_adds_at_most_a_third_of_a_bit(choice_set: str, layout: str) -> None:
+    sizes = [len(keys) for keys in levels(choice_set, layout) if len(keys) >= 4]
+    assert all(math.log2(harder / easier) < 1 / 3 for easier, harder in pairwise(sizes))
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("rules", [1, 2])
+def test_sessions_of_earlier_rules_keep_their_ten_levels(layout: str, rules: int) -> None:
+    both, left = levels("both hands", layout, rules), levels("left hand", layout, rules)
+    assert (len(both), len(left)) == (10, 10)
+    assert [len(keys) for keys in both[:8]] == [2, 4, 6, 8, 20 if layout == "azerty" else 19, 26, 31, 46]
+    home = UNSHIFTED[layout][20:]
+    assert "".join(both[3]) == "".join(home[place] for place in (0, 1, 2, 3, 5, 6, 7, 8))
+    assert "".join(left[0]) == home[3] + home[2]
 
 
 @pytest.mark.parametrize(("hand", "layout"), [pair for pair in ALL if pair[0].endswith("hand")])
@@ -81,17 +101,17 @@ def test_levels_for_the_left_hand_begin_at_its_home_row(layout: str, home: str) 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_levels_for_both_hands_go_from_the_home_row_to_capitals_and_symbols(layout: str) -> None:
     steps = levels("both hands", layout)
-    assert all("".join(keys).isalpha() and "".join(keys).islower() for keys in steps[:6])
-    assert set("abcdefghijklmnopqrstuvwxyz") == set(steps[5])
-    assert any(key.isdigit() for key in steps[6])
-    assert any(key.isupper() for key in steps[7])
-    assert any(not key.isalnum() for key in steps[9])
-    assert not any(not key.isalnum() for keys in steps[:9] for key in keys)
+    assert all("".join(keys).isalpha() and "".join(keys).islower() for keys in steps[:14])
+    assert set("abcdefghijklmnopqrstuvwxyz") == set(steps[13])
+    assert any(key.isdigit() for key in steps[14])
+    assert any(key.isupper() for key in steps[15])
+    assert any(not key.isalnum() for key in steps[18])
+    assert not any(not key.isalnum() for keys in steps[:18] for key in keys)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_characters_that_look_alike_are_not_mixed(layout: str) -> None:
-    for keys in levels("both hands", layout)[6:]:
+    for keys in levels("both hands", layout)[14:]:
         for alike in ("1lI", "0oO", "iI"):
             assert not set(alike) & set(keys)
 

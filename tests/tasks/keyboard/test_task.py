@@ -88,7 +88,7 @@ def test_a_repeating_sequence_depends_on_the_seed() -> None:
 
 
 def test_all_keys_of_a_level_are_about_equally_frequent() -> None:
-    counts = Counter(prompts(make(), 4000, level=3))
+    counts = Counter(prompts(make(), 4000, level=5))
     assert len(counts) == 6
     assert all(abs(count - 4000 / 6) < 120 for count in counts.values())
 
@@ -137,13 +137,13 @@ def test_any_other_key_is_wrong(key: str) -> None:
     assert (result.correct, result.response) == (False, key)
 
 
-@given(st.integers(7, 10), st.integers(1, 200), st.sampled_from(["qwerty", "azerty", "qwertz"]))
+@given(st.integers(15, 20), st.integers(1, 200), st.sampled_from(["qwerty", "azerty", "qwertz"]))
 def test_case_matters_if_shift_is_required(level: int, trial: int, layout: str) -> None:
     task = make(layout=layout)
     stimulus = task.stimulus(situation(trial, level=level))
     assert judged(task, stimulus.expected, stimulus, level=level).correct
     swapped = stimulus.expected.swapcase()
-    if level >= 8 and swapped != stimulus.expected:
+    if level >= 16 and swapped != stimulus.expected:
         assert not judged(task, swapped, stimulus, level=level).correct
 
 
@@ -154,7 +154,7 @@ def test_case_matters_if_shift_is_required(level: int, trial: int, layout: str) 
 )  # fmt: skip
 def test_the_hint_says_if_shift_is_needed(layout: str, key: str, hint: str) -> None:
     task = make(layout=layout)
-    found = {s.name: s.hint for s in (task.stimulus(situation(trial, level=10)) for trial in range(3000))}
+    found = {s.name: s.hint for s in (task.stimulus(situation(trial, level=20)) for trial in range(3000))}
     assert found[key] == hint
 
 

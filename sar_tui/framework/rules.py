@@ -1,0 +1,9 @@
+"""Version of the rules that a session is played by."""
+
+RULES = 3
+"""A session keeps the rules it began with, so that it can be replayed and resumed.
+
+1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
+is pressed is dropped, and each proposal has ``operator_time_ms``.
+2: the keyboard task has ten levels, some of them far apart.
+"""
