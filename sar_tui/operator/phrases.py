@@ -2,14 +2,21 @@
 
 import re
 import string
+from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
+import sar_tui.framework
+from sar_tui.framework.language import language
 from sar_tui.framework.messages import Remark, Valence
+from sar_tui.framework.results_for_people import goal_text, result_text
 from sar_tui.framework.theme import Theme
+from sar_tui.framework.trial_types import Metric
 from sar_tui.operator.session_state import SessionState
 
+_FRAMEWORK = Path(sar_tui.framework.__file__).parent
+"""Folder with the translations of the framework's own texts."""
 MAX_TEXT = 400
 """Characters of a phrase or a typed text."""
 SLOTS = ("participant", "level", "attempt", "result", "goal")
@@ -75,7 +82,7 @@ def fill_slots(text: str, values: dict[str, str]) -> tuple[str, str]:
 
 
 def slot_values(state: SessionState, seat: str) -> dict[str, str]:
-    """Return the known values of the slots for a participant."""
+    """Return the known values of the slots for a participant, as participants read them: times in seconds."""
     values: dict[str, str] = {}
     welcome, ended = state.welcome, state.seat(seat).attempt
     if welcome is None:
@@ -86,10 +93,12 @@ def slot_values(state: SessionState, seat: str) -> dict[str, str]:
         values["level"] = str(state.level)
     if state.waiting and state.waiting.attempt:
         values["attempt"] = str(state.waiting.attempt)
+    metric = Metric("", welcome.unit, "lower", decimals=welcome.decimals)
+    tr = language(str(welcome.parameters.get("language", "en")), _FRAMEWORK)
     if ended and ended.metric is not None:
-        values["result"] = metric_text(ended.metric, state)
+        values["result"] = result_text(metric, ended.metric, tr)
     if ended and ended.goal is not None:
-        values["goal"] = metric_text(ended.goal, state)
+        values["goal"] = goal_text(metric, ended.goal, tr)
     return values
 
 
@@ -106,7 +115,7 @@ def addressed(state: SessionState, seat: str, text: str) -> str:
 
 
 def metric_text(value: float, state: SessionState) -> str:
-    """Return a value of the metric with its unit."""
+    """Return a value of the metric with its unit, for the panel."""
     decimals, unit = (state.welcome.decimals, state.welcome.unit) if state.welcome else (0, "")
     return f"{value:.{decimals}f} {unit}".rstrip()
 

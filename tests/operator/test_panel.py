@@ -346,7 +346,7 @@ async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
         await driver.press("1")
         assert "Saying “" in driver.text
         await driver.burst("t", *"{result}", "enter")
-        assert [remark.text for remark in driver.sent(t.REMARK)][2:] == ["498 ms"]
+        assert [remark.text for remark in driver.sent(t.REMARK)][2:] == ["0.50 seconds"]
         await driver.receive(b.welcome())
         await driver.burst("t", *"{result}", "enter")
         assert "{result} is not known yet. Nothing was sent." in driver.text

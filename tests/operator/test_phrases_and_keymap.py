@@ -94,7 +94,7 @@ def test_keys_are_named_as_on_the_keyboard() -> None:
 
 def test_slots_are_filled_from_the_state(state: SessionState) -> None:
     phrase = Phrase("{participant}: {result} of {goal}, attempt {attempt}, level {level}.")
-    assert fill(phrase, slot_values(state, "A")).text == "P01: 498 ms of 520 ms, attempt 3, level 4."
+    assert fill(phrase, slot_values(state, "A")).text == "P01: 0.50 seconds of 0.52 seconds, attempt 3, level 4."
 
 
 def test_a_phrase_cannot_be_chosen_while_a_slot_has_no_value() -> None:
