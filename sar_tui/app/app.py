@@ -37,7 +37,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
 
 _UNNOTICED_SECONDS = 0.3
 """Longest wait for the disk at the end before the screen says so."""
-_KEY_NAMES = {"escape": "Esc", "question_mark": "?", "delete": "Del"}
+_KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/", "delete": "Del"}
 
 
 class SarTui(OpeningApp):

@@ -92,6 +92,10 @@ class Task(ABC):
         """Number of levels."""
         return self.parameters.max_level
 
+    def level_name(self, level: int) -> str:
+        """Return what a level is, for the therapist: "asdfjkl;", "25 cm"; empty if its number says enough."""
+        return ""
+
     @property
     def axis(self) -> Axis:
         """The axis of difficulty, on which progress over sessions is measured."""

@@ -20,8 +20,10 @@ class ChoiceList(OptionList):
 
     def action_close(self) -> None:
         """Leave the value as it was."""
-        if self.parent:
-            self.screen.set_focus(self.query_ancestor(Choice))
+        if isinstance(self.parent, Choice):
+            self.screen.set_focus(self.parent)
+        elif self.parent:
+            self.screen.set_focus(self.parent.query_exactly_one("Input"))
 
     def on_blur(self) -> None:
         """Close the list; a click on the value that caused this must not open it again."""

@@ -1,25 +1,38 @@
 """One field of the settings form, made from a parameter's declaration."""
 
-from functools import lru_cache
+from collections.abc import Sequence
 
 from textual import on
 from textual.app import ComposeResult
 from textual.content import Content
-from textual.geometry import Size
+from textual.events import Key
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input
 
 from sar_tui.framework.declaration import Field, show
 from sar_tui.widgets.choice import Choice
+from sar_tui.widgets.word_picker import WordPicker
 
 _YES_NO = ("yes", "no")
-_MARK, _TITLE, _EDITOR = 2, 26, 20
+_MARK, _TITLE, _EDITOR = 2, 24, 20
 """Columns."""
 
 
+class _NumberInput(Input):
+    """Input of numbers, which leaves the key / to the screen."""
+
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        return character != "/" and super().check_consume_key(key, character)
+
+    def on_key(self, event: Key) -> None:
+        """Keep Input from inserting it."""
+        if event.character == "/":
+            event.prevent_default()
+
+
 class ParameterField(Widget):
-    """Title, value, unit and bounds, with the meaning or a problem below.
+    """Title, value and unit in a line. The screen shows the note of the focused field.
 
     It has its value and problem even while it is not mounted. It draws everything except the value itself, because
     a form of many fields would be slow with a widget for each text.
@@ -27,64 +40,70 @@ class ParameterField(Widget):
     Args:
         field: the declaration.
         value: the current value.
+        known: values of a text to pick from, if they are known; of a list of words, the words.
     """
 
     DEFAULT_CSS = f"""
-    ParameterField {{ width: 1fr; height: auto; padding: 0 1; margin: 0 0 1 0; }}
-    ParameterField > Input, ParameterField > Choice {{ width: {_EDITOR}; margin: 0 0 0 {_MARK + _TITLE}; }}
+    ParameterField {{ width: 1fr; height: 1; padding: 0 1; }}
+    ParameterField > Input, ParameterField > Choice, ParameterField > WordPicker {{
+        width: {_EDITOR}; margin: 0 0 0 {_MARK + _TITLE};
+    }}
     """
 
     class Changed(Message):
         """The field holds another value."""
 
-    def __init__(self, field: Field, value: object) -> None:
+    class Focused(Message):
+        """The field is edited now."""
+
+    def __init__(self, field: Field, value: object, known: Sequence[str] = ()) -> None:
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
+        self.known = tuple(known)
         self.value = value
         """The saved value or the default; after an edit, a bool or the typed text."""
         self.problem = ""
         """Problem of the value; empty for none."""
-        self._drawn = (self.is_changed, self.note)
+        self._drawn = (self.is_changed, self.problem)
 
     def compose(self) -> ComposeResult:
+        value = show(self.value)
         match self.field.kind:
             case "choice":
                 yield Choice(self.field.choices, str(self.value))
             case "bool":
                 yield Choice(_YES_NO, show(bool(self.value)))
+            case "text" if self.known:
+                yield Choice([*self.known, *([] if value in self.known else [value])], value)
+            case "list" if self.known:
+                yield WordPicker(self.known, value)
+            case "int" | "float":
+                yield _NumberInput(value, compact=True)
             case _:
-                yield Input(show(self.value), compact=True)
+                yield Input(value, compact=True)
 
     def render(self) -> Content:
         """Draw everything except the value, for which room is left."""
-        mark = "●" if self.is_changed else ""
-        lines = (
-            Content.assemble(
-                (f"{mark:{_MARK}}", "$accent"),
-                (f"{self.field.title:{_TITLE}}", "bold" if self.has_focus_within else ""),
-                (f"{'':{_EDITOR}} {self._about}", "$text-muted"),
-            ),
-            *(
-                Content.styled(f"  {line}", "$warning" if self.problem else "$text-muted")
-                for line in _wrapped(self.note, self.content_size.width)
-            ),
+        mark = "!" if self.problem else "●" if self.is_changed else ""
+        colour = "$warning" if self.problem else ""
+        strength = "bold" if self.has_focus_within else ""
+        return Content.assemble(
+            (f"{mark:{_MARK}}", colour or "$accent"),
+            (f"{self.field.title:{_TITLE}}", f"{strength} {colour}".strip()),
+            (f"{'':{_EDITOR}} {self.field.unit}", "$text-muted"),
         )
-        return Content("\n").join(lines)
-
-    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the number of lines at this width."""
-        return 1 + len(_wrapped(self.note, width))
-
-    @property
-    def _about(self) -> str:
-        bounds = "" if self.field.choices else self.field.bounds
-        return " ".join(filter(None, (self.field.unit, f"({bounds})" if bounds else "")))
 
     @property
     def note(self) -> str:
-        """The problem, or the meaning of the parameter and its default."""
-        default = f" Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
-        return self.problem or self.field.help + default
+        """The problem, or the meaning of the parameter, its limits and its default."""
+        if self.problem:
+            return self.problem
+        bounds = self.field.bounds if self.field.kind not in ("choice", "bool") and not self.known else ""
+        limits = f"{bounds} {self.field.unit}".strip() if bounds else ""
+        default = f"Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
+        return " ".join(
+            filter(None, (self.field.help, f"{limits[:1].upper()}{limits[1:]}." if limits else "", default))
+        )
 
     @property
     def is_changed(self) -> bool:
@@ -97,10 +116,14 @@ class ParameterField(Widget):
 
     def reset(self) -> None:
         """Put the default back, selected if it is being edited, so that what is typed next replaces it."""
-        self.value = self.field.default
-        for editor in self.children:
+        self.set_value(self.field.default)
+
+    def set_value(self, value: object) -> None:
+        """Put another value in, selected if it is being edited."""
+        self.value = value
+        for editor in self.query("Input, Choice"):
             if isinstance(editor, Input | Choice):
-                editor.value = show(self.value)
+                editor.value = show(value)
                 if isinstance(editor, Input) and editor.has_focus:
                     editor.select_all()
 
@@ -113,11 +136,9 @@ class ParameterField(Widget):
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """Highlight the title, and scroll the editor and its note into view.
-
-        If a heading has just unfolded, the position of a field is known only after the next refresh.
-        """
+        """Highlight the title, and scroll into view; after the next refresh too, as the panel may just have opened."""
         self.refresh()
+        self.post_message(self.Focused())
         self.scroll_visible(animate=False, immediate=True)
         self.call_after_refresh(self.scroll_visible, animate=False, immediate=True)
 
@@ -126,16 +147,10 @@ class ParameterField(Widget):
         self.refresh()
 
     def show_problem(self, problem: str) -> None:
-        """Show a problem (empty for none), and mark a value that differs from its default."""
+        """Mark a problem (empty for none), or a value that differs from its default."""
         self.problem = problem
-        drawn = self.is_changed, self.note
+        drawn = self.is_changed, self.problem
         if drawn != self._drawn:
             self._drawn = drawn
             if self.is_mounted:
-                self.refresh(layout=True)  # lays out the whole form again
-
-
-@lru_cache(maxsize=1024)
-def _wrapped(text: str, width: int) -> tuple[str, ...]:
-    """Wrap a text with two columns left on either side. Cached: a form measures every field several times."""
-    return tuple(line.plain for line in Content(text).wrap(max(width - 4, 1))) if text else ("",)
+                self.refresh()

@@ -114,6 +114,9 @@ class KeyboardTask(Task):
     def levels(self) -> int:
         return len(self._levels)
 
+    def level_name(self, level: int) -> str:
+        return "".join(_GLYPHS.get(key, key) for key in self._levels[level - 1].keys)
+
     @property
     def axis(self) -> Axis:
         """The information in the choice (Hick 1952; Hyman 1953)."""

@@ -137,6 +137,9 @@ class ReachingTask(Task):
     def target_at(self, level: int, goal: float) -> Target:
         return Target(goal, goal * self.parameters.neutral_band / 100)
 
+    def level_name(self, level: int) -> str:
+        return f"{self.marker_cm(level):g} cm"
+
     # --- words ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:

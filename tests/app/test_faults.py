@@ -134,9 +134,9 @@ def _refuse(driver: AppDriver) -> None:
 async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
+        await driver.press("f2", "end", "7")
         _refuse(driver)
-        await driver.press("ctrl+s")
+        await driver.press("ctrl+s", "x", "enter")
         assert driver.screen_name == "SettingsScreen"
         assert driver.sees("is read-only")
         assert driver.sees("not saved")

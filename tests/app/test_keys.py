@@ -25,11 +25,15 @@ async def test_characters_typed_into_a_form_are_never_recorded(data: Path, catal
         await driver.write(*"1")
         await driver.press("tab", "tab", "tab")
         await driver.write(*"fj asdf")
-        await driver.press("ctrl+s", "escape", "right", "right", "enter")
+        await driver.press("ctrl+s")
+        await driver.write(*"secret8")
+        await driver.press("enter", "escape", "right", "right", "enter")
         assert driver.sees("Welcome")
         await driver.press("enter")
         assert [press["key"] for press in driver.messages("input/key")] == ["enter"]
-        assert not any("SECRET7" in text for (text,) in driver.stored("SELECT message FROM events"))
+        assert not any(
+            "secret8" in text or "SECRET7" in text for (text,) in driver.stored("SELECT message FROM events")
+        )
 
 
 async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue: Catalogue) -> None:

@@ -1,69 +1,60 @@
 """Settings: a form made from a task's declaration, stored for one participant."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
 import pytest
-from textual.widget import Widget
+from textual.widgets import Static
 
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.framework.declaration import meta, show
-from sar_tui.framework.parameters import fields, grouped
+from sar_tui.framework.parameters import build, fields, grouped
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.store import programmes
+from sar_tui.store.database import connect
+from sar_tui.store.programmes import Programme
 from sar_tui.widgets.choice import Choice
-from sar_tui.widgets.field_group import FieldGroup
+from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.parameter_field import ParameterField
 from tests.app.app_driver import AppDriver, known, open_app, stored
 
 
-def groups(driver: AppDriver) -> list[FieldGroup]:
-    return list(driver.app.screen.query(FieldGroup))
+def panels(driver: AppDriver) -> list[FieldPanel]:
+    return list(driver.app.screen.query(FieldPanel))
 
 
 def every_field(driver: AppDriver) -> list[ParameterField]:
-    """Return all fields, including folded ones."""
-    return [widget for found in groups(driver) for widget in found.fields]
+    """Return all fields, including those that were not shown yet."""
+    return [widget for panel in panels(driver) for widget in panel.fields]
 
 
 def field(driver: AppDriver, name: str) -> ParameterField:
     return next(widget for widget in every_field(driver) if widget.field.name == name)
 
 
-def lines(widget: ParameterField) -> list[str]:
-    """Return the drawing of a field."""
-    return str(widget.render()).splitlines()
+def panel(driver: AppDriver, title: str) -> FieldPanel:
+    """Return the panel with a title."""
+    return next(found for found in panels(driver) if found.title == title)
 
 
-def reads(driver: AppDriver, name: str) -> str:
-    """Return the text below a field."""
-    return " ".join(" ".join(lines(field(driver, name))[1:]).split())
+def open_panels(driver: AppDriver) -> list[str]:
+    return [found.title for found in panels(driver) if found.display]
 
 
-def group(driver: AppDriver, title: str) -> FieldGroup:
-    """Return the group whose heading begins with a text."""
-    return next(found for found in groups(driver) if title in found.heading.title)
-
-
-def heading(found: FieldGroup) -> str:
-    """The title and the text beside it."""
-    return f"{found.heading.title} {found.heading.summary}".rstrip()
-
-
-def on_the_form(driver: AppDriver) -> str:
-    """Return the text of the form, without its scroll bar."""
-    return " ".join(" ".join(row[:76] for row in driver.rows).split())
+def meaning(driver: AppDriver) -> str:
+    """Return the text below the fields."""
+    return " ".join(str(driver.app.screen.query_one("#meaning", Static).content).split())
 
 
 async def go_to(driver: AppDriver, name: str) -> None:
-    """Focus a field, and unfold its heading."""
-    around = next(found for found in groups(driver) if field(driver, name) in found.fields)
-    if around.folded:
-        around.heading.focus()
-        await driver.press("enter")
-    field(driver, name).focus_editor()
-    await driver.settle()
+    """Find a field, and focus it."""
+    await driver.press("f3")
+    await driver.write(*name)
+    await driver.press("enter")
+    assert field(driver, name).has_focus_within
 
 
 async def fill(driver: AppDriver, name: str, text: str) -> None:
@@ -71,6 +62,14 @@ async def fill(driver: AppDriver, name: str, text: str) -> None:
     await go_to(driver, name)
     await driver.write("end", "ctrl+u")
     await driver.write(*text)
+
+
+async def save(driver: AppDriver, reason: str = "Tired") -> None:
+    """Save, and give a reason."""
+    await driver.press("ctrl+s")
+    assert driver.screen_name == "SaveReasonScreen"
+    await driver.write(*reason)
+    await driver.press("enter")
 
 
 def stored_settings(data: Path) -> dict[str, Any]:
@@ -88,36 +87,31 @@ def a_participant(data: Path) -> None:
 async def test_there_is_one_field_for_each_declared_parameter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, size=(80, 300)) as driver:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        assert driver.sees("Settings of P01 for Keyboard reaction")
-        for title in ("Operator", "Timing"):
-            group(driver, title).heading.focus()
-            await driver.press("enter")
-        words, shown = on_the_form(driver), [widget.field for widget in driver.app.screen.query(ParameterField)]
-        assert shown == [declared for under in grouped(keyboard.Parameters).values() for declared in under]
-        for declared in shown:
-            for part in (declared.title, declared.help, declared.unit, show(declared.default)):
-                assert part in words
-            assert declared.choices or declared.bounds in words
+        assert driver.sees("Settings of P01 for Keyboard reaction: version 1")
+        for heading, declared in grouped(keyboard.Parameters).items():
+            assert open_panels(driver) == [heading or "Keyboard reaction"]
+            for each in declared:
+                widget = field(driver, each.name)
+                assert widget.has_focus_within
+                assert each.title in driver.text
+                assert each.unit in driver.text
+                assert each.help in meaning(driver)
+                if each.kind in ("int", "float"):
+                    assert each.bounds[1:] in meaning(driver)
+                await driver.press("tab" if each is not declared[-1] else "pagedown")
+        assert open_panels(driver) == ["Keyboard reaction"]
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_tab_reaches_every_heading_and_every_field_under_it_in_order(data: Path, catalogue: Catalogue) -> None:
+async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        group(driver, "Timing").heading.focus()
-        await driver.press("enter")
-        order: list[Widget] = []
-        for found in groups(driver):
-            inside = () if found.folded else found.fields
-            order += [found.heading, *(widget.query_one("Input, Choice") for widget in inside)]
-        chain = driver.app.screen.focus_chain
-        assert chain[: len(order)] == order
-        assert [widget.id for widget in chain[len(order) :]] == ["save", "reset-all", "back"]
-        await driver.write(*["tab"] * 6)
-        assert field(driver, "repeat_interval_ms").has_focus_within
-        assert "The same key again within this time is a held key, not a press." in on_the_form(driver)
+        chain = [widget.id or type(widget).__name__ for widget in driver.app.screen.focus_chain]
+        assert chain[0] == "groups"
+        assert chain[-4:] == ["save", "preset", "reset-all", "back"]
+        assert len(chain) == 1 + 6 + 4
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -136,16 +130,16 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
         await driver.settle()
         assert len(every_field(driver)) == len(fields(keyboard.Parameters)) + 2
         await go_to(driver, "tempo")
-        assert driver.sees("Tempo 3 beats (1 to 9)")
-        assert driver.sees("How fast the drum beats.")
+        assert driver.sees("Tempo 3 beats")
+        assert meaning(driver) == "How fast the drum beats. 1 to 9 beats."
         await fill(driver, "tempo", "12")
-        assert reads(driver, "tempo") == "Tempo is a whole number, 1 to 9, not 12."
+        assert meaning(driver) == "Tempo is a whole number, 1 to 9, not 12."
         await fill(driver, "tempo", "7")
         await go_to(driver, "drum")
         assert driver.sees("Drum yes")
         await driver.press("enter", "down", "enter")
         assert driver.sees("● Drum no")
-        await driver.press("ctrl+s")
+        await save(driver)
     assert stored_settings(data) == {"tempo": 7, "drum": False}
 
 
@@ -154,20 +148,20 @@ async def test_values_are_checked_as_they_are_typed_alone_and_together(data: Pat
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "2x")
-        assert reads(driver, "attempts") == "Attempts is a whole number, 1 to 200, not 2x."
+        assert meaning(driver) == "Attempts is a whole number, 1 to 200, not 2x."
         assert driver.sees("1 to fix")
+        assert driver.sees("Session ! 1")
+        assert driver.sees("! Attempts 2x")
         await driver.press("backspace")
-        assert reads(driver, "attempts") == "Number of attempts in a session. Default: 20."
+        assert meaning(driver) == "Number of attempts in a session. 1 to 200. Default: 20."
         assert not driver.sees("to fix")
         assert driver.sees("not saved")
         await fill(driver, "foreperiod_min_ms", "1800")
-        assert reads(driver, "foreperiod_min_ms") == "Shortest wait (1800 ms) is above the longest (1500 ms)."
+        assert meaning(driver) == "Shortest wait (1800 ms) is above the longest (1500 ms)."
         await fill(driver, "foreperiod_max_ms", "1900")
-        assert "Default: 500." in reads(driver, "foreperiod_min_ms")
+        assert field(driver, "foreperiod_min_ms").problem == ""
         await fill(driver, "start_level", "21")
-        assert (
-            reads(driver, "start_level") == "There are only 20 levels in this choice of keys, so there is no level 21."
-        )
+        assert meaning(driver) == "There are only 20 levels in this choice of keys, so there is no level 21."
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -178,7 +172,7 @@ async def test_an_invalid_value_is_not_saved_and_gets_the_focus(data: Path, cata
         await go_to(driver, "prompts_per_attempt")
         await driver.press("ctrl+s")
         assert field(driver, "attempts").has_focus_within
-        assert driver.sees("Attempts is a whole number, 1 to 200, not 0.")
+        assert meaning(driver) == "Attempts is a whole number, 1 to 200, not 0."
     assert stored_settings(data)["attempts"] == 20
 
 
@@ -189,9 +183,9 @@ async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue:
         await driver.settle()
         await fill(driver, "imu", "fidget")
         known = "phidget, recorded, ros, simulated, session"
-        assert reads(driver, "imu") == f'There is no sensor "fidget". Choose one of: {known}.'
+        assert meaning(driver) == f'There is no sensor "fidget". Choose one of: {known}.'
         await fill(driver, "imu", "simulated:steady")
-        assert "There is no" not in reads(driver, "imu")
+        assert "There is no" not in meaning(driver)
 
 
 async def test_a_dot_marks_values_that_differ_from_the_default(data: Path, catalogue: Catalogue) -> None:
@@ -248,19 +242,13 @@ async def test_the_focused_field_stays_in_view_in_a_smaller_window(
 ) -> None:
     async with open_app(data, catalogue, size=(80, 50)) as driver:
         await driver.press("f2")
-        form = driver.app.screen.query_one("#form")
-        in_view = [each for each in every_field(driver) if each.region and each.region in form.region]
-        for widget in (in_view[-1], group(driver, "Timing")):
-            if isinstance(widget, ParameterField):
-                widget.focus_editor()
-            else:
-                widget.heading.focus()
-            for size in sizes:
-                await driver.resize(*size)
-            focused = driver.app.focused
-            assert focused
-            assert focused.region in form.region
-            await driver.resize(80, 50)
+        await go_to(driver, "difficulty_policy")
+        for size in sizes:
+            await driver.resize(*size)
+        shown = panel(driver, "Difficulty")
+        focused = driver.app.focused
+        assert focused
+        assert focused.region in shown.region
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -272,8 +260,8 @@ async def test_saved_settings_apply_to_the_participants_next_session(data: Path,
         await go_to(driver, "choice_set")
         await driver.press("enter", "down", "enter")
         assert driver.app.screen.query_one("#parameter-choice_set").query_one(Choice).value == "arrow keys"
-        await driver.press("ctrl+s")
-        assert driver.sees("saved for P01")
+        await save(driver)
+        assert driver.sees("saved: version 2")
         await driver.press("escape", *["right"] * 3, "enter", "enter")
         assert driver.sees("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")
@@ -310,21 +298,22 @@ async def test_a_yes_or_no_field_is_reset_like_any_other(data: Path, catalogue: 
         assert not driver.sees("not saved")
 
 
-@pytest.mark.usefixtures("a_participant")
-async def test_a_language_that_the_theme_lacks_is_reported_at_its_field(data: Path, catalogue: Catalogue) -> None:
+async def test_a_language_that_the_theme_lacks_is_reported_and_those_it_has_are_offered(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data, "P01", language="de")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        await fill(driver, "language", "de")
-        assert reads(driver, "language") == (
+        await go_to(driver, "language")
+        assert meaning(driver) == (
             "The theme calm has no phrases in de; it has: en, es. "
-            "Type one of these, or give the theme a file phrases.de.toml."
+            "Choose one of these, or give the theme a file phrases.de.toml."
         )
-        await driver.press("ctrl+s")
-        assert driver.sees("1 to fix")
-        await fill(driver, "language", "es-mx")
-        await driver.press("ctrl+s")
-        assert driver.sees("saved for P01")
-    assert stored_settings(data)["language"] == "es-mx"
+        await driver.press("enter", "e", "e", "enter")
+        assert driver.sees("● Language es ▼")
+        await save(driver)
+        assert driver.sees("saved: version 2")
+    assert stored_settings(data)["language"] == "es"
 
 
 async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue: Catalogue) -> None:
@@ -332,165 +321,208 @@ async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "language", "es")
-        assert reads(driver, "language").endswith("Default: en.")
+        assert meaning(driver).endswith("Default: en.")
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_outputs_are_picked_from_a_list_or_typed(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        await go_to(driver, "outputs")
+        await driver.press("enter")
+        assert driver.sees("✓ screen")
+        await driver.press("down", "down", "enter", "escape")
+        assert field(driver, "outputs").value == "screen tones"
+        await driver.press("enter", "enter", "escape")
+        assert field(driver, "outputs").value == "tones"
+        await fill(driver, "outputs", "ros://lab/x")
+        assert field(driver, "outputs").value == "ros://lab/x"
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_titles_and_units_fit_beside_the_values(data: Path, catalogue: Catalogue) -> None:
+async def test_titles_fit_beside_the_values(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
-        for name in ("keyboard", "reaching"):
+        for name in ("keyboard", "reaching", "pairs"):
             driver.app.push_screen(SettingsScreen("P01", catalogue.task(name)))
             await driver.settle()
-            for found in groups(driver):
-                await found.fold(False)
-            await driver.settle()
             for widget in every_field(driver):
-                line = lines(widget)[0]
-                assert line[2 + len(widget.field.title) : 28].strip() == ""
-                assert len(line) <= widget.content_size.width, widget.field.name
+                assert len(widget.field.title) < 24, widget.field.name
 
 
-# --- headings -------------------------------------------------------------------------------------------------------
+# --- groups ---------------------------------------------------------------------------------------------------------
+
+
+async def test_groups_count_what_differs_and_the_count_follows(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", attempts=20, prompts_per_attempt=5, operator_feedback="approve", operator_time_ms=6000)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        assert driver.sees("Keyboard reaction ● 1")
+        assert driver.sees("Operator ● 2")
+        assert panel(driver, "Session").summary == ""
+        await fill(driver, "operator_time_ms", "4000")
+        assert driver.sees("Operator ● 1")
+        driver.app.screen.query_one("#groups").focus()
+        await driver.press("ctrl+r")
+        assert panel(driver, "Operator").summary == ""
+        assert field(driver, "prompts_per_attempt").is_changed
+        assert driver.sees("not saved")
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_the_form_opens_in_the_tasks_first_field_and_headings_fold_with_a_key(
+async def test_arrows_and_page_keys_move_between_groups_and_enter_goes_to_the_fields(
     data: Path, catalogue: Catalogue
 ) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert field(driver, "prompts_per_attempt").has_focus_within
-        folded = {heading(found): found.folded for found in groups(driver)}
-        assert next(iter(folded)) == "▼ Keyboard reaction"
-        assert [words for words in folded if folded[words]] == [
-            "▶ Operator 11 settings, none changed",
-            "▶ Timing 6 settings, none changed",
-        ]
-        await driver.press("pageup")
-        assert driver.sees("▼ Keyboard reaction Enter folds it")
+        await driver.press("up", "down", "down")
+        assert driver.app.focused is driver.app.screen.query_one("#groups")
+        assert open_panels(driver) == ["Difficulty"]
+        assert meaning(driver).endswith(" settings. Enter goes to them.")
         await driver.press("enter")
-        assert driver.sees("▶ Keyboard reaction 6 settings, none changed Enter opens it")
-        assert not driver.sees("Prompts per attempt")
-        await driver.press("tab")
-        assert group(driver, "Session").heading.has_focus
-        await driver.press("up", "space")
-        assert driver.sees("Prompts per attempt 20")
-        await driver.press("space")
-        assert not driver.sees("Prompts per attempt")
+        assert field(driver, "threshold").has_focus_within
+        await driver.press("pageup")
+        assert field(driver, "attempts").has_focus_within
+        await driver.press("pageup", "pageup")
+        assert open_panels(driver) == ["Timing"]
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_heading_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, size=(80, 300)) as driver:
+async def test_a_group_opens_with_a_click(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        await driver.pilot.click(group(driver, "Timing").heading)
+        await driver.pilot.click("#groups", offset=(3, 3))
         await driver.settle()
-        assert not group(driver, "Timing").folded
-        assert driver.sees("Shortest wait 500")
+        assert open_panels(driver) == ["Feedback"]
 
 
-@pytest.mark.usefixtures("a_participant")
-async def test_page_keys_move_between_headings_starting_with_the_current_one(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
-        found = groups(driver)
-        for key, at in (("pageup", 0), ("pageup", 0), ("pagedown", 1), ("pagedown", 2)):
-            await driver.press(key)
-            assert found[at].heading.has_focus
-        driver.app.screen.query_one("#back").focus()
-        for key in ("pageup", "pagedown"):
-            await driver.press(key)
-            assert found[-1].heading.has_focus
-        await go_to(driver, "start_level")
-        await driver.press("pageup")
-        assert driver.rows[2].split() == ["▼", "Difficulty", "Enter", "folds", "it"]
-        await driver.press("pageup")
-        assert found[1].heading.has_focus
-
-
-async def test_a_folded_heading_shows_values_that_differ_from_the_defaults(data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01", operator_feedback="approve", operator_time_ms=6000, levels=["fj"])
-    async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
-        assert heading(group(driver, "Operator")) == "▶ Operator ● feedback: approve, time to decide: 6000 ms"
-        group(driver, "Operator").heading.focus()
-        await driver.settle()
-        assert driver.sees("▶ Operator ● feedback: approve, time to decide: 6000 ms")
-        await driver.press("ctrl+r")
-        assert heading(group(driver, "Operator")) == "▶ Operator 11 settings, none changed"
-        assert field(driver, "levels").is_changed
-        assert driver.sees("not saved")
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_emptied_settings_are_shown_as_none(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
-        driver.app.push_screen(SettingsScreen("P01", catalogue.task("reaching")))
-        await driver.settle()
-        await fill(driver, "outputs", "")
-        group(driver, "Agent").heading.focus()
-        await driver.press("enter")
-        assert heading(group(driver, "Agent")) == "▶ Agent ● outputs: none"
-
-
-@pytest.mark.usefixtures("a_participant")
-async def test_an_invalid_value_unfolds_its_heading(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
-        await fill(driver, "foreperiod_max_ms", "400")
-        assert reads(driver, "foreperiod_min_ms") == "Shortest wait (500 ms) is above the longest (400 ms)."
-        group(driver, "Timing").heading.focus()
-        await driver.press("enter")
-        assert heading(group(driver, "Timing")) == "▶ Timing 1 to fix"
-        await fill(driver, "attempts", "7")
-        assert not group(driver, "Timing").folded
-        group(driver, "Timing").heading.focus()
-        await driver.press("enter", "ctrl+s")
-        assert field(driver, "foreperiod_min_ms").has_focus_within
-        assert driver.sees("Shortest wait (500 ms) is above the longest (400 ms).")
-    assert stored_settings(data)["attempts"] == 20
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("a_participant")
-async def test_folded_settings_are_saved_too(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
-        await fill(driver, "quiet_ms", "700")
-        group(driver, "Timing").heading.focus()
-        await driver.press("enter", "ctrl+s")
-        assert heading(group(driver, "Timing")) == "▶ Timing ● quiet before a prompt: 700 ms"
-        assert driver.sees("saved for P01")
-    assert stored_settings(data) == {"quiet_ms": 700}
-
-
-async def test_settings_that_were_never_unfolded_are_saved_and_reset_too(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_that_were_never_shown_are_saved_and_reset_too(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        group(driver, "Operator").heading.focus()
-        await driver.press("ctrl+r", "ctrl+s")
-        assert driver.sees("saved for P01")
-        assert stored_settings(data) == {"quiet_ms": 700}
+        await fill(driver, "attempts", "7")
+        await save(driver)
+        assert stored_settings(data) == {"attempts": 7, "quiet_ms": 700, "operator_lost_ms": 3000}
         driver.app.screen.query_one("#reset-all").focus()
-        await driver.press("enter", "ctrl+s")
-        assert not any(field(driver, name).is_mounted for name in ("quiet_ms", "operator_lost_ms"))
-        group(driver, "Timing").heading.focus()
         await driver.press("enter")
-        assert driver.sees("Quiet before a prompt 500")
+        await save(driver)
+        assert not any(field(driver, name).is_mounted for name in ("quiet_ms", "operator_lost_ms"))
     assert stored_settings(data) == {}
 
 
-@pytest.mark.slow
-async def test_an_invalid_stored_value_is_unfolded_when_the_form_opens(data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=9999)
-    async with open_app(data, catalogue, size=(80, 300)) as driver:
+async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", start_level=5, choice_set="both hands")
+    async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        assert driver.sees("Quiet before a prompt is a whole number, 0 to 5000, not 9999.")
-        assert driver.sees("1 to fix")
+        await go_to(driver, "start_level")
+        assert meaning(driver).startswith("The level of the first attempt")
+        assert "Level 5: " in meaning(driver)
+        keys = catalogue.task("keyboard")(build(catalogue.task("keyboard").Parameters, {"start_level": 5}))
+        assert meaning(driver).endswith(f"Level 5: {keys.level_name(5)}")
+        await fill(driver, "start_level", "99")
+        assert "Level" not in meaning(driver).replace("level 99", "")
+
+
+# --- finding --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_setting_is_found_by_a_word_of_its_title_or_help(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2", "/")
+        assert driver.screen_name == "FindSettingScreen"
+        await driver.write(*"held key")
+        assert driver.sees("Key repeat interval Timing")
+        await driver.press("enter")
+        assert open_panels(driver) == ["Timing"]
+        assert field(driver, "repeat_interval_ms").has_focus_within
+        await driver.press("/")
+        await driver.write(*"rest")
+        assert driver.sees("Rest reminder every Session")
+        await driver.press("down", "up", "enter")
+        assert field(driver, "rest_every").has_focus_within
+        await driver.press("/", "escape")
+        assert field(driver, "rest_every").has_focus_within
+        await driver.press("/")
+        await driver.write(*"xyzzy")
+        await driver.press("enter")
+        assert driver.screen_name == "FindSettingScreen"
+
+
+# --- saving ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_saving_asks_for_a_reason_and_keeps_it(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2", "ctrl+s")
+        assert driver.sees("nothing has changed")
+        await fill(driver, "threshold", "900")
+        await driver.press("ctrl+s")
+        assert driver.sees("● Goal 1000 → 900 ms")
+        await driver.press("enter")
+        assert driver.sees("A few words are enough.")
+        await driver.press("escape")
+        assert driver.sees("not saved")
+        await driver.press("ctrl+s")
+        await driver.write(*"Reached it")
+        await driver.press("down")
+        await driver.write("end", "ctrl+u")
+        await driver.write(*"Ana")
+        await driver.press("enter")
+        assert driver.sees("Settings of P01 for Keyboard reaction: version 2")
+    assert stored(data, "SELECT version, author, reason FROM programmes ORDER BY version") == [
+        (1, "", ""),
+        (2, "Ana", "Reached it"),
+    ]
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, size=(100, 30)) as driver:
+        await driver.press("f2")
+        await fill(driver, "attempts", "9")
+        with closing(connect(data)) as database:
+            theirs = Programme({"attempts": 5})
+            programmes.save(database, "P01", "keyboard", theirs, after=1, author="Ben", reason="Pain")
+        await save(driver)
+        assert driver.sees("The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was saved.")
+        assert stored_settings(data)["attempts"] == 5
+        await driver.press("ctrl+s")
+        assert driver.sees("version 2 by Ben (Pain)")
+        assert driver.sees("● Attempts 5 → 9")
+        await driver.write(*"Agreed")
+        await driver.press("enter")
+        assert driver.sees("saved: version 3")
+    assert stored(data, "SELECT json_extract(parameters, '$.attempts') FROM programmes ORDER BY version") == [
+        (20,),
+        (5,),
+        (9,),
+    ]
+
+
+@pytest.mark.usefixtures("a_participant")
+async def test_a_preset_fills_in_its_values_and_saves_nothing(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        driver.app.screen.query_one("#preset").focus()
+        await driver.press("enter")
+        assert driver.sees("moderate Shorter attempts")
+        await driver.press("down", "enter")
+        assert driver.sees("● Prompts per attempt 15")
+        assert driver.sees("not saved")
+        assert stored_settings(data)["attempts"] == 20
+        await save(driver)
+    assert stored_settings(data)["threshold"] == 1500
+
+
+async def test_settings_that_do_not_exist_any_more_are_told(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", tempo=3)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        assert driver.sees("These settings do not exist any more: tempo.")
 
 
 # --- choices --------------------------------------------------------------------------------------------------------
@@ -526,7 +558,7 @@ async def test_a_choice_that_no_longer_exists_is_reported_and_can_be_changed(dat
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert driver.sees("Keyboard layout sholes ▼")
-        assert reads(driver, "layout").endswith(", not sholes.")
+        assert field(driver, "layout").note.endswith(", not sholes.")
         await go_to(driver, "layout")
         await driver.press("enter", "enter")
         assert field(driver, "layout").value == "qwerty"

@@ -82,6 +82,15 @@ async def list_of_a_setting(data: Path, catalogue: Catalogue) -> AsyncIterator[A
         yield driver
 
 
+@asynccontextmanager
+async def presets(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+    async with home(data, catalogue) as driver:
+        await driver.press("f2")
+        driver.app.screen.query_one("#preset").focus()
+        await driver.press("enter")
+        yield driver
+
+
 def after(*keys: str) -> Open:
     """Return a function that opens home and presses keys."""
 
@@ -113,6 +122,9 @@ SCREENS: dict[str, tuple[str, Open]] = {
     "second participant": ("SecondParticipantScreen", second_participant),
     "settings": ("SettingsScreen", after("f2")),
     "list of a setting": ("SettingsScreen", list_of_a_setting),
+    "find a setting": ("FindSettingScreen", after("f2", "/")),
+    "reason of a change": ("SaveReasonScreen", after("f2", "end", "7", "ctrl+s")),
+    "presets": ("ChoosePresetScreen", presets),
     "command palette": ("CommandPalette", after("ctrl+p")),
     "sensor check": ("SensorCheckScreen", session("reaching", "P01", imu="simulated")),
     "session": ("SessionScreen", session("keyboard", "P01", **SHORT)),

@@ -2,58 +2,58 @@
 
 from typing import Any, ClassVar
 
-from textual import on
+from textual import on, work
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, VerticalScroll
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
 from textual.screen import Screen
-from textual.widgets import Button, Static
+from textual.widgets import Button, OptionList, Static
+from textual.widgets.option_list import Option
 
 from sar_tui.drivers.login_name import login_name
 from sar_tui.framework.declaration import ParameterError, show
-from sar_tui.framework.parameters import build, changed, current_values, grouped
+from sar_tui.framework.parameter_changes import changes
+from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.plugins import PluginError
 from sar_tui.runs.plan import check_outputs
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
+from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
-from sar_tui.widgets.field_group import FieldGroup
+from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.parameter_field import ParameterField
 
-_FOLDED = ("Operator", "Timing")
-"""Headings that are folded at first, because few sessions need them."""
-
-
-class _Form(VerticalScroll, can_focus=False, inherit_bindings=False):
-    """The headings and their fields. Page keys are left to the screen, which moves by headings."""
-
-    def on_resize(self) -> None:
-        """Keep the focused field or heading in view in a smaller window."""
-        if (focused := self.screen.focused) and self in focused.ancestors:
-            shown = next((each for each in focused.ancestors if isinstance(each, ParameterField)), focused)
-            self.call_after_refresh(shown.scroll_visible, animate=False, immediate=True)
+_LEVELS = ("start_level", "min_level", "max_level")
+"""Parameters that are levels: their help says what the level is."""
+_COUNT = 4
+"""Columns for the number of settings that differ."""
 
 
 class SettingsScreen(Screen[None]):
-    """One field for each parameter, under headings; saved for this participant's next sessions."""
+    """Groups at the left, the fields of one group at the right, the help of the focused field below."""
 
     help_text = (
-        "Each setting shows its meaning, its unit and the values it may have. "
-        "A dot marks a value that differs from the default. Nothing is saved until you save.\n\n"
-        "Page Down and Page Up go from heading to heading. Enter opens a heading, or folds it; "
-        "Ctrl-R on a heading resets all under it.\n"
+        "The groups at the left count the settings that differ from the defaults (●) or must be fixed (!). "
+        "Below the fields: what the focused one means, and the values it may have.\n\n"
+        "Page Down and Page Up go from group to group, the arrows from field to field. / finds a setting by a word "
+        "(F3 where a text is typed). Ctrl-R resets a setting; on a group, all its settings.\n\n"
+        "Nothing is saved until you save, with a reason: the next session then runs with the new version. Earlier "
+        "versions are kept.\n"
     )
     AUTO_FOCUS = "ParameterField Input, ParameterField Choice"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "save", "Save", id="save"),
-        Binding("ctrl+r", "reset", "Reset this", id="reset"),
-        Binding("escape", "leave", "Back", id="leave"),
+        Binding("slash,f3", "find", "Find", id="find"),
+        Binding("ctrl+r", "reset", "Reset", id="reset"),
+        Binding("escape", "leave", "Back", show=False, id="leave"),
         Binding("down", "app.focus_next", "Next", show=False, id="down"),
         Binding("up", "app.focus_previous", "Previous", show=False, id="up"),
-        Binding("pagedown", "heading(1)", "Next heading", show=False, id="next-heading"),
-        Binding("pageup", "heading(-1)", "Previous heading", show=False, id="previous-heading"),
+        Binding("pagedown", "group(1)", "Next group", show=False, priority=True, id="next-group"),
+        Binding("pageup", "group(-1)", "Previous group", show=False, priority=True, id="previous-group"),
     ]
 
     app: Any
@@ -62,29 +62,50 @@ class SettingsScreen(Screen[None]):
         super().__init__()
         self._participant = participant
         self._motor_task = task
-        self._groups: list[FieldGroup] = []
+        self._panels: list[FieldPanel] = []
         self._fields: list[ParameterField] = []
+        self._warning = ""
 
     def compose(self) -> ComposeResult:
-        self._programme = kept = programmes.newest(self.app.database, self._participant, self._motor_task.name)
-        yield Static(f"Settings of {self._participant} for {self._motor_task.title}", id="top", markup=False)
-        with _Form(id="form"):
-            values = current_values(self._motor_task.Parameters, kept.parameters)
-            for heading, fields in grouped(self._motor_task.Parameters).items():
-                made = [ParameterField(field, values.get(field.name, field.default)) for field in fields]
-                self._fields += made
-                self._groups.append(FieldGroup(heading or self._motor_task.title, made, folded=heading in _FOLDED))
-            yield from self._groups
+        parameters = self._motor_task.Parameters
+        self._programme = programmes.newest(self.app.database, self._participant, self._motor_task.name)
+        values = current_values(parameters, self._programme.parameters)
+        known = {"language": self._languages(), "outputs": _outputs()}
+        for heading, declared in grouped(parameters).items():
+            made = [
+                ParameterField(field, values.get(field.name, field.default), known.get(field.name, ()))
+                for field in declared
+            ]
+            self._fields += made
+            self._panels.append(FieldPanel(heading or self._motor_task.title, made))
         self._saved = self._shown()
+        yield Static(self._title(), id="top", markup=False)
+        with Horizontal(id="form"):
+            yield OptionList(*(Option(panel.title) for panel in self._panels), id="groups", markup=False, compact=True)
+            with Vertical(id="fields"):
+                yield from self._panels
+                yield Static("", id="meaning", markup=False)
         with Horizontal(id="buttons"):
             yield Static("", id="status", markup=False)
             yield Button("Save", id="save", variant="primary", compact=True)
+            yield Button("Preset", id="preset", compact=True)
             yield Button("Reset all", id="reset-all", compact=True)
             yield Button("Back", id="back", compact=True)
         yield KeyFooter()
 
     async def on_mount(self) -> None:
+        await self._show_group(0)
         await self._check()
+        if gone := self._programme.parameters.keys() - {widget.field.name for widget in self._fields}:
+            names = ", ".join(sorted(gone))
+            self.notify(f"These settings do not exist any more: {names}.", severity="warning", timeout=15)
+
+    def _title(self) -> str:
+        version = self._programme.version
+        saved = f"version {version}" if version else "defaults"
+        return f"Settings of {self._participant} for {self._motor_task.title}: {saved}"
+
+    # --- values ----------------------------------------------------------------------------------------------
 
     def _values(self) -> dict[str, object]:
         return {widget.field.name: widget.value for widget in self._fields}
@@ -98,8 +119,8 @@ class SettingsScreen(Screen[None]):
         problems = self._problems()
         for widget in self._fields:
             widget.show_problem(problems.get(widget.field.name, ""))
-        for group in self._groups:
-            await group.update()
+        self._count()
+        self._show_help()
         unsaved = "not saved" if self._shown() != self._saved else ""
         self.query_one("#status", Static).update(f"{len(problems)} to fix" if problems else unsaved)
 
@@ -117,60 +138,187 @@ class SettingsScreen(Screen[None]):
 
     def _language_problem(self, language: str) -> dict[str, str]:
         """Return a problem if the participant's theme has no phrases in this language: a session would be refused."""
-        try:
-            known = languages(self.app.catalogue.theme_folder(self._programme.theme))
-        except PluginError:
-            return {}  # the theme is gone, so another must be chosen anyway
-        if language.partition("-")[0] in {name.partition("-")[0] for name in known}:
+        known = self._languages()
+        if not known or language.partition("-")[0] in {name.partition("-")[0] for name in known}:
             return {}
         has = f"The theme {self._programme.theme} has no phrases in {language}; it has: {', '.join(known)}."
-        return {"language": f"{has} Type one of these, or give the theme a file phrases.{language}.toml."}
+        return {"language": f"{has} Choose one of these, or give the theme a file phrases.{language}.toml."}
+
+    def _languages(self) -> tuple[str, ...]:
+        """Return the languages of the theme; none if the theme is gone, as another must be chosen anyway."""
+        try:
+            return languages(self.app.catalogue.theme_folder(self._programme.theme))
+        except PluginError:
+            return ()
+
+    # --- groups and help --------------------------------------------------------------------------------------
+
+    @property
+    def _group(self) -> int:
+        return self.query_one("#groups", OptionList).highlighted or 0
+
+    async def _show_group(self, at: int) -> None:
+        for index, panel in enumerate(self._panels):
+            await panel.show(index == at)
+        self.query_one("#groups", OptionList).highlighted = at
+
+    @on(OptionList.OptionHighlighted, "#groups")
+    async def _group_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        await self._show_group(event.option_index)
+        self._show_help()
+
+    @on(OptionList.OptionSelected, "#groups")
+    def _group_selected(self, event: OptionList.OptionSelected) -> None:
+        self._panels[event.option_index].fields[0].focus_editor()
+
+    def _count(self) -> None:
+        """Show beside each group how many of its settings differ, or must be fixed."""
+        groups = self.query_one("#groups", OptionList)
+        width = max(len(panel.title) for panel in self._panels)
+        for at, panel in enumerate(self._panels):
+            style = "$warning" if panel.summary.startswith("!") else "$accent"
+            line = Content.assemble(f"{panel.title:{width}} ", (f"{panel.summary:{_COUNT}}", style))
+            groups.replace_option_prompt_at_index(at, line)
+
+    @on(ParameterField.Focused)
+    def _show_help(self) -> None:
+        """Show what the focused field means; without one, what the group holds."""
+        focused = next((widget for widget in self._fields if widget.has_focus_within), None)
+        panel = self._panels[self._group]
+        text = f"{len(panel.fields)} settings. Enter goes to them."
+        if focused:
+            text = " ".join(filter(None, (focused.note, self._level(focused))))
+        self.query_one("#meaning", Static).update(text)
+
+    def _level(self, field: ParameterField) -> str:
+        """Return what the level of a field is: "Level 5: asdfjkl;"; empty for other fields."""
+        if field.field.name not in _LEVELS or field.problem:
+            return ""
+        try:
+            task = self._motor_task(build(self._motor_task.Parameters, self._values()))
+            level = min(int(show(field.value)), task.levels)
+            name = task.level_name(level)
+        except (ParameterError, *PLUGIN_ERRORS):
+            return ""
+        return f"Level {level}: {name}" if name else ""
+
+    def action_group(self, step: int) -> None:
+        """Go to the first field of the next or previous group."""
+        self._go_to_group((self._group + step) % len(self._panels))
+
+    @work(exclusive=True, group="go")
+    async def _go_to_group(self, at: int) -> None:
+        await self._show_group(at)
+        self._panels[at].fields[0].focus_editor()
+
+    @work(exclusive=True, group="go")
+    async def _go_to(self, name: str) -> None:
+        """Put the cursor into a field."""
+        for at, panel in enumerate(self._panels):
+            for widget in panel.fields:
+                if widget.field.name == name:
+                    await self._show_group(at)
+                    widget.focus_editor()
+
+    def action_find(self) -> None:
+        """Find a setting by a word, and go to it."""
+        from sar_tui.app.screens.find_setting import FindSettingScreen
+
+        def found(name: str | None) -> None:
+            if name:
+                self._go_to(name)
+
+        declared = fields(self._motor_task.Parameters)
+        self.app.push_screen(FindSettingScreen(declared, self._motor_task.title), found)
+
+    # --- saving ---------------------------------------------------------------------------------------------
 
     @on(Button.Pressed, "#save")
-    async def action_save(self) -> None:
-        """Save the settings if all are valid."""
+    def action_save(self) -> None:
+        """Ask for a reason, and save the settings if all are valid and some differ."""
         if problems := self._problems():
-            await self._go_to(next(iter(problems)))
+            self._go_to(next(iter(problems)))
             return
         parameters = build(self._motor_task.Parameters, self._values())
-        kept = programmes.Programme(changed(parameters), self._programme.theme)
-        after = self._programme.version
+        wanted = changed(parameters)
+        made = changes(self._motor_task.Parameters, self._programme.parameters, wanted)
+        if not made:
+            self.query_one("#status", Static).update("nothing has changed")
+            return
+        from sar_tui.app.screens.save_reason import Reason, SaveReasonScreen
+
+        def answered(reason: Reason | None) -> None:
+            if reason:
+                self._save(parameters, reason.reason, reason.author)
+
+        warning, self._warning = self._warning, ""
+        asked = SaveReasonScreen([change.text for change in made], login_name(), warning)
+        self.app.push_screen(asked, answered)
+
+    def _save(self, parameters: TaskParameters, reason: str, author: str) -> None:
+        status = self.query_one("#status", Static)
+        wanted = Programme(changed(parameters), self._programme.theme)
         try:
             self._programme = programmes.save(
-                self.app.database, self._participant, self._motor_task.name, kept, after=after, author=login_name()
+                self.app.database,
+                self._participant,
+                self._motor_task.name,
+                wanted,
+                after=self._programme.version,
+                author=author,
+                reason=reason,
             )
         except programmes.Superseded as error:
+            self._warning = str(error)
             self._programme = error.newest
-            self.notify(f"{error} Save again to put yours on top of it.", severity="warning", timeout=30)
+            status.update("not saved")
+            again = "Save again to see what differs from it, and to put yours on top of it."
+            self.notify(f"{error} {again}", severity="warning", timeout=30)
             return
         except StoreError as error:
-            self.query_one("#status", Static).update("not saved")
+            status.update("not saved")
             self.notify(str(error), severity="error", timeout=15)
             return
         self._saved = self._shown()
-        self.query_one("#status", Static).update(f"saved for {self._participant}")
+        self.query_one("#top", Static).update(self._title())
+        status.update(f"saved: version {self._programme.version}")
 
-    async def _go_to(self, name: str) -> None:
-        """Put the cursor into a field, and unfold its heading."""
-        for group in self._groups:
-            for widget in group.fields:
-                if widget.field.name == name:
-                    await group.fold(False)
-                    self.call_after_refresh(widget.focus_editor)
+    # --- presets, defaults, leaving -------------------------------------------------------------------------
 
-    def action_heading(self, step: int) -> None:
-        """Go to the next heading; or back to the focused field's own heading, and from there to the previous one."""
-        end = len(self._groups)
-        here = next((at for at, group in enumerate(self._groups) if group.has_focus_within), end)
-        if step < 0 and here < end and not self._groups[here].heading.has_focus:
-            step = 0
-        self._groups[max(0, min(here + step, end - 1))].go_to()
+    @on(Button.Pressed, "#preset")
+    def _choose_preset(self) -> None:
+        """Fill in the values of a preset. Nothing is saved."""
+        from sar_tui.app.screens.choose_preset import ChoosePresetScreen
+        from sar_tui.runs.presets import files, find
+        from sar_tui.runs.programme_file import ProgrammeFile
+
+        presets: dict[str, ProgrammeFile] = {}
+        for name in files(self.app.folder, self._motor_task):
+            try:
+                presets[name] = find(self.app.folder, self._motor_task, name)
+            except StoreError as error:
+                self.notify(str(error), severity="warning", timeout=15)
+
+        async def chosen(name: str | None) -> None:
+            if name:
+                values = current_values(self._motor_task.Parameters, presets[name].parameters)
+                for widget in self._fields:
+                    if widget.field.name in values:
+                        widget.set_value(values[widget.field.name])
+                await self._check()
+
+        if presets:
+            summaries = {name: preset.summary or "one of your own" for name, preset in presets.items()}
+            self.app.push_screen(ChoosePresetScreen(summaries), chosen)
+        else:
+            self.notify(f"The task {self._motor_task.title} has no presets.")
 
     async def action_reset(self) -> None:
-        """Reset the focused field to its default, or all fields under the focused heading."""
-        for group in self._groups:
-            for widget in group.fields:
-                if widget.has_focus_within or group.heading.has_focus:
+        """Reset the focused field to its default, or all fields of the focused group."""
+        is_group = self.query_one("#groups").has_focus
+        for panel in self._panels:
+            for widget in panel.fields:
+                if widget.has_focus_within or (is_group and panel is self._panels[self._group]):
                     widget.reset()
         await self._check()
 
@@ -193,3 +341,10 @@ class SettingsScreen(Screen[None]):
         self._saved = self._shown()
         self.notify("Not saved. Save with Ctrl-S, or leave again to discard the changes.", severity="warning")
         return False
+
+
+def _outputs() -> tuple[str, ...]:
+    """Return the outputs that need nothing after their name."""
+    from sar_tui.outputs.outputs import output_names
+
+    return tuple(name for name in ("screen", "speech", "tones", "servo") if name in output_names())

@@ -1,0 +1,39 @@
+"""Offers the presets of a task."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
+
+
+class ChoosePresetScreen(ModalScreen[str | None]):
+    """A list of presets; its result is the name of one, or None.
+
+    Args:
+        summaries: of each preset, by its name.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
+
+    def __init__(self, summaries: Mapping[str, str]) -> None:
+        super().__init__()
+        self._summaries = summaries
+
+    def compose(self) -> ComposeResult:
+        with Vertical(classes="dialog"):
+            yield Static("Which preset?", classes="headline")
+            yield Static("It fills in the settings that it sets. Nothing is saved yet.", markup=False)
+            options = [Option(Content(f"{name}\n  {text}"), id=name) for name, text in self._summaries.items()]
+            yield OptionList(*options, id="presets", markup=False)
+            yield Static("Arrows and Enter to choose, Esc to cancel.", classes="muted")
+
+    @on(OptionList.OptionSelected)
+    def _chosen(self, event: OptionList.OptionSelected) -> None:
+        self.dismiss(event.option.id)
