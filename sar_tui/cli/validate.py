@@ -26,8 +26,8 @@ def validate(
         typer.Option(
             metavar="NAME,NAME",
             show_default=False,
-            help="figure-4.11, figure-4.12, figure-4.13, figure-4.14, table-4.1, reach, policies, progress, "
-            "modularity; default: all.",
+            help="figure-4.11, figure-4.12, figure-4.13, figure-4.14, table-4.1, reach, policies, difficulty, "
+            "progress, modularity; default: all.",
         ),
     ] = None,
     to: Annotated[

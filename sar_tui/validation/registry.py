@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sar_tui.validation import feedback, modularity, policies, progress, reach, table_4_1
+from sar_tui.validation import difficulty, feedback, modularity, policies, progress, reach, table_4_1
 from sar_tui.validation.report import Conditions, Report
 
 
@@ -23,5 +23,6 @@ VALIDATIONS: dict[str, Validation] = {
     "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),
+    "difficulty": Validation("Success and fitting challenge under each difficulty policy", difficulty.run),
     "modularity": Validation("Share of the framework in the code that a session runs", modularity.run),
 }
