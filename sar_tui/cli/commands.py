@@ -34,6 +34,7 @@ COMMANDS = {
     "timing": "measure_timing:measure_timing",
     "agent": "agent_view:follow_agent",
     "link": "link:app",
+    "instrument": "instrument:app",
     "report": "report:app",
     "programme": "programme:app",
     "tasks": "tasks:app",

@@ -59,6 +59,7 @@ def progress(
 ) -> None:
     """Show a participant's progress over sessions: the level at goal, noise, practice and dose."""
     from sar_tui.reports.progress import progress as make_progress
+    from sar_tui.store.instrument_scores import scores_of
     from sar_tui.store.participants import check_code
     from sar_tui.store.results import sessions_of
 
@@ -68,8 +69,8 @@ def progress(
     code = check_code(participant)
     find = _finder(home)
     with home.database() as database:
-        found = make_progress(code, sessions_of(database, code, task), find)
-    if not found.lines and not as_json and html is None:
+        found = make_progress(code, sessions_of(database, code, task), find, scores_of(database, code))
+    if not (found.lines or found.instruments) and not as_json and html is None:
         of_task = f" of the task {task}" if task else ""
         raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
     if html is not None:
@@ -83,7 +84,8 @@ def progress(
 
         for line in found.lines:
             tr = progress_words.words(language, find(line.task))
-            console().print(progress_words.note(code, line, found.days, tr), soft_wrap=True, end="\n\n")
+            console().print(progress_words.note(code, line, tr), soft_wrap=True, end="\n\n")
+        _print_instruments(console(), found, language)
     else:
         _print(console(), found, find, language)
 
@@ -129,6 +131,7 @@ def _print(out: "Console", found: "Progress", find: "Find", language: str) -> No
         for sentence in progress_words.sentences(line, tr):
             out.print(sentence, soft_wrap=True)
         out.print()
+    _print_instruments(out, found, language)
     _print_dose(out, found.days, progress_words.words(language, None))
 
 
@@ -159,6 +162,14 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
         shown = f"{line.between_sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
         out.print(f"SD between the sessions' means: {shown}; the column SD is that between a session's attempts.")
     out.print()
+
+
+def _print_instruments(out: "Console", found: "Progress", language: str) -> None:
+    from sar_tui.reports import progress_words
+
+    for each in found.instruments:
+        tr = progress_words.words(language, None)
+        out.print(progress_words.instrument_change(each, tr), soft_wrap=True, end="\n\n")
 
 
 def _print_dose(out: "Console", days: "Sequence[Day]", tr: "Language") -> None:

@@ -10,6 +10,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Axis, Metric
 from sar_tui.progress import change
 from sar_tui.progress.change import Baseline, Verdict
+from sar_tui.progress.instruments import InstrumentChange, Score, changes
 from sar_tui.progress.level_estimate import Estimate
 from sar_tui.progress.lines import Line, Point, SessionResults, Side, lines
 from sar_tui.progress.task_level import compared_settings, places, to_level
@@ -95,14 +96,18 @@ class Progress(msgspec.Struct, frozen=True):
     participant: str
     lines: list[LineProgress]
     days: list[Day]
+    instruments: list[InstrumentChange]
 
 
 def progress(
-    participant: str, sessions: Iterable[SessionResults], find_task: Callable[[str], type[Task] | None]
+    participant: str,
+    sessions: Iterable[SessionResults],
+    find_task: Callable[[str], type[Task] | None],
+    scores: Sequence[Score] = (),
 ) -> Progress:
     """Return the progress of a participant, from the results of their sessions in the order they were played."""
     played = list(sessions)
-    return Progress(participant, [_line(line) for line in lines(played, find_task)], dose(played))
+    return Progress(participant, [_line(line) for line in lines(played, find_task)], dose(played), changes(scores))
 
 
 def dose(sessions: Iterable[SessionResults]) -> list[Day]:

@@ -42,6 +42,9 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
         body += _line(line, progress_words.words(code, find_task(line.task)))
     if not found.lines:
         body.append(f"<p>{escape(own('There are no finished attempts yet.'))}</p>")
+    if found.instruments:
+        body.append(f"<h2>{escape(own('Other instruments'))}</h2>")
+        body += [f"<p>{escape(progress_words.instrument_change(each, own))}</p>" for each in found.instruments]
     body += _dose(found.days, own)
     foot = own(
         "A training measure of this program; no diagnosis, and no published important difference (MCID) applies."

@@ -8,6 +8,7 @@ from pathlib import Path
 from sar_tui.framework.language import Language, language
 from sar_tui.framework.task import Task
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
+from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.reports.progress import AtGoal, Comparison, Day, LineProgress, SessionProgress
 
 _FOLDER = Path(__file__).parent
@@ -140,7 +141,7 @@ def _setting(value: object) -> str:
     return " ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
-def note(participant: str, line: LineProgress, days: Sequence[Day], tr: Language) -> str:
+def note(participant: str, line: LineProgress, tr: Language) -> str:
     """Return a paragraph on a line, to paste into a person's record."""
     sessions = line.sessions
     first, last = day(sessions[0].began), day(sessions[-1].began)
@@ -183,6 +184,40 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
         "not yet known": tr("How much is noise is not yet known: it needs more sessions."),
     }[found.verdict]
     return f"{change} {verdict}"
+
+
+# --- other instruments --------------------------------------------------------------------------------------
+
+
+def published(value: Published, instrument: Instrument) -> str:
+    """Return a published change with its source: "MCID 9 to 13 points, acute to subacute stroke (Arya 2011)"."""
+    size = f"{value.low:g}" if value.low == value.high else f"{value.low:g} to {value.high:g}"
+    return f"{value.kind} {size} {instrument.unit}, {value.of} ({value.source})"
+
+
+def instrument_change(found: InstrumentChange, tr: Language) -> str:
+    """Return the scores of an instrument in words, and how their change compares with published ones."""
+    first, last = found.scores[0], found.scores[-1]
+    name = f"{found.instrument.name} ({tr(found.instrument.title)})"
+    if found.change is None:
+        return f"{name}: {first.score:g}, {first.date}."
+    said = [
+        tr(
+            "{name}: {first} on {began}, {last} on {ended}; change {change}.",
+            name=name,
+            first=f"{first.score:g}",
+            began=first.date,
+            last=f"{last.score:g}",
+            ended=last.date,
+            change=f"{found.change:+g}",
+        )
+    ]
+    for each in found.reached:
+        value = published(each.published, found.instrument)
+        said.append(tr("Reaches {value}.", value=value) if each.reached else tr("Below {value}.", value=value))
+    if not found.reached:
+        said.append(tr("No change of it that could be compared is published."))
+    return " ".join(said)
 
 
 # --- the dose of a month ------------------------------------------------------------------------------------

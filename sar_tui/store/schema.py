@@ -221,6 +221,16 @@ def version_9(db: sqlite_utils.Database) -> None:
     )
 
 
+@migrations()
+def version_10(db: sqlite_utils.Database) -> None:
+    """Scores of other instruments, entered by hand."""
+    db.execute(
+        "CREATE TABLE instrument_scores (participant TEXT NOT NULL, instrument TEXT NOT NULL, date TEXT NOT NULL,"
+        " score REAL NOT NULL, note TEXT NOT NULL, recorded_at TEXT NOT NULL, recorded_by TEXT NOT NULL,"
+        " PRIMARY KEY (participant, instrument, date, recorded_at))"
+    )
+
+
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")

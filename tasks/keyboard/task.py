@@ -120,7 +120,7 @@ class KeyboardTask(Task):
     @property
     def axis(self) -> Axis:
         """The information in the choice (Hick 1952; Hyman 1953)."""
-        return Axis("choice", "keys", is_log2=True)
+        return Axis("choice", self.tr("keys"), is_log2=True)
 
     def difficulty(self, level: int) -> float:
         return math.log2(len(self._levels[level - 1].keys))

@@ -78,7 +78,12 @@ def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...],
 
 
 def test_nobody_has_no_lines_in_json(call: Call) -> None:
-    assert call("progress", "P09", "--json").json == {"participant": "P09", "lines": [], "days": []}
+    assert call("progress", "P09", "--json").json == {
+        "participant": "P09",
+        "lines": [],
+        "days": [],
+        "instruments": [],
+    }
 
 
 @pytest.mark.usefixtures("trained")

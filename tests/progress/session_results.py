@@ -27,7 +27,7 @@ def session(
         "began": START + timedelta(days=number if on_day is None else on_day, minutes=number),
         "task": "keyboard",
         "title": "Keyboard reaction",
-        "task_version": "1",
+        "task_version": "2",
         "seat": "A",
         "mode": "live",
         "status": "completed",

@@ -103,7 +103,7 @@ def test_settings_that_the_task_no_longer_accepts_leave_results_without_estimate
 
 
 def test_reaction_times_lie_over_the_information_in_the_choice(keyboard: type[Task]) -> None:
-    task = keyboard(keyboard.Parameters())
+    task = keyboard(keyboard.Parameters(levels=("fj", "dfjk")))
     (attempt,) = on_axis(task, [AttemptResult(2, 950.0, 18)])
     assert (attempt.difficulty, attempt.weight, attempt.distance) == (2.0, 18.0, -50.0)
     assert task.axis.show(math.log2(10.4)) == "10.4 keys"
