@@ -72,6 +72,7 @@ class SarTui(OpeningApp):
         self.feeds: Sequence[ImuFeed] = ()
         self._is_leaving = False
         self._asked_since = ""
+        self._is_asking = False
         self._session_clock = clock
         self._link = link
         self.picture: type[Widget] | None = None
@@ -114,11 +115,12 @@ class SarTui(OpeningApp):
         except (PluginError, ParameterError, Failed) as error:
             self._cannot_begin(str(error))
             return
-        self._asked_since = now()
+        self._asked_since, self._is_asking = now(), True
         self._use(theme, plan.parameters.language)
         codes = [code for code in (plan.participant, plan.partner) if code]
 
         def answered(goes_on: bool | None) -> None:
+            self._is_asking = False
             if goes_on:
                 self._prepare_session(plan)
             else:
@@ -227,11 +229,13 @@ class SarTui(OpeningApp):
         from sar_tui.app import wellbeing
 
         def answered(_: bool | None) -> None:
+            self._is_asking = False
             self._return_home()
             for text in wellbeing.warnings(self, list(live.codes.values())):
                 self.notify(text, severity="warning", timeout=60)
 
         self.check_database()
+        self._is_asking = True
         self.push_screen(wellbeing.ask_after(self, live), answered)
 
     def _return_home(self) -> None:
@@ -277,8 +281,8 @@ class SarTui(OpeningApp):
 
     @property
     def _has_participant(self) -> bool:
-        """True during a session, and before one while its sensors are checked."""
-        return self._open is not None or bool(self.feeds)
+        """True during a session, while its sensors are checked before, and while questions are asked around it."""
+        return self._open is not None or bool(self.feeds) or self._is_asking
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """The stop key works during a session; before and after, F2 is the screen's own."""

@@ -218,3 +218,16 @@ async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: C
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("P01: Very tired (7 or more of 10) after each of the last two sessions.")
         assert driver.sees("completed · tired 8")
+
+
+async def test_a_participant_is_offered_help_but_no_theme(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True, language="es")) as driver:
+        commands = [command.title for command in driver.app.get_system_commands(driver.app.screen)]
+        assert not [title for title in commands if title.startswith("Theme")]
+        await driver.press("f1")
+        assert driver.sees("Con Retroceso se vuelve a la pregunta anterior.")
+        await driver.press("enter")
+        assert driver.sees("¿Cuánto dolor tiene ahora?")
+        assert answers(driver) == []
