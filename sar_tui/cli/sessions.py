@@ -200,19 +200,9 @@ def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
 
 def _print_wellbeing(out: "Console", row: Row, felt: Sequence[Row], events: "Sequence[AdverseEvent]") -> None:
     """Print what the participants said of pain and tiredness, and adverse events that began in the session."""
-    from sar_tui.reports.wellbeing import sentences
+    from sar_tui.reports.wellbeing import session_lines
 
-    lines = []
-    for seat, code in (("A", row["participant"]), ("B", row["partner"])):
-        if code and (said := sentences(felt, seat)):
-            lines.append(f"{f'{code}: ' if row['partner'] else ''}{' '.join(said)}")
-    for event in events:
-        done = "".join(
-            f" {name}: {text}." for name, text in (("Action", event.action), ("Outcome", event.outcome)) if text
-        )
-        who = f" of {event.participant}" if row["partner"] else ""
-        lines.append(f"! Adverse event {event.event}{who}, {event.severity}: {event.what}.{done}")
-    if lines:
+    if lines := session_lines(row, felt, events):
         out.print("\n".join(lines), soft_wrap=True, end="\n\n")
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from sar_tui.framework.policies.wellbeing import SEVERE, TellReason, stop_now
+from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, ratings
 
 _NAMES = {"pain": "pain", "fatigue": "tiredness"}
@@ -37,6 +38,20 @@ def sentences(rows: Sequence[Row], seat: str) -> list[str]:
     if any(stop_now(rated.pain_before, pain) for pain in pains):
         found.append("That was a reason to stop and to tell the therapist.")
     return found
+
+
+def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEvent]) -> list[str]:
+    """Return a line for each participant who said something in a listed session, and for each adverse event in it."""
+    lines = []
+    for seat, code in (("A", session["participant"]), ("B", session["partner"])):
+        if code and (said := sentences(rows, seat)):
+            lines.append(f"{f'{code}: ' if session['partner'] else ''}{' '.join(said)}")
+    for event in events:
+        known = (("Action", event.action), ("Outcome", event.outcome))
+        done = "".join(f" {name}: {text}." for name, text in known if text)
+        who = f" of {event.participant}" if session["partner"] else ""
+        lines.append(f"! Adverse event {event.event}{who}, {event.severity}: {event.what}.{done}")
+    return lines
 
 
 def advice(reasons: Sequence[TellReason]) -> list[str]:

@@ -1,11 +1,14 @@
 """Pain and tiredness are asked before and after a session, with one key each and nothing chosen beforehand."""
 
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.store import adverse_events
+from sar_tui.store.database import connect
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 
 ALL = "SELECT session, moment, question, answer FROM wellbeing ORDER BY at"
@@ -231,3 +234,20 @@ async def test_a_participant_is_offered_help_but_no_theme(
         await driver.press("enter")
         assert driver.sees("¿Cuánto dolor tiene ahora?")
         assert answers(driver) == []
+
+
+async def test_a_past_session_shows_what_was_said(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("0", "1")
+        await driver.do_session()
+        await driver.press("enter")
+        await driver.press("2", "5", "8")
+        session = driver.session_id
+    with closing(connect(data)) as database:
+        what = {"onset": "2026-03-01", "what": "Dizzy", "severity": "mild"}
+        adverse_events.report(database, "P01", session=session, **what)
+    async with open_app(data, catalogue) as driver:
+        await driver.press(*["right"] * 5, "enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
+        assert driver.sees("mild: Dizzy.")

@@ -9,7 +9,8 @@ from textual.widgets import Static
 
 from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
-from sar_tui.store import provenance, sessions
+from sar_tui.reports.wellbeing import session_lines
+from sar_tui.store import adverse_events, provenance, sessions, wellbeing
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import stored_facts
@@ -41,10 +42,16 @@ class PastSessionScreen(Screen[None]):
         else:
             tr = language_of(self.app)
             yield Summary(metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="summary")
+        yield Static("", id="felt", markup=False)
         yield KeyFooter()
 
     def on_mount(self) -> None:
-        rows = sessions.rows(self.app.database, "attempts", self._row["id"])
+        database, session = self.app.database, self._row["id"]
+        events = adverse_events.listing(database, session=session)
+        felt = session_lines(self._row, wellbeing.of_session(database, session), events)
+        self.query_one("#felt", Static).update("\n".join(felt))
+        self.query_one("#felt").display = bool(felt)
+        rows = sessions.rows(database, "attempts", session)
         attempts = [sessions.attempt_ended(row) for row in rows if not row["practice"]]
         codes = {"A": self._row["participant"], "B": self._row["partner"]}
         seats = [seat for seat, code in codes.items() if code]
