@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.checks import task_texts, task_translations, task_view
+from sar_tui.checks import level_steps, task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
@@ -176,9 +176,23 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             done.append(simulated)
     yield _check("stores only the details that it declares", _details(kind, done))
     yield _check("changes its level", _level_moves(kind, parameters, done))
+    yield _levels_apart(kind, parameters)
     yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))
     if task_view.has_view(kind) and not task_view.contract_problem(kind):
         yield _check("draws its view in a whole session", lambda: _drawing(kind, parameters, done))
+
+
+def _levels_apart(kind: type[Task], parameters: TaskParameters) -> Check:
+    """Check the distances of the levels with a session of an average participant that visits each."""
+    name = "keeps neighbouring levels close together"
+    with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
+        try:
+            warning = level_steps.warning(
+                kind, parameters, lambda visits: _simulate(kind, visits, PEOPLE["average"], Path(folder)).attempts
+            )
+        except PLUGIN_ERRORS as error:
+            return _check(name, _reason(error))
+    return Check(name, warning=warning)
 
 
 def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:

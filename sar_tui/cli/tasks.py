@@ -120,11 +120,15 @@ def check_task(
     for done in check(folder):
         made.append(done)
         if not as_json:
-            line = f"✓ {done.check}" if done.ok else f"✗ {done.check}. {' '.join(done.problems)}"
-            out.print(line, markup=False, soft_wrap=True)
+            sign = "✗" if not done.ok else "!" if done.warning else "✓"
+            told = " ".join((*done.problems, *([done.warning] if done.warning else [])))
+            out.print(f"{sign} {done.check}" + (f". {told}" if told else ""), markup=False, soft_wrap=True)
     passed = all(done.ok for done in made)
     if as_json:
-        rows = [{"check": done.check, "ok": done.ok, "problem": " ".join(done.problems)} for done in made]
+        rows = [
+            {"check": done.check, "ok": done.ok, "problem": " ".join(done.problems), "warning": done.warning}
+            for done in made
+        ]
         print_json({"task": folder.name, "passed": passed, "checks": rows})
     elif passed:
         out.print(f"{folder.name} passes all checks.", markup=False)
