@@ -24,7 +24,9 @@ LANGUAGES = ("en", "es")
 _LISTED = 20
 """Sessions of a line that are printed; JSON has all."""
 _MONTHS = 3
-_SIDES = {"": "", "easier": "above the levels played", "harder": "below the levels played"}
+_ID = 6
+"""Characters of a session's id that are printed."""
+_SIDES = {"": "", "easier": "all too easy", "harder": "all too hard"}
 
 
 def progress(
@@ -136,31 +138,29 @@ def _print(out: "Console", found: "Progress", find: "Find", language: str) -> No
 
 
 def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> None:
-    from sar_tui.cli.tables import add, table
+    from sar_tui.cli.long_table import print_table
     from sar_tui.reports import progress_words
 
-    numbers = ("levels", "mean", "SD", "right", "reached", "at goal")
-    unit = line.axis.unit or line.axis.name
-    made = table("session", "date", *numbers, f"{unit}, 95 % band", right=numbers, whole=("session", "date"))
-    for each in line.sessions[-_LISTED:]:
-        add(
-            made,
-            each.session,
+    numbers = ("level", "mean ± SD", "right", "goals", "at goal", f"{line.axis.unit or line.axis.name}, 95 %")
+    rows = [
+        (
+            each.session[:_ID],
             progress_words.day(each.began),
-            f"{each.first_level} → {each.last_level}",
-            None if each.mean is None else line.metric.show(each.mean),
-            None if each.sd is None else f"{each.sd:.{line.metric.decimals}f}",
+            f"{each.first_level}→{each.last_level}",
+            progress_words.mean(line, each),
             f"{each.right / each.trials:.0%}" if each.trials else "",
-            f"{each.reached} of {each.attempts}",
-            f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else None,
+            f"{each.reached}/{each.attempts}",
+            f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "",
             progress_words.band(line, each, tr) or _SIDES[each.side],
         )
-    out.print(made)
+        for each in line.sessions[-_LISTED:]
+    ]
+    print_table(out, ("session", "date", *numbers), rows, right=numbers)
     if len(line.sessions) > _LISTED:
         out.print(f"{len(line.sessions) - _LISTED} earlier sessions are in --json.")
     if line.between_sd is not None:
         shown = f"{line.between_sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
-        out.print(f"SD between the sessions' means: {shown}; the column SD is that between a session's attempts.")
+        out.print(f"SD between the sessions' means: {shown}; SD in the table: between a session's attempts.")
     out.print()
 
 

@@ -22,9 +22,13 @@ from sar_tui.progress.student import t95
 
 LARGEST_G = 0.3
 """A session's own slope is used if it is known this well: the square of the 95 % error of the slope over the slope
-(Fieller's g). Otherwise the slope of the other sessions is borrowed."""
+(Fieller's g). Otherwise that of all sessions is, and only without one again its own."""
+ENDLESS_G = 0.7
+"""From this g on the band says nothing: at 1 it has no end."""
 FEWEST_SPARE = 2
 """Fewest degrees of freedom of a band."""
+FEWEST_OF_DONOR = 6
+"""Fewest degrees of freedom of a slope that takes part in the mean: those of fewer seem exact by chance."""
 FEWEST_NEAR_GOAL = 4
 """With fewer attempts after the run-in, the run-in is used too."""
 
@@ -44,10 +48,11 @@ class Attempt(msgspec.Struct, frozen=True):
 
 
 class Slope(msgspec.Struct, frozen=True):
-    """Growth of the distance from the goal with difficulty, and the variance of its error."""
+    """Growth of the distance from the goal with difficulty, the variance of its error, and its degrees of freedom."""
 
     value: float
     variance: float
+    spare: int = 0
 
 
 class Estimate(msgspec.Struct, frozen=True):
@@ -112,23 +117,27 @@ def near_goal(attempts: Sequence[Attempt]) -> Sequence[Attempt]:
     return attempts[turn + 1 :] if len(attempts) - turn - 1 >= FEWEST_NEAR_GOAL else attempts
 
 
-def own_slope(attempts: Sequence[Attempt]) -> Slope | None:
-    """Return the slope of a session's own line; None if it is not known well enough to divide by."""
+def slope_of(attempts: Sequence[Attempt]) -> Slope | None:
+    """Return the slope of a session's line, however well it is known; None if all attempts were at one difficulty."""
     spare = len(attempts) - 2
     if spare < FEWEST_SPARE or (line := _line(attempts)).xx <= 1e-9 * line.weight:
         return None
     slope = line.xy / line.xx
-    variance = max(0.0, line.yy - slope * line.xy) / spare / line.xx
-    if slope <= 0 or t95(spare) ** 2 * variance > LARGEST_G * slope**2:
-        return None
-    return Slope(slope, variance)
+    return Slope(slope, max(0.0, line.yy - slope * line.xy) / spare / line.xx, spare)
+
+
+def is_well_known(slope: Slope) -> bool:
+    """Return True if a slope rises, and is known well enough to be used alone."""
+    return slope.value > 0 and t95(slope.spare) ** 2 * slope.variance <= LARGEST_G * slope.value**2
 
 
 def shared_slope(slopes: Sequence[Slope]) -> Slope | None:
-    """Return the slope to expect in another session: the mean, whose variance includes that between sessions.
+    """Return the slope to expect in a session: the mean of all, whose variance includes that between sessions.
 
-    The variance between sessions is that of DerSimonian & Laird (1986).
+    Slopes that are not well known take part, with less weight: to leave out those that seem flat would make the mean
+    too steep. The variance between sessions is that of DerSimonian & Laird (1986).
     """
+    slopes = [slope for slope in slopes if slope.spare >= FEWEST_OF_DONOR]
     if not slopes:
         return None
     floor = 1e-9 * sum(slope.value**2 for slope in slopes) / len(slopes)
@@ -145,31 +154,38 @@ def _mean(slopes: Sequence[Slope], weights: Sequence[float]) -> float:
     return sum(weight * slope.value for weight, slope in zip(weights, slopes, strict=True)) / sum(weights)
 
 
-def level_at_goal(attempts: Sequence[Attempt], borrowed: Slope | None = None) -> Estimate | None:
+def level_at_goal(attempts: Sequence[Attempt], shared: Slope | None = None) -> Estimate | None:
     """Return the difficulty at which a session's line crosses the goal, with its band by Fieller's theorem (1954).
 
     Args:
         attempts: of one session, in order.
-        borrowed: slope to use if the session's own is not known well enough.
+        shared: slope to use if the session's own is not well known.
 
     Returns:
-        None if results lie on one side of the goal only, if there are too few, or no slope, or if the band has no end.
+        None if results lie on one side of the goal only, if there are too few, or the band says nothing.
     """
     if not brackets_goal(attempts):
         return None
-    own = own_slope(attempts)
-    slope = own or borrowed
-    near = near_goal(attempts)
-    spare = len(near) - (2 if own else 1)
-    if slope is None or spare < FEWEST_SPARE:
+    near, own = near_goal(attempts), slope_of(attempts)
+    if own and is_well_known(own):
+        return _crossing(near, own, len(near) - 2)
+    borrowed = _crossing(near, shared, len(near) - 1) if shared else None
+    if borrowed:
+        return msgspec.structs.replace(borrowed, borrowed=True)
+    return _crossing(near, own, len(near) - 2) if own else None
+
+
+def _crossing(near: Sequence[Attempt], slope: Slope, spare: int) -> Estimate | None:
+    """Return where a line of a given slope through attempts crosses the goal; None if it may never do so."""
+    if slope.value <= 0 or spare < FEWEST_SPARE:
         return None
     line = _line(near)
     rest = max(0.0, line.yy - 2 * slope.value * line.xy + slope.value**2 * line.xx)
     t = t95(spare)
     of_mean, of_slope = t**2 * rest / spare / line.weight, t**2 * slope.variance
-    divisor = slope.value**2 - of_slope
-    if divisor <= 0:
+    if of_slope > ENDLESS_G * slope.value**2:
         return None
+    divisor = slope.value**2 - of_slope
     middle = -slope.value * line.y / divisor
     half = math.sqrt(max(0.0, slope.value**2 * of_mean + of_slope * (line.y**2 - of_mean))) / divisor
-    return Estimate(line.x - line.y / slope.value, line.x + middle - half, line.x + middle + half, borrowed=own is None)
+    return Estimate(line.x - line.y / slope.value, line.x + middle - half, line.x + middle + half)

@@ -19,8 +19,8 @@ from sar_tui.progress.level_estimate import (
     Slope,
     brackets_goal,
     level_at_goal,
-    own_slope,
     shared_slope,
+    slope_of,
 )
 from sar_tui.progress.task_level import AttemptResult, compared_settings, on_axis
 
@@ -163,7 +163,7 @@ def _compared(kind: type[Task] | None, parameters: Mapping[str, Any]) -> dict[st
 def _line(kind: type[Task] | None, settings: Mapping[str, Any], members: Sequence[SessionResults]) -> Line:
     task = _set_up(kind, settings) if kind else None
     attempts = [on_axis(task, each.results) if task else [] for each in members]
-    slopes = [own_slope(each) for each in attempts]
+    slopes = [slope_of(each) for each in attempts]
     shared = shared_slope([slope for slope in slopes if slope])
     points = [_point(each, found, shared) for each, found in zip(members, attempts, strict=True)]
     return Line(settings, task, points)

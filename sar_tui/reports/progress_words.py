@@ -32,6 +32,14 @@ def figure(line: LineProgress, value: float, tr: Language) -> str:
     return tr.figures(line.metric.show(abs(value)))
 
 
+def mean(line: LineProgress, session: SessionProgress) -> str:
+    """Return the mean of a session's results and the SD between its attempts: "950 ± 60 ms"; empty without any."""
+    if session.mean is None:
+        return ""
+    spread = "" if session.sd is None else f" ± {session.sd:.{line.metric.decimals}f}"
+    return f"{session.mean:.{line.metric.decimals}f}{spread} {line.metric.unit}".rstrip()
+
+
 def at_goal(line: LineProgress, session: SessionProgress, tr: Language) -> str:
     """Return a session's level at goal with its band; empty if it is not known."""
     found = session.at_goal
@@ -80,7 +88,9 @@ def _now(line: LineProgress, tr: Language) -> str:
         return tr("In the last session no result reached the goal: easier levels can be tried.")
     if last.at_goal:
         return tr("Level at goal in the last session: {level}.", level=at_goal(line, last, tr))
-    return tr("The level at goal is not known: it needs results on both sides of the goal, at two levels or more.")
+    return tr(
+        "The level at goal is not known yet: these results do not tell how they grow with the level. More sessions may."
+    )
 
 
 def _practice(line: LineProgress, tr: Language) -> str:

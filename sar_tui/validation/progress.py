@@ -14,8 +14,8 @@ from sar_tui.progress.level_estimate import (
     brackets_goal,
     level_at_goal,
     near_goal,
-    own_slope,
     shared_slope,
+    slope_of,
 )
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
@@ -124,9 +124,8 @@ def _row(name: str, user: str) -> Row:
 
 
 def _estimates(days: Sequence[_Day]) -> list[Estimate | None]:
-    slopes = [own_slope(day.attempts) for day in days]
-    others = [[slope for slope in (*slopes[:place], *slopes[place + 1 :]) if slope] for place in range(len(days))]
-    return [level_at_goal(day.attempts, shared_slope(known)) for day, known in zip(days, others, strict=True)]
+    shared = shared_slope([slope for day in days if (slope := slope_of(day.attempts))])
+    return [level_at_goal(day.attempts, shared) for day in days]
 
 
 def _verdict(values: Sequence[float]) -> str:

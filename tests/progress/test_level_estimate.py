@@ -11,10 +11,11 @@ from sar_tui.progress.level_estimate import (
     Estimate,
     Slope,
     brackets_goal,
+    is_well_known,
     level_at_goal,
     near_goal,
-    own_slope,
     shared_slope,
+    slope_of,
 )
 
 
@@ -44,7 +45,7 @@ def test_without_noise_the_level_at_goal_is_exact() -> None:
 def test_the_slope_and_its_error_are_those_of_scipy(seed: int) -> None:
     attempts = session(seed)
     judge = stats.linregress([each.difficulty for each in attempts], [each.distance for each in attempts])
-    slope = own_slope(attempts)
+    slope = slope_of(attempts)
     assert slope is not None
     assert slope.value == pytest.approx(judge.slope)
     assert math.sqrt(slope.variance) == pytest.approx(judge.stderr)
@@ -63,7 +64,7 @@ def test_the_band_is_fiellers_set() -> None:
     """Its ends are where the line's own 95 % error reaches the goal."""
     attempts = session(2, n=5)[:5] + session(3)[5:]
     estimate = found(attempts)
-    near, slope = near_goal(attempts), own_slope(attempts)
+    near, slope = near_goal(attempts), slope_of(attempts)
     assert slope is not None
     mean = sum(each.difficulty for each in near) / len(near)
     height = sum(each.distance for each in near) / len(near)
@@ -85,20 +86,34 @@ def test_results_on_one_side_of_the_goal_yield_no_estimate() -> None:
 def test_a_session_at_one_level_borrows_the_slope_of_the_others() -> None:
     rng = random.Random(4)
     fixed = [Attempt(3.0, 20.0, 170 * (3.0 - 3.1) + rng.gauss(0, 40)) for _ in range(20)]
-    assert own_slope(fixed) is None
+    assert slope_of(fixed) is None
     assert level_at_goal(fixed) is None
-    others = [slope for seed in range(4) if (slope := own_slope(session(seed)))]
+    others = [slope for seed in range(4) if (slope := slope_of(session(seed)))]
     estimate = found(fixed, shared_slope(others))
     assert estimate.borrowed
     assert estimate.low < 3.1 < estimate.high
 
 
-def test_a_line_that_falls_with_difficulty_has_no_slope() -> None:
-    assert own_slope([Attempt(-each.difficulty, each.weight, each.distance) for each in session(1)]) is None
+def test_a_line_that_falls_with_difficulty_yields_no_estimate() -> None:
+    falling = [Attempt(-each.difficulty, each.weight, each.distance) for each in session(1)]
+    slope = slope_of(falling)
+    assert slope is not None
+    assert not is_well_known(slope)
+    assert level_at_goal(falling) is None
+
+
+def test_a_slope_that_is_not_well_known_is_used_only_if_there_is_no_other() -> None:
+    noisy = session(2, sd=170.0)
+    slope = slope_of(noisy)
+    assert slope is not None
+    assert not is_well_known(slope)
+    alone, helped = found(noisy), found(noisy, Slope(170.0, 100.0))
+    assert (alone.borrowed, helped.borrowed) == (False, True)
+    assert helped.high - helped.low < alone.high - alone.low
 
 
 def test_slopes_that_differ_between_sessions_are_less_sure() -> None:
-    alike, apart = [Slope(170.0, 25.0)] * 4, [Slope(value, 25.0) for value in (110.0, 150.0, 190.0, 230.0)]
+    alike, apart = [Slope(170.0, 25.0, 18)] * 4, [Slope(value, 25.0, 18) for value in (110.0, 150.0, 190.0, 230.0)]
     same, spread = shared_slope(alike), shared_slope(apart)
     assert same is not None
     assert spread is not None
