@@ -7,7 +7,8 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.store import adverse_events
+from sar_tui.runs.plan import make_plan
+from sar_tui.store import adverse_events, dismissal
 from sar_tui.store.database import connect
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 
@@ -167,8 +168,6 @@ async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
 
 
 async def test_two_participants_are_asked_in_turn(data: Path, catalogue: Catalogue) -> None:
-    from sar_tui.runs.plan import make_plan
-
     settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
     async with open_app(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
         assert driver.sees("Left (P01) How much pain")
@@ -251,3 +250,52 @@ async def test_a_past_session_shows_what_was_said(data: Path, catalogue: Catalog
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
         assert driver.sees("mild: Dizzy.")
+
+
+async def test_an_adverse_event_is_recorded_from_its_session(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+        await driver.do_session()
+        session = driver.session_id
+    async with open_app(data, catalogue) as driver:
+        await driver.press(*["right"] * 5, "enter", "a")
+        assert driver.sees("What happened")
+        assert driver.sees("Enter goes on, and records after the last field.")
+        await driver.press(*"Dizzy", "enter", *"awful", "enter", "enter", "enter")
+        assert driver.sees("The severity must be mild, moderate or severe.")
+        await driver.press("shift+tab", "shift+tab", *["backspace"] * 5)
+        await driver.press(*"mild", "enter", *"Rested", "enter", "enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("mild: Dizzy. Action: Rested.")
+        (event,) = adverse_events.listing(driver.app.database)
+        assert (event.participant, event.session, event.what, event.action) == ("P01", session, "Dizzy", "Rested")
+
+
+async def test_an_adverse_event_can_be_cancelled(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
+        await driver.do_session()
+    async with open_app(data, catalogue) as driver:
+        await driver.press(*["right"] * 5, "enter", "a")
+        await driver.write(*"Dizzy")
+        await driver.press("escape")
+        assert driver.screen_name == "PastSessionScreen"
+        assert adverse_events.listing(driver.app.database) == []
+
+
+async def test_an_adverse_event_of_two_names_its_participant(data: Path, catalogue: Catalogue) -> None:
+    settings = {"attempts": 1, "prompts_per_attempt": 2}
+    two = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
+    async with open_app(data, catalogue, two) as driver:
+        await driver.press("enter")
+        await driver.press("ctrl+q", "down", "enter")
+    with closing(connect(data)) as database:
+        dismissal.dismiss(database, data, driver.session_id)
+    async with open_app(data, catalogue) as driver:
+        await driver.press(*["right"] * 5, "enter", "a")
+        await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", "shift+tab", "shift+tab")
+        await driver.press("shift+tab", "shift+tab", "shift+tab")
+        assert driver.sees("Participant"), "it scrolls to the field"
+        await driver.press(*"P09", *["enter"] * 6)
+        assert driver.sees("P09 did not take part in this session.")
+        assert adverse_events.listing(driver.app.database) == []

@@ -20,7 +20,10 @@ class PastSessionScreen(Screen[None]):
     """The plot and figures of one stored session."""
 
     help_text = "The results of a past session: each attempt and its level.\n"
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,enter,space", "dismiss", "Back", id="back")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,enter,space", "dismiss", "Back", id="back"),
+        Binding("a", "report_event", "Adverse event", id="adverse-event"),
+    ]
 
     app: Any
 
@@ -45,13 +48,15 @@ class PastSessionScreen(Screen[None]):
         yield Static("", id="felt", markup=False)
         yield KeyFooter()
 
+    def action_report_event(self) -> None:
+        """Record an adverse event that began in this session."""
+        from sar_tui.app.screens.adverse_event import AdverseEventScreen
+
+        self.app.push_screen(AdverseEventScreen(self._row), lambda _: self._show_wellbeing())
+
     def on_mount(self) -> None:
-        database, session = self.app.database, self._row["id"]
-        events = adverse_events.listing(database, session=session)
-        felt = session_lines(self._row, wellbeing.of_session(database, session), events)
-        self.query_one("#felt", Static).update("\n".join(felt))
-        self.query_one("#felt").display = bool(felt)
-        rows = sessions.rows(database, "attempts", session)
+        self._show_wellbeing()
+        rows = sessions.rows(self.app.database, "attempts", self._row["id"])
         attempts = [sessions.attempt_ended(row) for row in rows if not row["practice"]]
         codes = {"A": self._row["participant"], "B": self._row["partner"]}
         seats = [seat for seat, code in codes.items() if code]
@@ -59,3 +64,11 @@ class PastSessionScreen(Screen[None]):
         names = [codes[seat] for seat in seats] if len(seats) > 1 else []
         for summary in self.query(Summary):
             summary.show(*each, status=self._row["status"], names=names)
+
+    def _show_wellbeing(self) -> None:
+        """Show what was said of pain and tiredness, and the session's adverse events."""
+        database, session = self.app.database, self._row["id"]
+        events = adverse_events.listing(database, session=session)
+        felt = session_lines(self._row, wellbeing.of_session(database, session), events)
+        self.query_one("#felt", Static).update("\n".join(felt))
+        self.query_one("#felt").display = bool(felt)
