@@ -80,6 +80,7 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show a session: attempts, plot, timing."""
+    from sar_tui.reports import difficulty_changes
     from sar_tui.reports.output_summary import output_summaries
     from sar_tui.store import adverse_events, wellbeing
     from sar_tui.store import sessions as store
@@ -92,6 +93,8 @@ def show(
         trials = store.rows(database, "trials", found["id"])
         outputs = output_summaries(database, found["id"])
         felt = wellbeing.of_session(database, found["id"])
+        moves = found["parameters"].get("difficulty_policy") in ("target", "percentile", "sequence")
+        changes = difficulty_changes.lines(database, found["id"]) if moves and not as_json else []
         events = adverse_events.listing(database, session=found["id"])
     if as_json:
         known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs}
@@ -109,6 +112,8 @@ def show(
         for seat in seats(attempts):
             _print_plot(out, attempts, seat, metric)
     out.print(summary(attempts, metric, _findings(home, found["task"])), soft_wrap=True, end="\n\n")
+    if changes:
+        out.print("\n".join(changes), markup=False, soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_wellbeing(out, found, felt, events)
     _print_timing(out, found["machine"], trials)

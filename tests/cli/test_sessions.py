@@ -171,3 +171,21 @@ def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path:
 
 def test_show_omits_outputs_that_worked(call: Call, simulated: str) -> None:
     assert "failed" not in call("show", simulated).out
+
+
+@pytest.mark.parametrize(
+    ("policy", "line"),
+    [
+        ("target", "After attempt 1: level 1 → 3. 5 of 5 prompts reached the goal; the target is 70 %."),
+        ("percentile", " ms. The goal is the last result at this level."),
+    ],
+)
+def test_the_reasons_of_changes_are_shown_under_policies_that_need_them(call: Call, policy: str, line: str) -> None:
+    settings = ["--set", f"difficulty_policy={policy}", "--set", "prompts_per_attempt=5"]
+    call("simulate", "keyboard", "--user", "competent", "--attempts", "2", "--seed", "1", *settings)
+    assert line in call("show", "last").out
+
+
+def test_by_default_no_reasons_are_listed(call: Call) -> None:
+    call("simulate", "keyboard", "--user", "competent", "--attempts", "2", "--seed", "1")
+    assert "After attempt" not in call("show", "last").out
