@@ -17,6 +17,7 @@ from sar_tui.framework.settings.agent import AgentSettings
 from sar_tui.framework.settings.difficulty import DifficultySettings
 from sar_tui.framework.settings.feedback import FeedbackSettings, ScheduleSettings
 from sar_tui.framework.settings.goal import GoalSettings
+from sar_tui.framework.settings.limits import LimitSettings
 from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.framework.settings.session import SessionSettings
 from sar_tui.framework.settings.timing import TimingSettings
@@ -25,6 +26,7 @@ from sar_tui.framework.settings.wellbeing import WellbeingSettings
 _COMMON: tuple[type[Settings], ...] = (
     SessionSettings,
     WellbeingSettings,
+    LimitSettings,
     GoalSettings,
     *registry.settings_types(difficulty.POLICIES),
     DifficultySettings,
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
     class TaskParameters(
         SessionSettings,
         WellbeingSettings,
+        LimitSettings,
         GoalSettings,
         OneUpOneDownSettings,
         SequenceSettings,

@@ -41,6 +41,7 @@ class Session:
         best: the participant's best results of earlier sessions, by level.
         others_best: the same for the other participants, by seat.
         names: what the agent calls each participant, by seat; without a name, the seat.
+        done_today: what the participant did today, if something limits a day (`policies.limits.Dose`).
 
     Attributes:
         parameters: with which the task was built; a therapist may change some for ``task.parameters``.
@@ -56,6 +57,7 @@ class Session:
         best: dict[str, float] | None = None,
         others_best: dict[str, dict[str, float]] | None = None,
         names: dict[str, str] | None = None,
+        done_today: dict[str, float] | None = None,
     ) -> None:
         self.task = task
         self.parameters = task.parameters
@@ -64,6 +66,7 @@ class Session:
         self.best = best or {}
         self.others_best = others_best or {}
         self.names = names or {}
+        self.done_today = done_today or {}
         self.clock = clock
         self.bus = Bus(clock)
         self.faults: list[Fault] = []
@@ -109,6 +112,7 @@ class Session:
             others_best=self.others_best,
             names=self.names,
             rules=self._rules,
+            done_today=self.done_today,
         )
         self.bus.publish(SESSION, started)
 

@@ -3,6 +3,7 @@
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
+from datetime import datetime
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -12,7 +13,8 @@ from sar_tui.framework.checkpoint import CheckpointError, restore
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build
+from sar_tui.framework.parameters import build, fields
+from sar_tui.framework.policies.limits import Dose, limits_day, reached_of_day
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -22,6 +24,7 @@ from sar_tui.runs.plan import Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import checkpoints, locks, participants, sessions
 from sar_tui.store.database import StoreError, connect, open_file
+from sar_tui.store.dose import done_on_day
 from sar_tui.store.last_saved import forget
 from sar_tui.store.provenance import machine, measured_timing, software
 from sar_tui.store.recorder import Recorder
@@ -112,7 +115,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
         StoreError: the database cannot be used, or a participant is in a live session.
         PluginError: the theme cannot be loaded.
         ParameterError: an output cannot be opened.
-        Failed: the task cannot be set up.
+        Failed: the task cannot be set up, or the participant has done enough today.
     """
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     task = set_up(plan.task, plan.parameters)
@@ -127,6 +130,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             codes = [participants.add(database, code) for code in codes]
             held += [locks.hold(folder, "participant", code) for code in codes]
         facts = _participant_facts(database, task, codes, plan.mode)
+        _check_day(task, codes[0], facts["done_today"])
         session = Session(task, theme, clock, plan.seed, nodes, **facts)
         session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
@@ -252,6 +256,7 @@ class _ParticipantFacts(TypedDict):
     best: dict[str, float]
     others_best: dict[str, dict[str, float]]
     names: dict[str, str]
+    done_today: dict[str, float]
 
 
 def _participant_facts(
@@ -262,11 +267,32 @@ def _participant_facts(
     if mode == "live":
         best = [sessions.best(database, code, task, without=without) for code in codes]
     seats = "AB"[: len(codes)]
+    limited = mode == "live" and limits_day(task.parameters)
     return {
         "best": best[0],
         "others_best": dict(zip(seats[1:], best[1:], strict=True)) if mode == "live" else {},
         "names": dict(zip(seats, codes, strict=True)) if len(codes) > 1 and task.address == "code" else {},
+        "done_today": _done_today(database, task, codes[0]).as_dict() if limited else {},
     }
+
+
+def _done_today(database: sqlite3.Connection, task: Task, participant: str) -> Dose:
+    return done_on_day(database, participant, task.name, _now())
+
+
+def _now() -> datetime:
+    return datetime.now().astimezone()
+
+
+def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
+    """Raise Failed, with a kind sentence, if the participant has done what the programme allows on a day."""
+    if name := reached_of_day(task.parameters, Dose.of(done)):
+        limit = next(field for field in fields(type(task.parameters)) if field.name == name)
+        amount = getattr(task.parameters, name)
+        raise Failed(
+            f"That is enough for {participant} today: the programme's limit of {amount} {limit.title.lower()} is "
+            "reached. The next session can be tomorrow."
+        )
 
 
 def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, dict[str, Any]]:

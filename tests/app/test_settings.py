@@ -378,10 +378,10 @@ async def test_arrows_and_page_keys_move_between_groups_and_enter_goes_to_the_fi
         assert field(driver, "prompts_per_attempt").has_focus_within
         await driver.press("up", "down", "down")
         assert driver.app.focused is driver.app.screen.query_one("#groups")
-        assert open_panels(driver) == ["Difficulty"]
+        assert open_panels(driver) == ["Limits"]
         assert meaning(driver).endswith(" settings. Enter goes to them.")
         await driver.press("enter")
-        assert field(driver, "threshold").has_focus_within
+        assert field(driver, "session_minutes").has_focus_within
         await driver.press("pageup")
         assert field(driver, "attempts").has_focus_within
         await driver.press("pageup", "pageup")
@@ -395,7 +395,7 @@ async def test_a_group_opens_with_a_click(data: Path, catalogue: Catalogue) -> N
         await driver.press("f2")
         await driver.pilot.click("#groups", offset=(3, 3))
         await driver.settle()
-        assert open_panels(driver) == ["Feedback"]
+        assert open_panels(driver) == ["Difficulty"]
 
 
 async def test_settings_that_were_never_shown_are_saved_and_reset_too(data: Path, catalogue: Catalogue) -> None:

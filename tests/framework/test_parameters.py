@@ -218,7 +218,7 @@ def test_every_common_parameter_has_a_heading(field: Field) -> None:
 
 
 def test_headings_are_ordered_from_the_tasks_own_to_the_common_ones() -> None:
-    common = ["Session", "Difficulty", "Feedback", "Agent", "Operator", "Timing"]
+    common = ["Session", "Limits", "Difficulty", "Feedback", "Agent", "Operator", "Timing"]
     assert list(grouped(TaskParameters)) == sorted(grouped(TaskParameters), key=common.index)
     assert list(grouped(GroupedParameters)) == ["", "Music", *grouped(TaskParameters)]
     assert names_under("") == ["reach"]

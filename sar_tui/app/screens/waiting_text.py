@@ -28,7 +28,7 @@ def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: P
             return WaitingText(headline, text, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name))
         case "review":
             press = tr("Press Enter to see how it went.")
-            return WaitingText(tr("You have done it"), tr("That was the last attempt."), press)
+            return WaitingText(tr("You have done it"), waiting.notice or tr("That was the last attempt."), press)
         case "answer":
             return WaitingText(tr("One moment…"), "", "")
         case "trial" if waiting.what == "agent":

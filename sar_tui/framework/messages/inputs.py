@@ -28,7 +28,8 @@ class SessionStarted(Message, frozen=True, kw_only=True):
 
     ``best``: the participant's best results of earlier sessions, by level (as text). ``others_best``: those of other
     participants, by seat. ``names``: what the agent calls each participant, by seat; without a name, the seat.
-    ``rules``: version of the loop's rules that the session follows (see `rules.RULES`).
+    ``rules``: version of the loop's rules that the session follows (see `rules.RULES`). ``done_today``: what the
+    participant did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing limits a day.
     """
 
     run: int
@@ -39,6 +40,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     others_best: dict[str, dict[str, float]] = {}
     names: dict[str, str] = {}
     rules: int = 1
+    done_today: dict[str, float] = {}
 
 
 class ThemeApplied(Message, frozen=True, kw_only=True):

@@ -82,8 +82,8 @@ class Waiting(Message, frozen=True, kw_only=True):
     ``attempt`` (before one), ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``,
     ``broken`` (something failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in
     trials. ``seat``: whose turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before
-    the prompt. ``notice``: shown to the participant first: a new level, a trial to repeat. ``why``: why level or goal
-    have changed, for the participant. ``reason``, in a pause: how
+    the prompt. ``notice``: shown to the participant first: a new level, a trial to repeat, a limit. ``why``: why level
+    or goal have changed, for the participant. ``reason``, in a pause: how
     the participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also
     at the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet: ``held`` (a key is
     held down). ``detail``: the error of disk or sensor, for the experimenter. ``ask``: the key that requests feedback

@@ -8,10 +8,12 @@ from sar_tui.framework import change_text, marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.attempt_state import AttemptScore, AttemptState
 from sar_tui.framework.attempts import Attempts, NextAttempt
+from sar_tui.framework.clock import SECOND
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.marks import MarkedResults
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes.trial_flow import TrialFlow
+from sar_tui.framework.policies.limits import Dose, is_session_over, reached_of_day
 from sar_tui.framework.session_phase import IN_TRIAL, MARKABLE, OVER, Phase
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
@@ -28,6 +30,8 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.framework.trial_types import Mark, Results
 
+_MINUTE = 60 * SECOND
+
 
 class AttemptFlow(TrialFlow):
     """Runs one attempt after the other. A subclass runs the session around them."""
@@ -41,6 +45,10 @@ class AttemptFlow(TrialFlow):
         self._feedback_due_at = 0
         self._is_decision_pending = False
         self._announced_level = 0
+        self._done_today = Dose()
+        self._run_began_at = self._attempt_began_at = self._last_ended_at = 0
+        self._earlier_ns = 0
+        self._limit = ""
         self._level_change: m.LevelChanged | None = None
         self._goal_change: m.GoalChanged | None = None
 
@@ -51,7 +59,35 @@ class AttemptFlow(TrialFlow):
 
     # --- trials, score, feedback ----------------------------------------------------------------------------
 
+    # --- limits ---------------------------------------------------------------------------------------------
+
+    def _count_from_here(self, done_today: Dose) -> None:
+        """Begin to count the time and the dose of a run."""
+        self._earlier_ns += max(self._last_ended_at - self._run_began_at, 0)
+        self._run_began_at = self._attempt_began_at = self._last_ended_at = self.now
+        self._done_today = done_today
+
+    def _count_attempt(self, scored: AttemptScore) -> None:
+        """Add the attempt that has ended."""
+        self._done_today = self._done_today.plus(
+            minutes=(self.now - self._attempt_began_at) / _MINUTE,
+            repetitions=self.task.trials_per_attempt,
+            is_practice=scored.first.ended.practice,
+        )
+        self._last_ended_at = self.now
+
+    @property
+    def _limit_text(self) -> str:
+        """Text for the participant if a limit is reached; empty for none."""
+        if reached_of_day(self.task.parameters, self._done_today):
+            return self.task.tr("That is enough for today. Well done.")
+        minutes = (self._earlier_ns + self.now - self._run_began_at) / _MINUTE
+        if is_session_over(self.task.parameters, minutes):
+            return self.task.tr("The time for this session is over. Well done.")
+        return ""
+
     def _begin_attempt(self) -> None:
+        self._attempt_began_at = self.now
         self.emit(ATTEMPT_STARTED, self._attempts.begin(self.now))
         self._announced_level = self._attempts.level
         self._level_change = self._goal_change = None
@@ -77,7 +113,10 @@ class AttemptFlow(TrialFlow):
         scored = self._attempts.score(self.now)
         self._publish_score(scored, before)
         self._give_feedback(scored, self.task.seats)
-        self._after_feedback = Phase.READY if self._attempts.advance() else Phase.REVIEW
+        self._count_attempt(scored)
+        self._limit = "" if self._attempts.attempt == self._attempts.total else self._limit_text
+        goes_on = not self._limit and self._attempts.advance()
+        self._after_feedback = Phase.READY if goes_on else Phase.REVIEW
         self._feedback_due_at = max(one.feedback.due for one in scored.seats)
         self._await_feedback()
 

@@ -12,6 +12,7 @@ from sar_tui.framework.bus import FAULT
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.attempt_flow import AttemptFlow
+from sar_tui.framework.policies.limits import Dose
 from sar_tui.framework.session_phase import (
     ENTER_RESUMES,
     IN_TRIAL,
@@ -91,6 +92,7 @@ class EventHandler(AttemptFlow):
         self.cancel_timers()
         self._stored = self._last_trial
         self._blockers.reset()
+        self._count_from_here(Dose.of(session.done_today))
         was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in (*PAUSES, LEFT)
         keeps_phase = was_paused_by_person or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED)
         if self._phase is Phase.CLOSING:
@@ -214,13 +216,21 @@ class EventHandler(AttemptFlow):
                 if self._blockers.is_sensor_lost:
                     self._pause("sensor")
             case Phase.READY, "enter" if not percept.repeat:
-                self._begin_attempt()
+                self._begin_attempt_or_end()
             case Phase.REVIEW, "enter" if not percept.repeat:
                 self._close("completed")
             case Phase.READY | Phase.REVIEW, key if key == REQUEST_KEY:
                 self._request_feedback()
             case Phase.PAUSED, "enter" if self._reason in ENTER_RESUMES:
                 self._resume()
+
+    def _begin_attempt_or_end(self) -> None:
+        """Begin the attempt, unless a limit was reached while the participant rested."""
+        self._limit = self._limit_text
+        if self._limit:
+            self._wait(Phase.REVIEW)
+        else:
+            self._begin_attempt()
 
     # --- waiting ------------------------------------------------------------------------------------------------
 
@@ -249,7 +259,9 @@ class EventHandler(AttemptFlow):
         return self._trial.turn if self._phase in IN_TRIAL else ""
 
     def _notice_for(self, phase: Phase) -> str:
-        """Return what the participant must know first: a new level, or a trial to repeat."""
+        """Return what the participant must know first: a new level, a trial to repeat, a limit that is reached."""
         if phase is Phase.READY and self._attempts.level != self._announced_level:
             return self.task.notice(self._attempts.level, self._announced_level)
+        if phase is Phase.REVIEW:
+            return self._limit
         return self._notice if phase is Phase.START else ""

@@ -1,0 +1,52 @@
+"""Settings that limit how much is done in a session and in a day."""
+
+from typing import Annotated
+
+from sar_tui.framework.declaration import Settings, meta
+
+
+class LimitSettings(Settings, frozen=True, kw_only=True):
+    """Limits of a session and of a day. An attempt that has begun is always finished."""
+
+    session_minutes: Annotated[
+        int,
+        meta(
+            "Session length",
+            "min",
+            "After this time, rests and pauses included, the session ends with the attempt. 0: no limit.",
+            ge=0,
+            le=480,
+            group="Limits",
+        ),
+    ] = 0
+    minutes_a_day: Annotated[
+        int,
+        meta(
+            "Minutes a day",
+            "min",
+            "Time in attempts of this task on a day, without the rests between them. 0: no limit.",
+            ge=0,
+            le=480,
+            group="Limits",
+        ),
+    ] = 0
+    attempts_a_day: Annotated[
+        int,
+        meta(
+            "Attempts a day",
+            help="Attempts of this task on a day, without practice. 0: no limit.",
+            ge=0,
+            le=1000,
+            group="Limits",
+        ),
+    ] = 0
+    repetitions_a_day: Annotated[
+        int,
+        meta(
+            "Repetitions a day",
+            help="Prompts or reaches of this task on a day, with practice. 0: no limit.",
+            ge=0,
+            le=10_000,
+            group="Limits",
+        ),
+    ] = 0

@@ -1,0 +1,37 @@
+"""Amount of practice of a participant in a task on a day."""
+
+import sqlite3
+from datetime import datetime, timedelta
+
+import msgspec
+
+from sar_tui.framework.policies.limits import Dose
+
+_NS_PER_MINUTE = 60_000_000_000
+_ENDED = (
+    "SELECT attempts.practice, attempts.trials, attempts.started_ns, attempts.ended_ns, runs.clock_anchor"
+    " FROM seats JOIN sessions ON sessions.id=seats.session AND sessions.task=? AND sessions.mode='live'"
+    " JOIN attempts ON attempts.session=sessions.id AND attempts.seat=seats.seat"
+    " JOIN runs ON runs.session=sessions.id AND runs.run=attempts.run"
+    " WHERE seats.participant=? AND json_extract(runs.clock_anchor, '$.utc') >= ?"
+)
+
+
+def done_on_day(db: sqlite3.Connection, participant: str, task: str, now: datetime) -> Dose:
+    """Return what was done in live sessions of a task on the day of ``now``, in its time zone.
+
+    An attempt belongs to the day on which it ended. Of an interrupted one, the time before the interruption is not
+    counted.
+    """
+    found = Dose()
+    since = (now - timedelta(days=2)).astimezone(tz=None).isoformat()
+    for practice, trials, started, ended, text in db.execute(_ENDED, (task, participant, since[:10])):
+        anchor = msgspec.json.decode(text)
+        run_began = anchor["clock_ns"]
+        at = datetime.fromisoformat(anchor["utc"]) + timedelta(microseconds=(ended - run_began) / 1000)
+        if at.astimezone(now.tzinfo).date() == now.date():
+            began = started if run_began <= started <= ended else run_began
+            found = found.plus(
+                minutes=max(ended - began, 0) / _NS_PER_MINUTE, repetitions=trials, is_practice=bool(practice)
+            )
+    return found

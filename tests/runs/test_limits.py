@@ -1,0 +1,117 @@
+"""Limits of a programme: a session ends between attempts, or does not begin, with a kind sentence."""
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.messages import Waiting
+from sar_tui.framework.policies.limits import Dose, is_session_over, reached_of_day
+from sar_tui.framework.settings.limits import LimitSettings
+from sar_tui.framework.topics import WAITING
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Failed, make_plan
+from sar_tui.runs.run import Run, start
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from sar_tui.store.dose import done_on_day
+
+NOON = datetime(2026, 11, 22, 12, tzinfo=UTC)
+ENOUGH = "That is enough for today. Well done."
+
+
+@pytest.fixture(autouse=True)
+def _at_noon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every run begin at noon, at 10 s of the session's clock."""
+    monkeypatch.setattr("sar_tui.store.sessions._utc", NOON.isoformat)
+    monkeypatch.setattr("sar_tui.store.sessions.host_now", lambda: 10 * SECOND)
+    monkeypatch.setattr("sar_tui.runs.run._now", lambda: NOON)
+
+
+def begin(data: Path, catalogue: Catalogue, **limits: object) -> tuple[Run, VirtualClock]:
+    settings = {"attempts": 6, "prompts_per_attempt": 3, "practice_attempts": 1, **limits}
+    plan = make_plan(catalogue, "keyboard", ["P07"], settings, seed=3)
+    clock = VirtualClock(10 * SECOND)
+    run = start(
+        plan, data, catalogue, clock, lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, 7)]
+    )
+    return run, clock
+
+
+def play(data: Path, catalogue: Catalogue, **limits: object) -> tuple[int, str]:
+    """Play a session; return its attempts, practice included, and what the participant was told at the end."""
+    run, clock = begin(data, catalogue, **limits)
+    told: list[str] = []
+
+    def listen(waiting: Waiting) -> None:
+        if waiting.stage == "review":
+            told.append(waiting.notice)
+
+    run.session.bus.subscribe(WAITING, listen)
+    run.begin()
+    while not run.session.ended:
+        assert clock.step()
+    run.recorder.write()
+    run.close()
+    database = connect(data)
+    done = len(sessions.rows(database, "attempts", run.id))
+    assert sessions.find(database, data, run.id)["status"] == "completed"
+    database.close()
+    return done, told[-1]
+
+
+def test_without_limits_a_session_is_as_long_as_planned(data: Path, catalogue: Catalogue) -> None:
+    assert play(data, catalogue) == (7, "")
+
+
+@pytest.mark.parametrize(
+    ("limits", "attempts"),
+    [({"attempts_a_day": 2}, 3), ({"repetitions_a_day": 7}, 3), ({"attempts_a_day": 6}, 7)],
+)
+def test_a_limit_of_a_day_ends_the_session_after_a_whole_attempt(
+    data: Path, catalogue: Catalogue, limits: dict[str, int], attempts: int
+) -> None:
+    assert play(data, catalogue, **limits) == (attempts, "" if attempts == 7 else ENOUGH)
+
+
+def test_a_session_that_has_lasted_long_enough_ends(data: Path, catalogue: Catalogue) -> None:
+    done, told = play(data, catalogue, session_minutes=1, foreperiod_min_ms=8000, foreperiod_max_ms=9000)
+    assert 1 < done < 7
+    assert told == "The time for this session is over. Well done."
+
+
+def test_what_was_done_earlier_today_counts_and_another_session_is_refused_kindly(
+    data: Path, catalogue: Catalogue
+) -> None:
+    assert play(data, catalogue, attempts=2, attempts_a_day=3) == (3, "")
+    assert play(data, catalogue, attempts=2, attempts_a_day=3) == (2, ENOUGH)
+    with pytest.raises(Failed) as refused:
+        begin(data, catalogue, attempts_a_day=3)
+    assert str(refused.value) == (
+        "That is enough for P07 today: the programme's limit of 3 attempts a day is reached. "
+        "The next session can be tomorrow."
+    )
+    begin(data, catalogue, attempts_a_day=4)[0].close()
+
+
+def test_the_dose_of_a_day_is_that_of_its_attempts(data: Path, catalogue: Catalogue) -> None:
+    play(data, catalogue, attempts=2)
+    database = connect(data)
+    today = done_on_day(database, "P07", "keyboard", NOON)
+    assert (today.attempts, today.repetitions) == (2, 9)
+    assert 0.1 < today.minutes < 2
+    for other in (NOON - timedelta(days=1), NOON + timedelta(days=1)):
+        assert done_on_day(database, "P07", "keyboard", other) == Dose()
+    assert done_on_day(database, "P07", "reaching", NOON) == done_on_day(database, "P08", "keyboard", NOON) == Dose()
+    database.close()
+
+
+def test_a_limit_of_0_is_none() -> None:
+    much = Dose(1e6, 10**6, 10**6)
+    assert reached_of_day(LimitSettings(), much) == ""
+    assert not is_session_over(LimitSettings(), 1e6)
+    assert reached_of_day(LimitSettings(minutes_a_day=30), Dose(30.0)) == "minutes_a_day"
+    assert reached_of_day(LimitSettings(minutes_a_day=30), Dose(29.9)) == ""
