@@ -57,6 +57,7 @@ class LineProgress(msgspec.Struct, frozen=True):
     """Comparable sessions, and what can be said of them.
 
     Args:
+        goal: of all levels; None if it differs between levels.
         measure: ``level`` (level at goal), ``result`` (mean result, where the level never changed), or empty.
         settings: what the sessions have in common, where it differs from the defaults.
         between_sd: SD of the sessions' means.
@@ -151,7 +152,7 @@ def _line(line: Line) -> LineProgress:
         mode=last.mode,
         metric=last.metric,
         axis=line.task.axis if line.task else Axis(),
-        goal=line.task.target(1).threshold if line.task else last.parameters.get("threshold"),
+        goal=_goal(line.task) if line.task else last.parameters.get("threshold"),
         measure=line.measure,
         settings=_differing(line),
         sessions=[_session(line, point, rising) for point in line.points],
@@ -159,6 +160,11 @@ def _line(line: Line) -> LineProgress:
         baseline=found,
         verdict=change.verdict(values[-1], found) if values else "not yet known",
     )
+
+
+def _goal(task: Task) -> float | None:
+    goals = {task.target(level).threshold for level in range(1, task.levels + 1)}
+    return goals.pop() if len(goals) == 1 else None
 
 
 def _differing(line: Line) -> dict[str, Any]:

@@ -14,7 +14,7 @@ _CONFIG: Spec = {
     "aria": False,  # the page names each chart as a whole
     "font": "sans-serif",
     "axis": {"labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"},
-    "axisY": {"format": "~r"},
+    "axisY": {"format": ".6~r"},
     "view": {"stroke": "#ccc"},
 }
 _MOST_QUALITIES = 4

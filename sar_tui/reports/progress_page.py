@@ -68,7 +68,8 @@ def _line(line: LineProgress, tr: Language) -> Iterator[str]:
             _range(line, tr),
         )
     if spec := progress_charts.result_chart(line, tr):
-        yield _figure(spec, tr("Mean result of each session, with the SD between its attempts. Dashed: the goal."), "")
+        caption = tr("Mean result of each session, with the SD between its attempts.")
+        yield _figure(spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", "")
     for name, chart in progress_charts.quality_charts(line).items():
         yield _figure(chart, tr("Mean of each session: {name}.", name=name.replace("_", " ")), "")
     yield _table(line, tr)

@@ -143,7 +143,9 @@ def heading(line: LineProgress, tr: Language) -> str:
         parts.append(tr("goal {goal}", goal=line.metric.show(line.goal)))
     if line.mode != "live":
         parts.append(tr(line.mode))
-    parts += [f"{name} {_setting(value)}" for name, value in line.settings.items() if name != "threshold"]
+    parts += [
+        f"{name} {_setting(value)}" for name, value in line.settings.items() if name != "threshold" or line.goal is None
+    ]
     return " · ".join(parts)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports import progress_charts, progress_page, progress_words
 from sar_tui.reports.progress import progress
@@ -134,3 +135,15 @@ def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
             "http://www.w3.org/2000/svg",
             "http://www.w3.org/1999/xlink",
         }
+
+
+def test_goals_that_differ_between_levels_are_not_drawn_as_one_line(
+    catalogue: Catalogue, specs: list[dict[str, Any]]
+) -> None:
+    reaching = catalogue.task("reaching")
+    facts = {"task": "reaching", "task_version": reaching.version, "metric": reaching.metric}
+    found = progress("P01", [session(1, adapted(1, base=900.0), **facts)], {"reaching": reaching}.get)
+    made = progress_page.page(found, {"reaching": reaching}.get, "en")
+    assert found.lines[0].goal is None
+    assert "Dashed" not in made
+    assert all(spec["config"]["axisY"]["format"] == ".6~r" for spec in specs)  # -1.6 is not shown as -2
