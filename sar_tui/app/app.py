@@ -18,11 +18,10 @@ from textual.screen import Screen
 from textual.widget import Widget
 
 from sar_tui.app.exit_message import UNSAVED, exit_message
-from sar_tui.app.opening import OpeningApp
+from sar_tui.app.patient_mode import PatientModeApp
 from sar_tui.app.task_watchdog import TaskWatchdog
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
-from sar_tui.store.passphrase import Passphrase
 from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.terminal_input import UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
@@ -40,7 +39,7 @@ _UNNOTICED_SECONDS = 0.3
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/", "delete": "Del"}
 
 
-class SarTui(OpeningApp):
+class SarTui(PatientModeApp):
     """The app for participant and therapist: home, settings, sessions.
 
     Args:
@@ -49,6 +48,7 @@ class SarTui(OpeningApp):
         begin: a plan, or the id of an interrupted session, to begin at once; then the app ends after it.
         clock: for tests: a clock that is advanced by hand.
         link: lets operators join the session; None if they cannot.
+        patient: begin in patient mode, with this participant.
     """
 
     CSS_PATH = "app.tcss"
@@ -65,9 +65,10 @@ class SarTui(OpeningApp):
         begin: "Plan | str | None" = None,
         clock: "Clock | None" = None,
         link: "BrokerProcess | None" = None,
+        patient: str = "",
     ) -> None:
         self.onset_watch = OnsetWatch()
-        super().__init__(folder, catalogue, begin)
+        super().__init__(folder, catalogue, begin, patient=patient)
         self.live: LiveSession | None = None
         self.feeds: Sequence[ImuFeed] = ()
         self._is_leaving = False
@@ -76,7 +77,6 @@ class SarTui(OpeningApp):
         self._session_clock = clock
         self._link = link
         self.picture: type[Widget] | None = None
-        self.passphrase = Passphrase(folder)
         self._has_begun = False
 
     def get_driver_class(self) -> type[Driver]:
@@ -84,9 +84,11 @@ class SarTui(OpeningApp):
 
     # --- beginning ----------------------------------------------------------------------------------------
 
-    def on_mount(self) -> None:
+    async def on_mount(self) -> None:
         self.watch_themes()
-        if self._begin is not None:
+        if self._first_patient:
+            await self.begin_patient_mode(self._first_patient)
+        elif self._begin is not None:
             self.begin_session(self._begin)
         self._has_begun = True
         cover_if_too_small(self, self.size)
@@ -193,7 +195,7 @@ class SarTui(OpeningApp):
         try:
             live.open(screen, what)
         except (StoreError, PluginError, ParameterError, Failed) as error:
-            self._cannot_begin(str(error))
+            self._cannot_begin(str(error), resumed=isinstance(what, str))
             return
         except sqlite3.Error as error:
             self._cannot_begin(str(explain(error)))
@@ -209,9 +211,11 @@ class SarTui(OpeningApp):
         self._use(session.theme, session.task.parameters.language)
         self.push_screen(screen, self._session_left)
 
-    def _cannot_begin(self, why: str) -> None:
+    def _cannot_begin(self, why: str, *, resumed: bool = False) -> None:
         self._stop_feeds()
-        if self._begin is None:
+        if self.patient:
+            self._exercise_cannot_begin(why, resumed=resumed)
+        elif self._begin is None:
             self.notify(why, severity="warning", timeout=15)
             self._show_pending_notice()
         else:
@@ -232,7 +236,10 @@ class SarTui(OpeningApp):
             self._is_asking = False
             self._return_home()
             for text in wellbeing.warnings(self, list(live.codes.values())):
-                self.notify(text, severity="warning", timeout=60)
+                if self.patient:
+                    self.note_trouble(text)
+                else:
+                    self.notify(text, severity="warning", timeout=60)
 
         self.check_database()
         self._is_asking = True
@@ -240,6 +247,9 @@ class SarTui(OpeningApp):
 
     def _return_home(self) -> None:
         """Return to the home screen, or exit if the app was opened for one session."""
+        if self.patient:
+            self._patient_left()
+            return
         if self._begin is not None or self.failure:
             self.exit(return_code=1 if self.failure else 0)
             return
@@ -249,6 +259,19 @@ class SarTui(OpeningApp):
             self.notify(f"{self.live.rescued} `sar-tui rescue` brings it back.", severity="error", timeout=60)
         if self.live and self.live.unsaved:
             self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
+
+    def _patient_left(self) -> None:
+        """Keep what went wrong for the therapist, and go on to the participant's next exercise."""
+        assert self.live
+        if self.failure:
+            self.note_trouble(self.failure)
+            self.failure = ""
+        if self.live.rescued:
+            self.note_trouble(f"{self.live.rescued} `sar-tui rescue` brings it back.")
+        if self.live.unsaved:
+            self.note_trouble(UNSAVED)
+        self.check_database()
+        self._exercise_left(ended=self.live.run.session.ended)
 
     def close_session(self) -> None:
         """Close the live session and its workers, if there is one, and stop sensors that are being checked."""
@@ -263,7 +286,10 @@ class SarTui(OpeningApp):
         except StoreError as error:
             self.database.close()
             self.database = connect(self.folder)
-            self.notify(str(error), severity="error", timeout=60)
+            if self.patient:
+                self.note_trouble(str(error))
+            else:
+                self.notify(str(error), severity="error", timeout=60)
 
     def tell_troubles(self) -> None:
         """Say if rescue files wait, or data was lost."""
@@ -281,8 +307,8 @@ class SarTui(OpeningApp):
 
     @property
     def _has_participant(self) -> bool:
-        """True during a session, while its sensors are checked before, and while questions are asked around it."""
-        return self._open is not None or bool(self.feeds) or self._is_asking
+        """True during a session, while sensors are checked or questions asked around it, and in patient mode."""
+        return self._open is not None or bool(self.feeds) or self._is_asking or bool(self.patient)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """The stop key works during a session; before and after, F2 is the screen's own."""
@@ -300,7 +326,13 @@ class SarTui(OpeningApp):
     # --- quitting ---------------------------------------------------------------------------------------------
 
     async def action_quit(self) -> None:
-        """Ctrl-Q: exit; during a session, ask first, because a participant may have pressed it by mistake."""
+        """Ctrl-Q: exit; during a session, ask first, because a participant may have pressed it by mistake.
+
+        In patient mode a session is paused, and nothing else happens.
+        """
+        if self.patient:
+            self.pause_session()
+            return
         from sar_tui.app.screens.leave import LeaveScreen
 
         session = self._open.run.session if self._open else None
@@ -310,6 +342,13 @@ class SarTui(OpeningApp):
             in_trial = getattr(self.screen, "is_in_trial", False)
             answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)
             await self.push_screen(LeaveScreen(), answered)  # mounted: the next key of a burst is its own
+
+    def action_interrupt(self) -> None:
+        """Ctrl-C: exit; in patient mode as Ctrl-Q."""
+        if self.patient:
+            self.pause_session()
+        else:
+            super().action_interrupt()
 
     def _left_or_went_on(self, leaves: bool | None, *, was_in_trial: bool) -> None:
         """Exit; or go on with the trial that the question has paused."""
@@ -411,6 +450,7 @@ def run_app(
     plan: "Plan | None" = None,
     resume: str | None = None,
     link: "BrokerProcess | None" = None,
+    patient: str = "",
 ) -> int:
     """Run the app in this terminal; returns the exit code.
 
@@ -420,11 +460,12 @@ def run_app(
         plan: begin this session at once.
         resume: resume the interrupted session of this id at once.
         link: lets operators join that session; None if they cannot.
+        patient: begin in patient mode, with this participant.
 
     Raises:
         StoreError, PluginError: before the app opens.
     """
-    app = SarTui(folder, catalogue, plan or resume, link=link)
+    app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient)
     if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures
 

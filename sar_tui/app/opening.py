@@ -32,22 +32,29 @@ class OpeningApp(ThemedApp):
         StoreError, PluginError: the database cannot be opened, or no theme can be read.
     """
 
+    _first_patient = ""
+
     def __init__(self, folder: Path, catalogue: Catalogue, begin: "Plan | str | None") -> None:
         super().__init__(catalogue)
         self.folder = folder
         self.database = connect(folder)
         self._begin = begin
         # input that waits until the home screen is filled; None from then on
-        self._early_input: list[events.Event] | None = None if self.is_for_one_session else []
+        self._early_input: list[events.Event] | None = [] if self._opens_home else None
 
     @property
     def is_for_one_session(self) -> bool:
         """True if the app was opened for one session, and ends with it."""
         return self._begin is not None
 
+    @property
+    def _opens_home(self) -> bool:
+        """True if the home screen is the first: no session and no patient mode begins at once."""
+        return not (self.is_for_one_session or self._first_patient)
+
     def get_default_screen(self) -> Screen[Any]:
-        """Return the screen below all others: the home screen, or nothing if the app is opened for one session."""
-        return super().get_default_screen() if self.is_for_one_session else HomeScreen()
+        """Return the screen below all others: the home screen, or nothing if the app is opened for something else."""
+        return HomeScreen() if self._opens_home else super().get_default_screen()
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; input waits until the home screen is filled, because an empty list would ignore it."""

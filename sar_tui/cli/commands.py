@@ -4,14 +4,17 @@ import gc
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 import typer.main
 
 from sar_tui import __version__
-from sar_tui.cli.common import Data, Home, Tasks, need_screen
-from sar_tui.cli.errors import Commands
+from sar_tui.cli.common import Data, Home, Tasks, need_screen, need_terminal
+from sar_tui.cli.errors import Commands, Refused
+
+if TYPE_CHECKING:
+    from sar_tui.plugins import Catalogue
 
 COMMANDS = {
     "run": "live:run",
@@ -96,11 +99,42 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
+def _checked_patient(home: Home, catalogue: "Catalogue", code: str) -> str:
+    """Return the code of a participant who can train alone; from here on the terminal's keys send no signals.
+
+    Raises:
+        Refused: there is no passphrase, or no terminal.
+        StoreError: the code is not valid, or has no exercise.
+    """
+    from sar_tui.app.patient_mode import ignore_keys_that_signal
+    from sar_tui.runs.patient_plan import exercises
+    from sar_tui.store.participants import check_code
+    from sar_tui.store.passphrase import Passphrase
+
+    code = check_code(code)
+    if not Passphrase(home.folder).is_set:
+        raise Refused("Patient mode ends with a passphrase. Set one first: sar-tui passphrase.")
+    with home.database() as database:
+        exercises(database, home.folder, catalogue, code)
+    need_terminal()
+    ignore_keys_that_signal()
+    return code
+
+
 @app.callback(invoke_without_command=True)
 def open_app(
     context: typer.Context,
     data: Data = None,
     tasks: Tasks = None,
+    patient: Annotated[
+        str | None,
+        typer.Option(
+            "--patient",
+            metavar="CODE",
+            show_default=False,
+            help="Let this participant train alone: only their exercises, until F12 and the passphrase.",
+        ),
+    ] = None,
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
@@ -108,14 +142,20 @@ def open_app(
     """Motor-rehabilitation tasks in a terminal. Opens the app if there is no command."""
     home = Home.of(context, data, tasks)
     context.obj = home
-    if context.invoked_subcommand is None:
+    if context.invoked_subcommand is not None:
+        if patient is not None:
+            raise Refused("--patient goes without a command: sar-tui --patient CODE")
+    else:
         catalogue = home.catalogue()
-        need_screen()
+        if patient is None:
+            need_screen()
+        else:
+            patient = _checked_patient(home, catalogue, patient)
         gc.disable()  # nothing that is loaded is garbage; the app turns it on again once its first screen is filled
         try:
             from sar_tui.app.app import run_app
 
-            ended = run_app(home.folder, catalogue)
+            ended = run_app(home.folder, catalogue, patient=patient or "")
         finally:
             gc.enable()
         raise typer.Exit(ended)

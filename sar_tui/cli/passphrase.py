@@ -23,8 +23,8 @@ def passphrase(
 ) -> None:
     """Set the therapist's passphrase.
 
-    It guards the therapist's choices in a pause. It is asked for twice, or read from standard input. Forgotten: set
-    another one.
+    It ends patient mode, and guards the therapist's choices in a pause. It is asked for twice, or read from standard
+    input. Forgotten: set another one.
     """
     from sar_tui.store.passphrase import Passphrase
 
@@ -37,10 +37,10 @@ def passphrase(
         return
     if remove:
         stored.remove()
-        done = "There is no passphrase now: the therapist's choices in a pause are open to everybody."
+        done = "There is no passphrase now: the therapist's choices in a pause are open, and patient mode cannot begin."
     else:
         stored.set(_ask())
-        done = "The passphrase is set. It guards the therapist's choices in a pause."
+        done = "The passphrase is set. Patient mode: sar-tui --patient CODE, or F12 on the first screen."
     if as_json:
         print_json({"is_set": stored.is_set})
     else:

@@ -76,6 +76,20 @@ class BaseApp(App[int]):
         driver = unblocked(super().get_driver_class(), self._terminal_recovered, self._terminal_gone)
         return steady(driver, self.terminal_probe)
 
+    def catch_signals(self) -> None:
+        """Let signals end the app in order; called by the driver before it changes the terminal."""
+        if os.name == "posix":
+            loop = asyncio.get_running_loop()
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                loop.add_signal_handler(number, self.signalled, number)
+
+    def signalled(self, number: int) -> None:
+        """End the app on a signal."""
+        if number == getattr(signal, "SIGHUP", None):
+            self.lose_terminal()
+        else:
+            self.exit(return_code=after_signal(number))
+
     def lose_terminal(self) -> None:
         """End the app, as its terminal has hung up."""
         self.has_lost_terminal = True

@@ -1,15 +1,9 @@
 """A driver for our apps: it ends in order on a signal, and keeps the terminal's answers to itself."""
 
-import asyncio
-import os
-import signal
-from typing import Any
-
 from textual import events
 from textual.driver import Driver
 from textual.message import Message
 
-from sar_tui.tui.exit_codes import after_signal
 from sar_tui.tui.terminal_probe import TerminalProbe
 
 
@@ -24,7 +18,7 @@ def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
     class Steady(driver):  # type: ignore[valid-type, misc]
         def start_application_mode(self) -> None:
             """Catch signals before the terminal is changed, so that it is restored however early one comes."""
-            _catch_signals(self._app)
+            self._app.catch_signals()
             super().start_application_mode()
 
         def stop_application_mode(self) -> None:
@@ -40,11 +34,3 @@ def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
                 super().process_message(message)
 
     return Steady
-
-
-def _catch_signals(app: Any) -> None:
-    if os.name == "posix":
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, app.exit, None, after_signal(number))
-        loop.add_signal_handler(signal.SIGHUP, app.lose_terminal)

@@ -237,9 +237,10 @@ async def open_app(
     begin: Plan | str | None = None,
     size: tuple[int, int] = (80, 24),
     link: Any = None,
+    patient: str = "",
 ) -> AsyncIterator[AppDriver]:
     """Open the app, and close it in the end."""
-    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link)
+    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link, patient=patient)
     driver = AppDriver(app, clock)
     async with app.run_test(size=size, notifications=True) as driver.pilot:
         await driver.settle()

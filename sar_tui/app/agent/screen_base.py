@@ -52,7 +52,9 @@ class AgentScreen(Screen[None]):
                     description=robot
                     if active.binding.id == "stop" and not has_voice
                     else self.tr(active.binding.description),
-                    show=active.binding.show and (bool(others) or active.binding.id != "stop"),
+                    show=active.binding.show
+                    and (bool(others) or active.binding.id != "stop")
+                    and not (self.app.patient and active.binding.id == "quit"),
                 )
             )
             for key, active in super().active_bindings.items()

@@ -40,6 +40,7 @@ class HomeScreen(Screen[None]):
         Binding("right,down", "next", "Next list", show=False, id="next"),
         Binding("left,up", "previous", "Previous list", show=False, id="previous"),
         Binding("f2", "settings", "Settings (therapist)", id="settings"),
+        Binding("f12", "patient_mode", "Patient mode", id="patient-mode"),
         Binding("f3", "operate", "Operator's panel", id="operate"),
         Binding("delete,backspace", "dismiss_session", "Dismiss", id="dismiss-session"),
         Binding("delete,backspace", "take_back", "Take back", id="take-back"),
@@ -341,6 +342,18 @@ class HomeScreen(Screen[None]):
         return programmes.save(
             self.app.database, participant, task, changed, after=saved.version, author=login_name(), reason=reason
         )
+
+    async def action_patient_mode(self) -> None:
+        """Let the chosen participant train alone."""
+        if self.app.is_web:
+            self.notify("Patient mode needs a terminal: a session cannot run in a browser.", severity="warning")
+        elif who := self._chosen("participant"):
+            try:
+                await self.app.begin_patient_mode(who)
+            except StoreError as error:
+                self.notify(str(error), severity="warning", timeout=15)
+        else:
+            self.notify("Choose or add a participant first.", severity="warning")
 
     @on(Button.Pressed, "#settings")
     def action_settings(self) -> None:

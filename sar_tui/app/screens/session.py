@@ -108,6 +108,8 @@ class SessionScreen(AgentScreen):
         is_repeat = self._is_repeat(event)
         if waiting is None or isinstance(self.focused, PauseMenu):
             return
+        if self._shown == "menu":  # a click beside the menu took the focus from it
+            self.set_focus(self.query_one(PauseMenu))
         if waiting.stage != "trial" and event.key in ("question_mark", "f1", "ctrl+p"):
             return
         if waiting.what == "nothing":

@@ -1,0 +1,260 @@
+"""Patient mode: the exercises follow each other, and only the passphrase leads anywhere else."""
+
+import signal
+from pathlib import Path
+
+import pytest
+
+from sar_tui.app.app import SarTui
+from sar_tui.plugins import Catalogue
+from sar_tui.store import participants, passphrase, programmes
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.passphrase import Passphrase
+from tests.app.app_driver import SHORT, AppDriver, open_app, stored
+
+RIGHT = "quiet river"
+REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
+
+
+@pytest.fixture(autouse=True)
+def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises."""
+    monkeypatch.setattr(passphrase, "_COST", 16)
+    Passphrase(data).set(RIGHT)
+    programme(data, "P01", "keyboard")
+    programme(data, "P01", "reaching", **REACHING)
+    programme(data, "P77", "keyboard")
+
+
+def programme(data: Path, participant: str, task: str, **parameters: object) -> None:
+    database = connect(data)
+    participants.add(database, participant)
+    values = {**(SHORT if task == "keyboard" else {}), **parameters}
+    before = programmes.newest(database, participant, task).version
+    programmes.save(database, participant, task, programmes.Programme(values), after=before)
+    database.close()
+
+
+async def end_mode(driver: AppDriver, text: str = RIGHT) -> None:
+    await driver.press("f12")
+    await driver.write(*text)
+    await driver.press("enter")
+    await driver.settle()
+
+
+async def test_enter_starts_the_first_exercise_and_the_next_one_follows_its_summary(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        assert driver.sees("Exercise 1 of 2")
+        assert driver.sees("Keyboard reaction 2 attempts")
+        await driver.press("enter")
+        await driver.do_session()
+        await driver.press("enter")
+        assert driver.sees("Exercise 2 of 2")
+        assert driver.sees("Reaching 1 attempt")
+        await driver.press("down", "enter")
+        assert driver.sees("That was everything. Well done!")
+        await driver.press("enter")
+        assert driver.sees("Exercise 1 of 2")
+    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
+
+
+async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter", "enter", "escape", "down", "down", "down", "enter", "down", "enter")
+        await driver.wait(300)
+        await driver.press("enter")
+        assert driver.sees("Exercise 2 of 2")
+    assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
+
+
+KEYS = ["ctrl+q", "ctrl+c", "ctrl+z", "ctrl+backslash", "ctrl+p", "f2", "f3", "f4", "f10", "delete", "escape", "ctrl+s"]
+
+
+@pytest.mark.parametrize("key", KEYS)
+async def test_no_key_leads_out_of_it(key: str, data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press(key)
+        assert driver.screen_name == "PatientScreen"
+        await driver.press("enter")
+        prompt = await driver.to_first_prompt()
+        await driver.press(key)
+        assert driver.screen_name == "SessionScreen"
+        await driver.wait(3000)
+        assert driver.app.is_running
+        assert prompt.attempt == 1
+        assert "P77" not in driver.text
+
+
+@pytest.mark.parametrize("key", ["ctrl+q", "ctrl+c"])
+async def test_the_keys_that_leave_pause_instead(key: str, data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        await driver.to_first_prompt()
+        await driver.press(key)
+        assert driver.sees("Take your time.")
+        assert not driver.sees("Ctrl-Q")
+        await driver.press("enter")
+        assert driver.waiting.stage == "trial"
+
+
+async def test_the_help_names_no_way_out(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        for _ in range(2):
+            await driver.press("f1")
+            assert driver.screen_name == "HelpScreen"
+            for word in ("Quit", "Ctrl-Q", "Settings", "F12"):
+                assert word not in driver.text
+            await driver.press("enter", "enter")
+        assert driver.screen_name == "SessionScreen"
+
+
+async def test_the_passphrase_ends_it_at_the_first_screen(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await end_mode(driver, "wrong one")
+        assert driver.sees("That is not the passphrase.")
+        await driver.press("escape")
+        assert driver.screen_name == "PatientScreen"
+        await end_mode(driver)
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("P77")
+        await driver.press("ctrl+q")
+        assert not driver.app.is_running
+    assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
+
+
+async def test_it_begins_from_the_first_screen_and_ends_there_again(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f12")
+        assert driver.screen_name == "PatientScreen"
+        await driver.press("ctrl+q", "ctrl+p")
+        assert driver.screen_name == "PatientScreen"
+        await end_mode(driver)
+        assert driver.screen_name == "HomeScreen"
+        await driver.press("f2")
+        assert driver.screen_name == "SettingsScreen", "all keys work again"
+
+
+async def test_ended_in_a_session_the_session_goes_on_and_the_first_screen_follows(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        await driver.to_first_prompt()
+        await end_mode(driver)
+        assert driver.sees("Paused")
+        await driver.press("enter")
+        await driver.do_attempt(await driver.to_prompt())
+        await driver.do_attempt(await driver.begin())
+        await driver.see_the_summary()
+        await driver.press("enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("completed")
+
+
+async def test_a_passphrase_that_is_removed_meanwhile_still_guards(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        Passphrase(data).remove()
+        await driver.press("enter", "enter", "escape", "up", "enter")
+        assert driver.sees("Please enter the passphrase."), "the changes in a pause as well"
+        await driver.press("escape")
+        await end_mode(driver)
+        assert not driver.app.patient
+
+
+async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(data: Path, catalogue: Catalogue) -> None:
+    app = SarTui(data, catalogue)
+    with pytest.raises(StoreError, match="no exercise to do alone"):
+        app.exercises_of("P99")
+    Passphrase(data).remove()
+    with pytest.raises(StoreError, match="There is no passphrase"):
+        app.exercises_of("P01")
+    app.database.close()
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f12")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("There is no passphrase. Set one: sar-tui passphrase.")
+
+
+async def test_an_interrupted_session_goes_on(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        await driver.answer(await driver.to_first_prompt())
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        assert driver.sees("Welcome back")
+    assert stored(data, "SELECT count(*) FROM sessions") == [(1,)]
+
+
+async def test_one_of_days_ago_stays_for_the_therapist(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        await driver.answer(await driver.to_first_prompt())
+    database = connect(data)
+    database.execute("UPDATE sessions SET started_at='2026-01-01T10:00:00+00:00'")
+    database.close()
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        assert driver.sees("Press Enter to go on.")
+    assert stored(data, "SELECT count(*) FROM sessions") == [(2,)]
+
+
+async def test_an_exercise_that_cannot_begin_says_to_call_the_therapist_who_then_reads_why(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise StoreError("The disk is full.")
+
+    async with open_app(data, catalogue, patient="P01") as driver:
+        with monkeypatch.context() as patch:
+            patch.setattr("sar_tui.app.live.LiveSession.open", fail)
+            await driver.press("enter")
+        assert driver.sees("This does not work now. Please call your therapist.")
+        assert not driver.sees("The disk is full.")
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen", "it can be tried again"
+        await end_mode(driver)
+        assert driver.sees("The disk is full.")
+
+
+async def test_it_speaks_the_participants_language(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P01", "keyboard", language="es")
+    async with open_app(data, catalogue, patient="P01") as driver:
+        for words in ("Ejercicio 1 de 2", "Empezar", "Saltar este ejercicio", "Pulse Enter para empezar."):
+            assert driver.sees(words), words
+        await driver.press("f12")
+        assert driver.sees("Escriba la contraseña.")
+
+
+@pytest.mark.parametrize("size", [(80, 24), (100, 30), (160, 50)])
+async def test_all_of_it_fits(size: tuple[int, int], data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01", size=size) as driver:
+        for words in ("Exercise 1 of 2", "Keyboard reaction", "Start", "Skip this exercise", "Press Enter to start."):
+            assert driver.sees(words), words
+    async with open_app(data, catalogue, patient="P77", size=size) as driver:
+        assert driver.sees("Hello!")
+        assert not driver.sees("Skip")
+
+
+async def test_the_signals_of_a_terminals_keys_do_nothing_until_it_ends(data: Path, catalogue: Catalogue) -> None:
+    before = signal.getsignal(signal.SIGTSTP), signal.getsignal(signal.SIGQUIT)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f12")
+        assert signal.getsignal(signal.SIGTSTP) is signal.getsignal(signal.SIGQUIT) is signal.SIG_IGN
+        driver.app.signalled(signal.SIGINT)
+        await driver.settle()
+        assert driver.app.is_running
+        await end_mode(driver)
+        assert (signal.getsignal(signal.SIGTSTP), signal.getsignal(signal.SIGQUIT)) == before
+
+
+async def test_without_the_focus_the_keys_still_work(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        driver.app.screen.set_focus(None)
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        await driver.press("enter", "escape")
+        driver.app.screen.set_focus(None)
+        await driver.press("down", "down", "enter")
+        assert driver.sees("Have a rest")
