@@ -120,7 +120,9 @@ class SessionScreen(AgentScreen):
             if not is_repeat:
                 self._press_mark(event.key, waiting)
             return
-        self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._gc.lag)
+        at = self._live.stamp(event.time)
+        stalled = self._gc.is_stalled(round(at * SECOND))
+        self._live.keyboard.pressed(event.key, event.character, at, self._gc.lag, stalled)
         self._correct_key(event.key, waiting)
 
     def _press_mark(self, key: str, waiting: Waiting) -> None:

@@ -156,8 +156,7 @@ class TrialFlow(TimedNode, ABC):
             case "foreperiod":
                 self._show_when_stored()
             case "timeout" if late > STALLED:
-                self._void("stalled")
-                self._begin_trial()
+                self._repeat_stalled()
             case "timeout":
                 self._trial.lag = late
                 self.set_timer("grace", self.now + GRACE)
@@ -252,6 +251,9 @@ class TrialFlow(TimedNode, ABC):
         if percept.repeat:
             self._trial.flag("repeat_key")
             return
+        if percept.stalled and self._trial.stimulus.signals:
+            self._repeat_stalled()
+            return
         trial = self._trial.view()
         self._trial.remember(percept)
         if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
@@ -261,6 +263,11 @@ class TrialFlow(TimedNode, ABC):
             self._try_again(result)
         elif result is not None:
             self._finish(result)
+
+    def _repeat_stalled(self) -> None:
+        """Repeat the trial: the program was suspended in it, so the time of its response is not known."""
+        self._void("stalled")
+        self._begin_trial()
 
     # --- the end of a trial -----------------------------------------------------------------------------------
 

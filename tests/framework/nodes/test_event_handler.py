@@ -887,6 +887,20 @@ def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSessio
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
 
 
+def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(new_session: NewSession) -> None:
+    driver = new_session()
+    prompt = driver.start()
+    driver.wait(2800)
+    driver.press(prompt.expected, stalled=True)
+    assert driver.all(TRIAL) == []
+    assert driver.last(VOIDED).reason == "stalled"
+    again = driver.to_prompt()
+    assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+    driver.wait(300)
+    driver.press(again.expected)
+    assert driver.last(TRIAL).reaction_time_ms == 300.0
+
+
 def test_a_miss_stores_the_delay_of_its_time_out(new_session: NewSession) -> None:
     driver = new_session(response_timeout_ms=1000)
     driver.start()
