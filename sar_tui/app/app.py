@@ -244,7 +244,9 @@ class SarTui(OpeningApp):
         elif not any(isinstance(screen, LeaveScreen) for screen in self.screen_stack):
             in_trial = getattr(self.screen, "is_in_trial", False)
             answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)
-            await self.push_screen(LeaveScreen(), answered)  # mounted: the next key of a burst is its own
+            can_save = all(getattr(screen, "can_save", True) for screen in self.screen_stack)
+            question = LeaveScreen(can_save=can_save)
+            await self.push_screen(question, answered)  # mounted: the next key of a burst is its own
 
     def _left_or_went_on(self, leaves: bool | None, *, was_in_trial: bool) -> None:
         """Exit; or go on with the trial that the question has paused."""

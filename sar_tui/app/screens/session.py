@@ -180,6 +180,11 @@ class SessionScreen(AgentScreen):
         """True in a trial, which is paused when another screen covers this one."""
         return self._waiting is not None and self._waiting.stage == "trial"
 
+    @property
+    def can_save(self) -> bool:
+        """False while the session waits for a disk that cannot be written to."""
+        return self._waiting is None or self._waiting.reason != "storage"
+
     def on_screen_suspend(self) -> None:
         """Pause a trial that another screen covers: the participant cannot see the prompt."""
         if self.is_in_trial:
