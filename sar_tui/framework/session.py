@@ -19,11 +19,14 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
 
-RULES = 2
+RULES = 3
 """Version of the loop's rules. A session keeps those it began with, so that it can be replayed and resumed.
 
 1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
 is pressed is dropped, and each proposal has ``operator_time_ms``.
+
+2: with two participants, feedback for the first replaces feedback for the second on the screen if an operator decides
+on that one earlier, and so does a filler.
 """
 
 _STATE = ("ended", "is_agent_acting", "awaits_operator", "_rules")
