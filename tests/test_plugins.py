@@ -16,6 +16,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from tests.program import Call
 
 TAPS = '''
 from typing import Annotated, Any
@@ -225,6 +226,31 @@ def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
     lines = [line for line in MINIMAL.splitlines() if not line.strip().startswith(f"{declaration} = ")]
     write(own, "minimal", "\n".join(lines))
     assert sentence(own, "minimal") == f"The task minimal does not declare its {declaration}."
+
+
+@pytest.mark.parametrize(
+    ("declared", "problem"),
+    [
+        ("title = None", "its title is not a text"),
+        ("summary = 5", "its summary is not a text"),
+        ('metric = "reaction_time"', "its metric is not a Metric, or has values of wrong types"),
+        ("metric = Metric(5, unit='ms', better='lower')", "its metric is not a Metric, or has values of wrong types"),
+        ("metric = Metric('x', unit='ms', better='lower', decimals='2')", "its metric is not a Metric, or has "),
+        ("Parameters = dict", "its Parameters is not a subclass of TaskParameters"),
+        ("Details = None", "its Details is not a subclass of Details"),
+        ("sensors = 'imu'", "its sensors are not a tuple of texts"),
+        ("seats = (1, 2)", "its seats are not a tuple of texts"),
+        ("qualities = ('smooth',)", "its qualities are not a tuple of Quality"),
+        ("marks = ('f7',)", "its marks are not a tuple of Mark"),
+    ],
+)
+def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
+    own: Path, call: Call, declared: str, problem: str
+) -> None:
+    write(own, "minimal", f"{MINIMAL}\n    {declared}\n")
+    assert sentence(own, "minimal").startswith(f"The task minimal cannot be used: {problem}")
+    listed = call("tasks", "--tasks", own, "--json").json["tasks"]
+    assert [task["name"] for task in listed if "error" not in task] == ["keyboard", "pairs", "reaching"]
 
 
 def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
