@@ -91,7 +91,6 @@ class SessionScreen(AgentScreen):
         yield KeyFooter()
 
     def on_mount(self) -> None:
-        self._show_trials(0)
         self._show_attempts(0)
         self._live.begin(self.app, self._broken)
 
@@ -225,6 +224,8 @@ class SessionScreen(AgentScreen):
     def wait(self, waiting: Waiting) -> None:
         before, self._waiting = self._waiting, waiting
         entered = before is None or before.stage != waiting.stage
+        if before is None:
+            self._show_trials(0)
         if self._marks.wait(waiting):
             self._show_position(waiting)
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
@@ -317,8 +318,8 @@ class SessionScreen(AgentScreen):
         self.query_one("#attempts", ProgressLine).show(self.tr(kind), done, total)
 
     def _show_trials(self, done: int) -> None:
-        task = self._live.run.session.task
-        self.query_one("#trials", ProgressLine).show(self.tr(task.trials), done, task.trials_per_attempt)
+        total = self._waiting.trials if self._waiting else 0
+        self.query_one("#trials", ProgressLine).show(self.tr(self._live.run.session.task.trials), done, total)
 
     def _broken(self, error: str) -> None:
         """Record that the task raised, so that the app ends with this message; the data is safe."""

@@ -1045,6 +1045,24 @@ def test_a_task_that_raises_stops_the_session_with_a_fault(calm: Theme) -> None:
     assert driver.session.broken.error == "ZeroDivisionError: no taps"
 
 
+@pytest.mark.parametrize("value", ["raised", None, ("a", "b")])
+@pytest.mark.parametrize("method", ["instructions", "goal", "notice"])
+def test_a_text_that_a_task_cannot_give_stops_the_session_instead_of_a_blank_screen(
+    calm: Theme, method: str, value: object
+) -> None:
+    def give(*_: object) -> object:
+        if value == "raised":
+            raise ZeroDivisionError("no words")
+        return value
+
+    driver = LoopDriver(type("Mute", (Taps,), {"name": "mute", method: give}), calm, attempts=1)
+    driver.enter()
+    said = "ZeroDivisionError: no words" if value == "raised" else f"TypeError: {method}() returned {value}, not a text"
+    assert driver.session.broken is not None
+    assert driver.session.broken.error == said
+    assert driver.last(WAITING).stage == "broken"
+
+
 class Bounded(Taps):
     name = "bounded"
     Parameters = TaskParameters
