@@ -60,7 +60,8 @@ class SessionScreen(AgentScreen):
     @functools.cached_property
     def _marks(self) -> MarkKeys:
         """Keys of the therapist's marks."""
-        return MarkKeys(self._live.run.session.task.marks, self.tr)
+        session = self._live.run.session
+        return MarkKeys(session.task.marks, self.tr, lambda: session.trial_mark)
 
     @property
     def help_text(self) -> str:
@@ -207,10 +208,9 @@ class SessionScreen(AgentScreen):
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._gc.begin_attempt()
-        self._marks.begin_attempt(started)
 
     def marked(self, marked: TrialMarked) -> None:
-        self._marks.marked(marked)
+        self._marks.marked()
         if self._waiting:
             self._show_position(self._waiting)
 
@@ -226,7 +226,7 @@ class SessionScreen(AgentScreen):
         entered = before is None or before.stage != waiting.stage
         if before is None:
             self._show_trials(0)
-        if self._marks.wait(waiting):
+        if self._marks.follow():
             self._show_position(waiting)
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")

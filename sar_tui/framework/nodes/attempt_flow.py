@@ -6,7 +6,7 @@ from sar_tui.framework import marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.attempt_state import AttemptScore
 from sar_tui.framework.attempts import Attempts
-from sar_tui.framework.marks import MarkedResults
+from sar_tui.framework.marks import MarkedResults, TrialMark
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes.trial_flow import TrialFlow
 from sar_tui.framework.session_phase import IN_TRIAL, MARKABLE, OVER, Phase
@@ -144,6 +144,17 @@ class AttemptFlow(TrialFlow):
             self._wait(Phase.READY)
 
     # --- marks ----------------------------------------------------------------------------------------------
+
+    @property
+    def trial_mark(self) -> TrialMark:
+        """The trial that a mark is put on now, and the mark that is on it."""
+        if self._phase in IN_TRIAL and self._phase not in MARKABLE:
+            trial, mark = (self._attempts.attempt, self._attempts.trial), self._trial.mark
+        elif last := self._attempts.amendable_trial:
+            trial, mark = last, self._last_results.mark
+        else:
+            return TrialMark()
+        return TrialMark(trial=trial, marked=trial, last=mark.name if mark else "")
 
     def _mark(self, mark: Mark) -> None:
         """Mark the open trial, or else the last one, whose attempt is then scored again if it has ended."""
