@@ -128,6 +128,8 @@ class Commands:
             if not text.isdecimal():
                 self.log.report(at, f"A level is a number, not {text!r}. Nothing was sent.")
                 return False
+            if not self._is_level(int(text), at):
+                return False
             decision = replace(decision, level=int(text))
         elif approval.proposal.text:
             filled = self._fill(text, approval.proposal.seat, at)
@@ -196,12 +198,20 @@ class Commands:
         if level is None:
             self.log.report(at, "The level is not known yet. Nothing was sent.")
             return False
-        parameters, levels = (state.welcome.parameters, state.welcome.levels) if state.welcome else ({}, 1)
-        least, most = int(parameters.get("min_level", 1)), min(levels, int(parameters.get("max_level", levels)))
-        if not least <= level + step <= most:
-            self.log.report(at, f"Level {level} is the {'highest' if step > 0 else 'lowest'} level.")
+        if not self._is_level(level + step, at):
             return False
         return self.command(f"Level {level} → {level + step}", "level", at, value=level + step)
+
+    def _is_level(self, level: int, at: int) -> bool:
+        """Return True if the session can have a level; else log the nearest one that it can have."""
+        welcome = self.state.welcome
+        parameters, levels = (welcome.parameters, welcome.levels) if welcome else ({}, 1)
+        least, most = int(parameters.get("min_level", 1)), min(levels, int(parameters.get("max_level", levels)))
+        if least <= level <= most:
+            return True
+        limit = f"Level {least} is the lowest" if level < least else f"Level {most} is the highest"
+        self.log.report(at, f"{limit} level. Nothing was sent.")
+        return False
 
     def _sent_level(self) -> int | None:
         """Return the last level that was sent and is not confirmed yet."""
