@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.bus import FAULT
+from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
@@ -358,6 +359,48 @@ def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_sto
     assert left["status"] == "interrupted"
     faults = [record for record in sessions.history(connect(data), left["id"]) if record.topic is FAULT]
     assert len(faults) == 1
+
+
+@pytest.mark.parametrize(
+    ("method", "returned", "said"),
+    [
+        ("score(self, results)", "Score(1.0, 1.0, correct=99, trials=1)", "the score of an attempt has 99 right resp"),
+        ("score(self, results)", "Score(1.0, 1.0, correct=-5, trials=-1)", "the score of an attempt has -5 right "),
+        (
+            "score(self, results)",
+            "Score(1.0, 7.0, correct=1, trials=1)",
+            "the score of an attempt has an accuracy of",
+        ),
+        ("score(self, results)", "Score(float('inf'), 1.0, 1, 1)", "the Score of an attempt cannot be stored: a num"),
+        ("score(self, results)", "Score('fast', 1.0, 1, 1)", "the Score of an attempt cannot be stored: Expected "),
+        ("score(self, results)", "None", "None is not a Score"),
+        ("target(self, level)", "Target(float('nan'), 0.0)", "the Target of an attempt cannot be stored: a number "),
+        ("perceived(self, trial, percept)", "{}", "the results of a trial are for the seats none; they are due for A"),
+        (
+            "perceived(self, trial, percept)",
+            "{'B': Result(correct=True)}",
+            "the results of a trial are for the seat",
+        ),
+    ],
+)
+def test_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
+    own: Path, data: Path, method: str, returned: str, said: str
+) -> None:
+    source = f"from sar_tui.framework.trial_types import Score, Target\n{MINIMAL}\n    def {method}:\n"
+    write(own, "minimal", f"{source}        return {returned}\n")
+    with pytest.raises(Failed, match=rf"The task minimal failed \(\w+: {said}"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    assert connect(data).execute("SELECT count(*) FROM attempts").fetchone() == (0,)
+
+
+def test_a_simulation_that_waits_for_ever_is_a_failure(own: Path, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Asleep(Node):
+        name = "participant"
+
+    monkeypatch.setattr("sar_tui.runs.simulate.SimulatedParticipant", lambda *_: Asleep())
+    write(own, "minimal", MINIMAL)
+    with pytest.raises(Failed, match="stopped before its end: the task minimal waits for something"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
 
 
 def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(own: Path, data: Path) -> None:
