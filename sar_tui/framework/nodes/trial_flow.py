@@ -283,6 +283,9 @@ class TrialFlow(TimedNode, ABC):
         """Record the trial, and continue with the next one or the end of the attempt."""
         self.cancel_timers()
         results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
+        if set(results) != set(self._trial.seats):
+            given, due = ", ".join(map(str, results)) or "none", ", ".join(self._trial.seats)
+            raise ValueError(f"the results of a trial are for the seats {given}; they are due for {due}")
         self._repeats = 0
         complete_results = {seat: complete(mine, self.task.Details) for seat, mine in results.items()}
         stored = self._trial_done({seat: self._flagged(mine) for seat, mine in complete_results.items()})
