@@ -150,11 +150,11 @@ class AttemptFlow(TrialFlow):
         """The trial that a mark is put on now, and the mark that is on it."""
         if self._phase in IN_TRIAL and self._phase not in MARKABLE:
             trial, mark = (self._attempts.attempt, self._attempts.trial), self._trial.mark
-        elif last := self._attempts.amendable_trial:
-            trial, mark = last, self._last_results.mark
-        else:
-            return TrialMark()
-        return TrialMark(trial=trial, marked=trial, last=mark.name if mark else "")
+            return TrialMark(open=trial, marks={trial: mark.name if mark else ""})
+        if last := self._attempts.amendable_trial:
+            mark = self._last_results.mark
+            return TrialMark(done=last, marks={last: mark.name if mark else ""})
+        return TrialMark()
 
     def _mark(self, mark: Mark) -> None:
         """Mark the open trial, or else the last one, whose attempt is then scored again if it has ended."""
