@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.stored_json import read_json
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 
@@ -63,7 +64,7 @@ def settings(db: sqlite3.Connection, participant: str, task: str) -> Settings:
     row = db.execute(
         "SELECT parameters, theme FROM settings WHERE participant=? AND task=?", (participant, task)
     ).fetchone()
-    return Settings(msgspec.json.decode(row[0]), row[1]) if row else Settings()
+    return Settings(read_json(row[0]), row[1]) if row else Settings()
 
 
 def save_settings(db: sqlite3.Connection, participant: str, task: str, saved: Settings) -> None:

@@ -171,3 +171,14 @@ def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path:
 
 def test_show_omits_outputs_that_worked(call: Call, simulated: str) -> None:
     assert "failed" not in call("show", simulated).out
+
+
+@pytest.mark.parametrize("damage", ["substr(parameters, 1, 100)", "CAST(parameters || x'ff' AS TEXT)", "''"])
+@pytest.mark.parametrize("command", [["sessions"], ["show", "last"], ["report", "wizard", "last"]])
+def test_a_damaged_text_in_the_database_is_reported_as_damage(
+    call: Call, tmp_path: Path, simulated: str, command: list[str], damage: str
+) -> None:
+    change(tmp_path, f"UPDATE sessions SET parameters={damage} WHERE id=?", simulated)
+    called = call(*command)
+    assert (called.code, called.out) == (2, "")
+    assert called.err.endswith("sar-tui.db is damaged. Restore a backup, or choose another --data folder.\n")
