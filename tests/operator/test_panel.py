@@ -589,6 +589,23 @@ async def test_without_control_nothing_is_sent_until_it_is_taken(catalogue: Cata
         assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
 
 
+async def test_who_takes_control_has_seen_the_proposals_since_they_were_on_their_own_screen(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
+        await driver.propose(b.approval("p1", 4000))
+        await driver.propose(b.approval("p2", 6000))
+        shown_at = driver.panel.commands.shown[1]
+        await driver.advance(1500)
+        assert driver.sent(t.PROPOSAL_SEEN) == []
+        for _ in range(2):
+            await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
+        assert [(name, act.action, act.at) for name, act in driver.peer.sent] == [
+            (t.PROPOSAL_SEEN.name, "p2", shown_at)
+        ]
+
+
 async def test_a_lost_link_is_shown_until_it_is_back(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval())
