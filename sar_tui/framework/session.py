@@ -27,7 +27,7 @@ RULES = 3
 is pressed is dropped, and each proposal has ``operator_time_ms``.
 
 2: with two participants, feedback for the first replaces feedback for the second on the screen if an operator decides
-on that one earlier, and so does a filler.
+on that one earlier, and so does a filler; and a foreperiod goes on in which the program was suspended.
 """
 
 _STATE = ("ended", "is_agent_acting", "awaits_operator", "_rules")

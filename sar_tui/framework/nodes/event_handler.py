@@ -80,6 +80,7 @@ class EventHandler(AttemptFlow):
     def session_started(self, session: m.SessionStarted) -> None:
         """Show the instructions in the first run; continue where the last run stopped in a later one."""
         text_of(self.task.instructions(), "instructions")  # raises here, where it ends the session, not on the screen
+        self._rules = session.rules
         self._last_key = None
         self._start_key.release()
         self._focused = True

@@ -54,6 +54,7 @@ class TrialFlow(TimedNode, ABC):
         self._stored = (0, 0)
         self._last_trial = (0, 0)
         self._focused = True
+        self._rules = 3
         self._repeats = 0
         self._last_key: int | None = None
         self._start_key = HeldKey()
@@ -151,6 +152,8 @@ class TrialFlow(TimedNode, ABC):
                 self._when_agent_is_still(self._await_quiet)
             case "quiet":
                 self._begin_foreperiod()
+            case "cue" | "foreperiod" if late > STALLED and self._rules >= 3:
+                self._begin_foreperiod_anew()
             case "cue":
                 self.emit(CUE, self._trial.cue(self.now))
             case "foreperiod":
@@ -167,14 +170,17 @@ class TrialFlow(TimedNode, ABC):
         """Wait for quiet again after a key, and restart the foreperiod."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
-            self.cancel_timer("foreperiod")
-            self.cancel_timer("cue")
-            self._await_quiet()
+            self._begin_foreperiod_anew()
         else:
             self._set_quiet_timer()
             if self.now - self._awaiting_quiet_since > HELD_NOTICE:
                 self._awaiting_quiet_since = self.now
                 self._wait(Phase.QUIET, "held")
+
+    def _begin_foreperiod_anew(self) -> None:
+        self.cancel_timer("foreperiod")
+        self.cancel_timer("cue")
+        self._await_quiet()
 
     # --- prompt and response --------------------------------------------------------------------------------
 

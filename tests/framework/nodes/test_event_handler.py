@@ -19,6 +19,7 @@ from sar_tui.framework.topics import (
     LEVEL,
     PROMPT,
     SESSION_ENDED,
+    SHOWN,
     TRIAL,
     VOIDED,
     WAITING,
@@ -885,6 +886,34 @@ def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSessio
     assert driver.last(VOIDED).reason == "stalled"
     again = driver.to_prompt()
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+
+
+def suspended_in_foreperiod(driver: LoopDriver) -> None:
+    """Suspend the program for four seconds in the first foreperiod."""
+    driver.enter()
+    driver.press("enter")
+    driver.until(lambda: driver.waiting.what == "foreperiod")
+    driver.clock.set(driver.clock.now() + 4000 * MS)
+    driver.wait(0)
+
+
+def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(new_session: NewSession) -> None:
+    driver = new_session()
+    suspended_in_foreperiod(driver)
+    assert driver.all(PROMPT) == []
+    went_on = driver.clock.now()
+    timing = driver.answer().timing
+    assert driver.last(SHOWN).at - went_on >= timing.foreperiod_ms * MS
+    assert (timing.presentation, timing.false_starts, timing.flags) == (1, 0, ())
+
+
+def test_a_session_of_earlier_rules_keeps_its_foreperiods(new_session: NewSession) -> None:
+    earlier = new_session(begin=False)
+    earlier.session._rules = 2
+    earlier.session.begin()
+    suspended_in_foreperiod(earlier)
+    assert len(earlier.all(PROMPT)) == 1
+    assert new_session(history=earlier.records).waiting.reason == "interrupted"
 
 
 def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(new_session: NewSession) -> None:
