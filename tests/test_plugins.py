@@ -410,6 +410,27 @@ def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(own: Pat
     assert sessions.listing(connect(data), data) == []
 
 
+@pytest.mark.parametrize(
+    ("nodes", "said"),
+    [("1 / 0", r"\(ZeroDivisionError: "), ("None", r"\(TypeError: "), ("(5,)", ": among its nodes is 5")],
+)
+def test_nodes_that_a_task_cannot_make_are_reported_and_leave_no_session(
+    own: Path, data: Path, call: Call, nodes: str, said: str
+) -> None:
+    write(own, "minimal", f"{MINIMAL}\n    def nodes(self):\n        return {nodes}\n")
+    with pytest.raises(Failed, match=f"The task minimal cannot be set up ?{said}"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    assert sessions.listing(connect(data), data) == []
+    assert call("graph", "minimal", "--tasks", own).err.startswith("The task minimal cannot be set up")
+
+
+def test_an_error_that_cannot_be_described_is_reported_by_its_type(own: Path, data: Path) -> None:
+    mute = "class Mute(Exception):\n    def __str__(self):\n        raise ValueError\n"
+    write(own, "minimal", f"{mute}{MINIMAL}\n    def stimulus(self, situation):\n        raise Mute\n")
+    with pytest.raises(Failed, match=r"The task minimal failed \(Mute, line \d+ of task\.py\)"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+
+
 @pytest.mark.parametrize("levels", ["None", "0", "2.5"])
 def test_levels_that_are_no_number_are_refused_with_a_sentence(own: Path, data: Path, levels: str) -> None:
     write(own, "minimal", MINIMAL + f"\n    levels = property(lambda self: {levels})\n")
