@@ -4,8 +4,7 @@ import asyncio
 import gc
 import sys
 
-from sar_tui.framework.clock import MS, host_now
-from sar_tui.framework.node import STALLED
+from sar_tui.framework.clock import MS, STALLED, host_now
 
 SWITCH_INTERVAL = 0.0005
 """Seconds a thread may hold the interpreter while another waits; short, so that keys are stamped in time."""

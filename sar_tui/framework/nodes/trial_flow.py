@@ -6,9 +6,9 @@ from collections.abc import Callable
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.clock import MS, SECOND, STALLED
 from sar_tui.framework.held_key import HeldKey
-from sar_tui.framework.node import STALLED, TimedNode, on
+from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.session_phase import BEFORE_PROMPT, IN_TRIAL, Phase
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
