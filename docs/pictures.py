@@ -152,10 +152,13 @@ class _Peer:
     def send(self, topic: Any, message: Any) -> None:
         pass
 
+    def watch_terminal(self, state: Any) -> None:
+        pass
+
     def take_control(self) -> None:
         pass
 
-    def close(self) -> None:
+    def close(self, *, says_goodbye: bool = True) -> None:
         pass
 
 

@@ -1,5 +1,6 @@
 """Entry point of ``sar-tui`` and ``python -m sar_tui``. It imports so little that Ctrl-C always ends it in order."""
 
+import os
 import sys
 
 from sar_tui.tui.exit_codes import INTERRUPTED
@@ -14,6 +15,18 @@ def main() -> None:
     except KeyboardInterrupt:
         print("Stopped.", file=sys.stderr)
         raise SystemExit(INTERRUPTED) from None
+    finally:
+        _drop_unwritable_output()
+
+
+def _drop_unwritable_output() -> None:
+    """Drop what cannot be written any more, as to a lost terminal: Python would end with an exit code of its own."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None and not stream.closed:
+                stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 if __name__ == "__main__":

@@ -215,11 +215,16 @@ def _is_task(value: object) -> bool:
 
 
 def _checked(task: "type[Task]", name: str) -> "type[Task]":
+    from sar_tui.framework.task_declaration import problem as declaration_problem
+
     missing = [attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)]
     if missing:
         raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
-    if task.metric.better not in ("lower", "higher"):
-        raise PluginError(f"The metric of the task {name} has better={task.metric.better}; use lower or higher.")
+    better = getattr(task.metric, "better", "lower")
+    if better not in ("lower", "higher"):
+        raise PluginError(f"The metric of the task {name} has better={better}; use lower or higher.")
+    if problem := declaration_problem(task):
+        raise PluginError(f"The task {name} cannot be used: {problem}. See docs/write-your-own-task.md.")
     for former, current in _FORMER.items():
         if hasattr(task, former):
             raise PluginError(f"The task {name} defines {former}, which is named {current} now. {CURRENT_NAMES}")

@@ -105,10 +105,10 @@ class LoopDriver:
 
     # --- the participant ---------------------------------------------------------------------------
 
-    def press(self, key: str, at: int | None = None, lag: int = 0) -> None:
-        """Press a key now; ``at``: its time stamp, if it is handled late."""
+    def press(self, key: str, at: int | None = None, lag: int = 0, stalled: bool = False) -> None:
+        """Press a key now; ``at``: its time stamp, if it is handled late; ``stalled``: the program was suspended."""
         stamp = self.clock.now() if at is None else at
-        self.session.bus.publish(KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag))
+        self.session.bus.publish(KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag, stalled=stalled))
 
     def hold(self, key: str, ms: int, every_ms: int = 30) -> None:
         """Hold a key down: publish it repeatedly."""

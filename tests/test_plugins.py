@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework.bus import FAULT
+from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
@@ -16,6 +17,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from tests.program import Call
 
 TAPS = '''
 from typing import Annotated, Any
@@ -227,6 +229,31 @@ def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
     assert sentence(own, "minimal") == f"The task minimal does not declare its {declaration}."
 
 
+@pytest.mark.parametrize(
+    ("declared", "problem"),
+    [
+        ("title = None", "its title is not a text"),
+        ("summary = 5", "its summary is not a text"),
+        ('metric = "reaction_time"', "its metric is not a Metric, or has values of wrong types"),
+        ("metric = Metric(5, unit='ms', better='lower')", "its metric is not a Metric, or has values of wrong types"),
+        ("metric = Metric('x', unit='ms', better='lower', decimals='2')", "its metric is not a Metric, or has "),
+        ("Parameters = dict", "its Parameters is not a subclass of TaskParameters"),
+        ("Details = None", "its Details is not a subclass of Details"),
+        ("sensors = 'imu'", "its sensors are not a tuple of texts"),
+        ("seats = (1, 2)", "its seats are not a tuple of texts"),
+        ("qualities = ('smooth',)", "its qualities are not a tuple of Quality"),
+        ("marks = ('f7',)", "its marks are not a tuple of Mark"),
+    ],
+)
+def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
+    own: Path, call: Call, declared: str, problem: str
+) -> None:
+    write(own, "minimal", f"{MINIMAL}\n    {declared}\n")
+    assert sentence(own, "minimal").startswith(f"The task minimal cannot be used: {problem}")
+    listed = call("tasks", "--tasks", own, "--json").json["tasks"]
+    assert [task["name"] for task in listed if "error" not in task] == ["keyboard", "pairs", "reaching"]
+
+
 def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
     write(own, "my-task", MINIMAL)
     assert sentence(own, "my-task") == "my-task cannot name a task's folder. Use a Python name, such as tapping."
@@ -334,11 +361,74 @@ def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_sto
     assert len(faults) == 1
 
 
+@pytest.mark.parametrize(
+    ("method", "returned", "said"),
+    [
+        ("score(self, results)", "Score(1.0, 1.0, correct=99, trials=1)", "the score of an attempt has 99 right resp"),
+        ("score(self, results)", "Score(1.0, 1.0, correct=-5, trials=-1)", "the score of an attempt has -5 right "),
+        (
+            "score(self, results)",
+            "Score(1.0, 7.0, correct=1, trials=1)",
+            "the score of an attempt has an accuracy of",
+        ),
+        ("score(self, results)", "Score(float('inf'), 1.0, 1, 1)", "the Score of an attempt cannot be stored: a num"),
+        ("score(self, results)", "Score('fast', 1.0, 1, 1)", "the Score of an attempt cannot be stored: Expected "),
+        ("score(self, results)", "None", "None is not a Score"),
+        ("target(self, level)", "Target(float('nan'), 0.0)", "the Target of an attempt cannot be stored: a number "),
+        ("perceived(self, trial, percept)", "{}", "the results of a trial are for the seats none; they are due for A"),
+        (
+            "perceived(self, trial, percept)",
+            "{'B': Result(correct=True)}",
+            "the results of a trial are for the seat",
+        ),
+    ],
+)
+def test_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
+    own: Path, data: Path, method: str, returned: str, said: str
+) -> None:
+    source = f"from sar_tui.framework.trial_types import Score, Target\n{MINIMAL}\n    def {method}:\n"
+    write(own, "minimal", f"{source}        return {returned}\n")
+    with pytest.raises(Failed, match=rf"The task minimal failed \(\w+: {said}"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    assert connect(data).execute("SELECT count(*) FROM attempts").fetchone() == (0,)
+
+
+def test_a_simulation_that_waits_for_ever_is_a_failure(own: Path, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Asleep(Node):
+        name = "participant"
+
+    monkeypatch.setattr("sar_tui.runs.simulate.SimulatedParticipant", lambda *_: Asleep())
+    write(own, "minimal", MINIMAL)
+    with pytest.raises(Failed, match="stopped before its end: the task minimal waits for something"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+
+
 def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(own: Path, data: Path) -> None:
     write(own, "minimal", MINIMAL + "\n    def __init__(self, parameters):\n        raise KeyError('missing')\n")
     with pytest.raises(Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     assert sessions.listing(connect(data), data) == []
+
+
+@pytest.mark.parametrize(
+    ("nodes", "said"),
+    [("1 / 0", r"\(ZeroDivisionError: "), ("None", r"\(TypeError: "), ("(5,)", ": among its nodes is 5")],
+)
+def test_nodes_that_a_task_cannot_make_are_reported_and_leave_no_session(
+    own: Path, data: Path, call: Call, nodes: str, said: str
+) -> None:
+    write(own, "minimal", f"{MINIMAL}\n    def nodes(self):\n        return {nodes}\n")
+    with pytest.raises(Failed, match=f"The task minimal cannot be set up ?{said}"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
+    assert sessions.listing(connect(data), data) == []
+    assert call("graph", "minimal", "--tasks", own).err.startswith("The task minimal cannot be set up")
+
+
+def test_an_error_that_cannot_be_described_is_reported_by_its_type(own: Path, data: Path) -> None:
+    mute = "class Mute(Exception):\n    def __str__(self):\n        raise ValueError\n"
+    write(own, "minimal", f"{mute}{MINIMAL}\n    def stimulus(self, situation):\n        raise Mute\n")
+    with pytest.raises(Failed, match=r"The task minimal failed \(Mute, line \d+ of task\.py\)"):
+        run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
 
 
 @pytest.mark.parametrize("levels", ["None", "0", "2.5"])

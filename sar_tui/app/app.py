@@ -19,7 +19,7 @@ from textual.widget import Widget
 
 from sar_tui.app.exit_message import UNSAVED, exit_message
 from sar_tui.app.patient_mode import PatientModeApp
-from sar_tui.app.task_watchdog import TaskWatchdog
+from sar_tui.app.plugin_watchdog import PluginWatchdog
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
@@ -341,7 +341,9 @@ class SarTui(PatientModeApp):
         elif not any(isinstance(screen, LeaveScreen) for screen in self.screen_stack):
             in_trial = getattr(self.screen, "is_in_trial", False)
             answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)
-            await self.push_screen(LeaveScreen(), answered)  # mounted: the next key of a burst is its own
+            can_save = all(getattr(screen, "can_save", True) for screen in self.screen_stack)
+            question = LeaveScreen(can_save=can_save)
+            await self.push_screen(question, answered)  # mounted: the next key of a burst is its own
 
     def action_interrupt(self) -> None:
         """Ctrl-C: exit; in patient mode as Ctrl-Q."""
@@ -410,15 +412,15 @@ class SarTui(PatientModeApp):
         lines = exit_message(code, self.failure, self.live, self.folder, tasks, names_ended_session=one)
         return [*lines, *filter(None, (self.pending_notice,))]
 
-    def abandon(self, task: str) -> None:
-        """End the program at once. For another thread, while this app's own hangs in the code of a task."""
+    def abandon(self, plugin: str) -> None:
+        """End the program at once. For another thread, while this app's own hangs in the code of a plug-in."""
         if self._open:
             self._open.write_rest()
         with contextlib.suppress(Exception):  # the terminal may be gone
             if self._driver:
                 self._driver.stop_application_mode()
                 self._driver.close()
-        self.failure = f"The task {task} does not return from its own code. All earlier trials are kept."
+        self.failure = f"The {plugin} does not return from its own code. All earlier trials are kept."
         for line in self.exit_lines(1):
             with contextlib.suppress(OSError):
                 print(line, file=sys.__stderr__, flush=True)
@@ -470,7 +472,7 @@ def run_app(
         from sar_tui.widgets.picture import find_pictures
 
         app.picture = find_pictures()
-    with TaskWatchdog(app.abandon):
+    with PluginWatchdog(app.abandon):
         code = app.run_here()
     app.close_session()
     code = code or int(bool(app.failure or (app.live and (app.live.unsaved or app.live.rescued))))

@@ -15,6 +15,7 @@ from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_na
 if TYPE_CHECKING:
     from sar_tui.inputs.recording_file import Units
     from sar_tui.motion.long_recording import LongDetection
+    from sar_tui.motion.reach import Reach
     from sar_tui.motion.samples import Samples
 
 _MOST_MISSING = 10
@@ -170,30 +171,30 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
 
 
 def _print(found: "LongDetection", detector: str) -> None:
-    from sar_tui.cli.tables import add, table
+    from sar_tui.cli.long_table import print_table
 
     out, reaches = console(), found.reaches
     if reaches:
         times = ("onset\ns", "turn\ns", "end\ns", "time\ns")
         numbers = ("reach", *times, "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
-        made = table(*numbers, "flags", right=numbers, whole=numbers)
-        made.padding = (0, 1, 0, 0)
-        for number, reach in enumerate(reaches, 1):
-            seconds = (reach.onset_s, reach.turn_s, reach.end_s, reach.reach_time_s)
-            peaks = (reach.peak_extension_rad_s, reach.peak_return_rad_s)
-            smoothness = (reach.sparc_out, reach.sparc_back)
-            add(
-                made,
-                number,
-                *(f"{value:.3f}" for value in seconds),
-                *(f"{value:.2f}" for value in peaks),
-                *(None if value is None else f"{value:.2f}" for value in smoothness),
-                ", ".join(reach.flags),
-            )
-        out.print(made)
+        rows = [_row(number, reach) for number, reach in enumerate(reaches, 1)]
+        print_table(out, (*numbers, "flags"), rows, right=numbers)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
             out.print(line, markup=False, soft_wrap=True)
     out.print(_sentence(found, detector), markup=False, soft_wrap=True)
+
+
+def _row(number: int, reach: "Reach") -> list[object]:
+    seconds = (reach.onset_s, reach.turn_s, reach.end_s, reach.reach_time_s)
+    peaks = (reach.peak_extension_rad_s, reach.peak_return_rad_s)
+    smoothness = (reach.sparc_out, reach.sparc_back)
+    return [
+        number,
+        *(f"{value:.3f}" for value in seconds),
+        *(f"{value:.2f}" for value in peaks),
+        *(None if value is None else f"{value:.2f}" for value in smoothness),
+        ", ".join(reach.flags),
+    ]
 
 
 def _where(lasts_s: float, rate_hz: float) -> str:

@@ -16,6 +16,7 @@ DEBUG = "SAR_TUI_DEBUG"
 _LONG, _QUOTED = 300, 60
 """A word of this many characters is not quoted whole, but so many of its characters."""
 
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 _UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 """The usage error of the click that typer uses, its own or another, depending on its version."""
 
@@ -43,12 +44,17 @@ class Commands(TyperGroup):
             _close_stdout()
             raise typer.Exit(FAILED) from None
         except Exception as error:
-            if os.environ.get(DEBUG):
-                raise
-            code, sentence = explain(error)
-            _print(sentence)
-            raise typer.Exit(code) from None
+            raise typer.Exit(report(error)) from None
         return result
+
+
+def report(error: Exception) -> int:
+    """Print an error as a sentence, and return the exit code. With ``SAR_TUI_DEBUG``, raise it."""
+    if os.environ.get(DEBUG):
+        raise error
+    code, sentence = explain(error)
+    _print(sentence)
+    return code
 
 
 def explain(error: Exception) -> tuple[int, str]:
@@ -85,12 +91,14 @@ def _expected(error: Exception) -> tuple[int, str] | None:
             return FAILED, str(error)
         case sqlite3.Error():
             return _expected(database.explain(error))
-        case OSError() if error.filename:
+        case OSError() if error.filename or error.errno in _FULL:
             return _unusable(error)
     return None
 
 
 def _unusable(error: OSError) -> tuple[int, str]:
+    if error.errno in _FULL:
+        return FAILED, "The disk is full: what was to be written is not complete. Free some space, and try again."
     if error.errno == errno.ENAMETOOLONG:
         return BAD_INPUT, f"{error.filename} is too long for the name of a file or folder."
     return FAILED, f"{error.filename} cannot be used: {error.strerror}."

@@ -41,10 +41,11 @@ def _loop(kind: "type[Task]", theme: "Theme") -> "Graph":
     from sar_tui.framework.session import core_nodes
     from sar_tui.inputs.keyboard import Keyboard
     from sar_tui.inputs.sensor import Imu
+    from sar_tui.runs.plan import set_up
     from sar_tui.store.recorder import Recorder
     from sar_tui.widgets.task_view import view_of
 
-    task = kind(build(kind.Parameters, {}))
+    task = set_up(kind, build(kind.Parameters, {}))
     core = core_nodes(task, theme, seed=0)
     sensors = [Imu] if kind.sensor_seats(task.parameters) else []
     views = [view for view in [view_of(kind)] if view.receives()]

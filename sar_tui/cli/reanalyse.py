@@ -68,12 +68,12 @@ class _StoredSamples(NamedTuple):
 
 
 def _events(database: "sqlite3.Connection", session: str, topic: str) -> Iterator[tuple[int, Row]]:
-    import msgspec
+    from sar_tui.store.stored_json import read_json
 
     for seq, message in database.execute(
         "SELECT seq, message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, topic)
     ):
-        yield seq, msgspec.json.decode(message)
+        yield seq, read_json(message)
 
 
 class _Trial(NamedTuple):

@@ -1,5 +1,8 @@
 """Creates a new task as a copy of the example."""
 
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from sar_tui.cli.errors import Refused
@@ -16,10 +19,21 @@ def make(name: str, to: Path) -> Path:
     if folder.exists():
         raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")
     folder.mkdir(parents=True)
-    for file in ("task.py", "README.md"):
-        text = (_EXAMPLE / file).read_text(encoding="utf-8")
-        (folder / file).write_text(_renamed(text, name, folder), encoding="utf-8")
+    with whole_or_nothing(folder):
+        for file in ("task.py", "README.md"):
+            text = (_EXAMPLE / file).read_text(encoding="utf-8")
+            (folder / file).write_text(_renamed(text, name, folder), encoding="utf-8")
     return folder
+
+
+@contextmanager
+def whole_or_nothing(folder: Path) -> Iterator[None]:
+    """Remove a new folder if it cannot be filled, so that the command can be run again."""
+    try:
+        yield
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def _renamed(text: str, name: str, folder: Path) -> str:

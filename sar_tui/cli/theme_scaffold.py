@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.scaffold import whole_or_nothing
 from sar_tui.plugins import Catalogue
 
 _NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
@@ -19,12 +20,14 @@ def make(name: str, model: str, to: Path, catalogue: Catalogue) -> Path:
         raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")
     if name in catalogue.theme_names():
         raise Refused(f"There is a theme {name} already. Choose another name.")
-    for file in sorted(path for path in source.rglob("*") if path.is_file()):
-        copy = folder / file.relative_to(source)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(file.read_bytes())
-    look = folder / "theme.toml"
-    title = name.replace("-", " ").capitalize()
-    text = look.read_text(encoding="utf-8-sig")
-    look.write_text(re.sub(r"^title\s*=.*$", f'title = "{title}"', text, count=1, flags=re.MULTILINE), encoding="utf-8")
+    folder.mkdir(parents=True)
+    with whole_or_nothing(folder):
+        for file in sorted(path for path in source.rglob("*") if path.is_file()):
+            copy = folder / file.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(file.read_bytes())
+        look = folder / "theme.toml"
+        title = f'title = "{name.replace("-", " ").capitalize()}"'
+        text = re.sub(r"^title\s*=.*$", title, look.read_text(encoding="utf-8-sig"), count=1, flags=re.MULTILINE)
+        look.write_text(text, encoding="utf-8")
     return folder

@@ -1,6 +1,8 @@
 """Scores an attempt for each seat: the row to store, and the feedback on it. Pure."""
 
+import math
 from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 import msgspec
 from msgspec.structs import replace
@@ -21,6 +23,7 @@ from sar_tui.framework.policies.judgement import (
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Result, Score, Target
 
+_T = TypeVar("_T", bound=msgspec.Struct)
 Histories = Mapping[str, History]
 """The feedback history of each seat."""
 _FAILURE_FIRST: tuple[Outcome, ...] = ("failure", "success")
@@ -78,9 +81,9 @@ def score_seats(
     The level is shared: the attempt counts as a success only if every seat reached the goal. In a race the feedback
     says who won; this does not affect the outcome.
     """
-    target = task.target(attempt.level)
+    target = _checked(task.target(attempt.level), Target)
     enough = task.parameters.min_accuracy
-    scores = {seat: task.score(list(results[seat])) for seat in task.seats if results.get(seat)}
+    scores = {seat: _score(task, results[seat]) for seat in task.seats if results.get(seat)}
     judgements = {seat: judge(score, task.metric, target, enough) for seat, score in scores.items()}
     reported = judge_race(scores, judgements)
     seats, updated = {}, dict(histories)
@@ -115,6 +118,30 @@ def _reached(task: Task, target: Target, results: Sequence[Result]) -> tuple[int
 
 def _share(counted: tuple[int, int]) -> float:
     return counted[0] / counted[1]
+
+
+def _score(task: Task, results: Sequence[Result]) -> Score:
+    """Return the task's score of an attempt. Raises an error if it cannot be one."""
+    score = _checked(task.score(list(results)), Score)
+    if not 0 <= score.correct <= score.trials:
+        raise ValueError(f"the score of an attempt has {score.correct} right responses of {score.trials}")
+    if score.accuracy is not None and not 0 <= score.accuracy <= 1:
+        raise ValueError(f"the score of an attempt has an accuracy of {score.accuracy:g}; it goes from 0 to 1")
+    return score
+
+
+def _checked(value: _T, kind: type[_T]) -> _T:
+    """Return a value of a task if it has the types that are declared, and finite numbers. Raises TypeError if not."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{value!r:.60} is not a {kind.__name__}")
+    fields = msgspec.structs.asdict(value)
+    try:
+        msgspec.convert(fields, kind)
+    except msgspec.ValidationError as error:
+        raise TypeError(f"the {kind.__name__} of an attempt cannot be stored: {error}") from error
+    if not all(math.isfinite(number) for number in fields.values() if isinstance(number, float)):
+        raise TypeError(f"the {kind.__name__} of an attempt cannot be stored: a number in it is not finite")
+    return value
 
 
 def _score_seat(

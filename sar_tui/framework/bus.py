@@ -14,7 +14,7 @@ from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.messages import Fault, Message
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -231,7 +231,7 @@ def _fault(owner: str, topic: str, error: BaseException) -> Fault:
     return Fault(
         node=owner,
         topic=topic,
-        error=f"{type(error).__name__}: {error}",
+        error=describe(error),
         place=_place(error),
         trace="".join(traceback.format_exception(error)),
     )

@@ -19,6 +19,8 @@ MS = 1_000_000
 """Nanoseconds in a millisecond."""
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""
+STALLED = 250 * MS
+"""A timer later than this means that the program was suspended."""
 
 
 def host_now() -> int:

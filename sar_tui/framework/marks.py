@@ -5,42 +5,50 @@ from collections.abc import Iterable, Mapping
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.framework.messages import AttemptStarted, Message, TrialEnded, TrialMarked, Waiting
+from sar_tui.framework.messages import AttemptStarted, Message, PromptVoided, TrialEnded, TrialMarked, Waiting
 from sar_tui.framework.trial_types import Mark, Results
 
 _OPEN = ("quiet", "foreperiod", "storage", "response")
 """Waits of a trial in which a mark is put on that trial; at all other times it is put on the last one."""
+_NONE = (0, 0)
 
 
 class TrialMark(msgspec.Struct, frozen=True):
     """The trial that a mark is put on now, and the mark that is on it. Followed by programs that offer marks.
 
     Attributes:
-        trial: attempt and trial that a mark is put on; zeros if there is none.
-        marked: attempt and trial of the last mark.
-        last: name of the last mark; empty if it was removed.
+        done: attempt and number of the last trial that was done; zeros if there is none to mark.
+        open: the same of the trial under way; zeros if there is none.
+        marks: names of the marks in this attempt by trial; empty if one was removed.
     """
 
-    trial: tuple[int, int] = (0, 0)
-    marked: tuple[int, int] = (0, 0)
-    last: str = ""
+    done: tuple[int, int] = _NONE
+    open: tuple[int, int] = _NONE
+    marks: dict[tuple[int, int], str] = {}
+
+    @property
+    def trial(self) -> tuple[int, int]:
+        """Attempt and number of the trial that a mark is put on; zeros if there is none."""
+        return self.done if self.open == _NONE else self.open
 
     @property
     def present(self) -> str:
         """Name of the mark on the trial; empty without one."""
-        return self.last if self.marked == self.trial else ""
+        return self.marks.get(self.trial, "")
 
     def after(self, message: Message) -> "TrialMark":
         """Return the state after a message of the session."""
         match message:
             case Waiting(stage="trial") if message.what in _OPEN:
-                return replace(self, trial=(message.attempt, message.trial))
+                return replace(self, open=(message.attempt, message.trial))
             case TrialEnded():
-                return replace(self, trial=(message.attempt, message.trial))
+                return replace(self, done=(message.attempt, message.trial), open=_NONE)
+            case PromptVoided():  # its mark is removed, and the last trial can be marked again
+                return replace(self, open=_NONE)
             case AttemptStarted():  # the last attempt's trial cannot be marked any more
-                return replace(self, trial=(0, 0))
+                return TrialMark()
             case TrialMarked():
-                return replace(self, marked=(message.attempt, message.trial), last=message.mark)
+                return replace(self, marks=self.marks | {(message.attempt, message.trial): message.mark})
         return self
 
 

@@ -4,12 +4,9 @@ from collections.abc import Callable
 from typing import Any, ClassVar, TypeVar
 
 from sar_tui.framework.bus import Bus, Service, Topic
-from sar_tui.framework.clock import MS, Handle
+from sar_tui.framework.clock import Handle
 from sar_tui.framework.messages import Message, TimerFired
 from sar_tui.framework.topics import TIMER
-
-STALLED = 250 * MS
-"""A timer later than this means that the program was suspended."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 M = TypeVar("M", bound=Message)

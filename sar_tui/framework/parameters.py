@@ -12,6 +12,7 @@ import msgspec
 from msgspec import inspect
 
 from sar_tui.framework.declaration import Field, ParameterError, Settings, declared_field, read, show
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
 from sar_tui.framework.policies import difficulty, feedback, registry
 from sar_tui.framework.settings.agent import AgentSettings
 from sar_tui.framework.settings.difficulty import DifficultySettings
@@ -172,7 +173,7 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
         except msgspec.ValidationError:
             problems[name] = declared[name].problem(value)
     built = parameters(**good)
-    if problems or (problems := built.problems()):
+    if problems or (problems := _conflicts(built)):
         raise ParameterError(problems)
     return built
 
@@ -203,6 +204,15 @@ def usable(parameters: type[TaskParameters], values: Mapping[str, Any]) -> tuple
             kept = {name: value for name, value in kept.items() if name not in wrong}
         else:
             return kept, left_out
+
+
+def _conflicts(parameters: TaskParameters) -> dict[str, str]:
+    """Return the problems that a task finds in its parameters; if that fails, this under its first parameter."""
+    try:
+        return {str(name): str(problem) for name, problem in parameters.problems().items()}
+    except PLUGIN_ERRORS as error:
+        first, *_ = fields(type(parameters))
+        return {first.name: f"The settings cannot be checked: problems() failed ({describe(error)})."}
 
 
 def _is_text(value: object) -> bool:

@@ -5,5 +5,7 @@ RULES = 3
 
 1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
 is pressed is dropped, and each proposal has ``operator_time_ms``.
-2: the keyboard task has ten levels, some of them far apart.
+2: with two participants, feedback for the first replaces feedback for the second on the screen if an operator decides
+on that one earlier, and so does a filler; a foreperiod goes on in which the program was suspended; and the keyboard
+task has ten levels, some of them far apart.
 """

@@ -7,6 +7,7 @@ from typing import Any
 from sar_tui.framework.attempts import NextAttempt
 from sar_tui.framework.bus import FAULT, Bus, Record
 from sar_tui.framework.clock import Clock, VirtualClock
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.messages import AgentActing, Fault, SessionStarted, ThemeApplied
 from sar_tui.framework.node import Node
 from sar_tui.framework.nodes import VITAL
@@ -81,7 +82,8 @@ class Session:
         for node in self.core:
             node.attach(self.bus)
         self.nodes = (*self.core, *extra)
-        self._vital = next(node.vital for node in self.core if isinstance(node, EventHandler))
+        self._event_handler = next(node for node in self.core if isinstance(node, EventHandler))
+        self._vital = self._event_handler.vital
         self._extra = extra
         self.bus.subscribe(SESSION_ENDED, lambda _: self._end())
         self.bus.subscribe(ACTING, self._agent_acted)
@@ -96,6 +98,11 @@ class Session:
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
         return next((fault for fault in self.faults if fault.node in self._vital), None) if self.faults else None
+
+    @property
+    def trial_mark(self) -> TrialMark:
+        """The trial that a mark is put on now, and the mark that is on it."""
+        return self._event_handler.trial_mark
 
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""

@@ -71,7 +71,13 @@ def waiting_message(
         reason, detail, seat: as in `messages.Waiting`.
     """
     what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
-    goal = "" if stage == "trial" else attempts.goal
+    goal, trials = "", 0
+    if phase is not Phase.BROKEN:  # the failed method is not called again
+        trials = task.trials_per_attempt
+        if phase is Phase.START:
+            goal = text_of(task.start(attempts.level), "start")
+        elif stage != "trial":
+            goal = text_of(attempts.goal, "goal")
     return Waiting(
         seat=seat,
         what=what,  # type: ignore[arg-type]
@@ -80,10 +86,17 @@ def waiting_message(
         trial=attempts.trial,
         level=attempts.level,
         attempt_name=attempts.name,
-        trials=task.trials_per_attempt,
-        goal=task.start(attempts.level) if phase is Phase.START else goal,
+        trials=trials,
+        goal=goal,
         notice=notice,
         reason=reason,
         detail=detail,
         ask=REQUEST_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.can_request_feedback else "",
     )
+
+
+def text_of(value: object, method: str) -> str:
+    """Return what a method of a task returned. Raises TypeError if it is not a text: the screen would stay blank."""
+    if not isinstance(value, str):
+        raise TypeError(f"{method}() returned {value!r:.60}, not a text")
+    return value

@@ -49,10 +49,12 @@ class Keyboard(Node):
         super().attach(bus)
         self._attached = True
 
-    def pressed(self, key: str, character: str | None, seconds: float, loop_lag: int = 0) -> None:
-        """Publish a key press. ``loop_lag`` in ns, as in `messages.KeyPressed`."""
+    def pressed(
+        self, key: str, character: str | None, seconds: float, loop_lag: int = 0, stalled: bool = False
+    ) -> None:
+        """Publish a key press. ``loop_lag`` (ns) and ``stalled`` as in `messages.KeyPressed`."""
         if name := key_name(key, character):
-            self._publish(KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag))
+            self._publish(KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag, stalled=stalled))
 
     def pasted(self, length: int, seconds: float) -> None:
         """Publish a paste."""

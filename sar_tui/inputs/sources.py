@@ -10,6 +10,7 @@ import msgspec
 
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import ImuSource, SourceError
 
 GROUP = "sar_tui.inputs"
@@ -41,14 +42,15 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
         if entry.name == kind:
             try:
                 source: ImuSource = entry.load()(text)
+                missing = [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]
             except SourceError:
                 raise
             except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
                 raise SourceError(f"The sensor {kind} ({entry.value}) cannot be loaded: {why}.") from error
-            if missing := [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]:
+            if missing:
                 raise SourceError(f"The sensor {kind} ({entry.value}) is not a source: it lacks {', '.join(missing)}.")
-            return source
+            return GuardedSource(source, kind)
     raise SourceError(f'There is no sensor "{name}". Choose one of: {", ".join(source_names())}.')
 
 

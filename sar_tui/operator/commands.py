@@ -1,5 +1,6 @@
 """Acts that an operator's keys send to the session, or the reasons why none is sent. No screen."""
 
+from collections.abc import Set
 from typing import Any, Literal
 
 from msgspec.structs import replace
@@ -45,7 +46,6 @@ class Commands:
         state: the session as this panel knows it.
         peer: the link, once it is made.
         log: acts of this operator.
-        painted: ids of the pending proposals that were on the screen.
         shown: id of the proposal that keys apply to, and since when (ns) it is on the screen.
         control_key: label of the key that takes control.
     """
@@ -54,7 +54,8 @@ class Commands:
         self.state = SessionState()
         self.peer: Peer | None = None
         self.log = ActLog()
-        self.painted: set[str] = set()
+        self._painted: dict[str, ProposalSeen] = {}
+        self._reported: set[str] = set()
         self.shown: tuple[str, int] = ("", 0)
         self.control_key = ""
         self._sent_decisions: dict[str, tuple[str, int]] = {}
@@ -73,6 +74,7 @@ class Commands:
                 self.log.receive(frame, self.state.welcome)
                 if isinstance(frame.message, PeerRequestRefused) and frame.message.actor == self.state.welcome.name:
                     self._sent_decisions = {}
+            self._report_painted({each.proposal.id for each in self.pending})
 
     @property
     def pending(self) -> tuple[PendingApproval, ...]:
@@ -100,13 +102,22 @@ class Commands:
         """Note that a proposal is on the screen, and report it once if this operator may decide on it."""
         if self.shown[0] != approval.proposal.id:  # a slow screen may report it twice
             self.shown = (approval.proposal.id, at)
-        if approval.proposal.id not in self.painted:
+        if approval.proposal.id not in self._painted:
             pending = {each.proposal.id for each in self.pending}
-            self.painted = (self.painted & pending) | {approval.proposal.id}
+            self._painted = {id: seen for id, seen in self._painted.items() if id in pending}
+            self._painted[approval.proposal.id] = ProposalSeen(
+                action=approval.proposal.id, seat=approval.proposal.seat, at=at
+            )
+            self._reported &= pending
             self._sent_decisions = {id: sent for id, sent in self._sent_decisions.items() if id in pending}
-            if self.peer and not self.refusal():
-                seen = ProposalSeen(action=approval.proposal.id, seat=approval.proposal.seat, at=at)
-                self.peer.send(PROPOSAL_SEEN, seen)
+        self._report_painted({approval.proposal.id})
+
+    def _report_painted(self, ids: Set[str]) -> None:
+        """Report proposals that are or were on the screen, if this operator may decide on them now."""
+        if self.peer and not self.refusal():
+            for id in (ids & self._painted.keys()) - self._reported:
+                self._reported.add(id)
+                self.peer.send(PROPOSAL_SEEN, self._painted[id])
 
     def decide(self, approval: PendingApproval, verdict: Literal["accept", "veto"], at: int) -> bool:
         """Approve or veto a proposal."""
@@ -127,6 +138,8 @@ class Commands:
         if approval.level is not None:
             if not text.isdecimal():
                 self.log.report(at, f"A level is a number, not {text!r}. Nothing was sent.")
+                return False
+            if not self._is_level(int(text), at):
                 return False
             decision = replace(decision, level=int(text))
         elif approval.proposal.text:
@@ -196,12 +209,20 @@ class Commands:
         if level is None:
             self.log.report(at, "The level is not known yet. Nothing was sent.")
             return False
-        parameters, levels = (state.welcome.parameters, state.welcome.levels) if state.welcome else ({}, 1)
-        least, most = int(parameters.get("min_level", 1)), min(levels, int(parameters.get("max_level", levels)))
-        if not least <= level + step <= most:
-            self.log.report(at, f"Level {level} is the {'highest' if step > 0 else 'lowest'} level.")
+        if not self._is_level(level + step, at):
             return False
         return self.command(f"Level {level} → {level + step}", "level", at, value=level + step)
+
+    def _is_level(self, level: int, at: int) -> bool:
+        """Return True if the session can have a level; else log the nearest one that it can have."""
+        welcome = self.state.welcome
+        parameters, levels = (welcome.parameters, welcome.levels) if welcome else ({}, 1)
+        least, most = int(parameters.get("min_level", 1)), min(levels, int(parameters.get("max_level", levels)))
+        if least <= level <= most:
+            return True
+        limit = f"Level {least} is the lowest" if level < least else f"Level {most} is the highest"
+        self.log.report(at, f"{limit} level. Nothing was sent.")
+        return False
 
     def _sent_level(self) -> int | None:
         """Return the last level that was sent and is not confirmed yet."""

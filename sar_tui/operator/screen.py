@@ -84,11 +84,12 @@ class PanelScreen(PanelLayout):
     def _edited(self, approval: PendingApproval, text: str, at: int) -> bool:
         if any(each.proposal.id == approval.proposal.id for each in self.commands.pending):
             return self.commands.edit(approval, text, at)
-        self.commands.log.report(at, "Too late: it was already decided. Nothing was sent; Enter says it anyway.")
-        if approval.level is None and approval.proposal.text:
+        has_words = approval.level is None and approval.proposal.text
+        what = "Nothing was sent; Enter says it anyway." if has_words else "Nothing was sent."
+        self.commands.log.report(at, f"Too late: it was already decided. {what}")
+        if has_words:
             self._open_entry("Say:", text, lambda text, at: self.commands.say(text, approval.proposal.seat, at))
-            return False
-        return True
+        return not has_words
 
     # --- the session ---------------------------------------------------------------------------------------------
 

@@ -32,6 +32,13 @@ class _Open(NamedTuple):
     give_up: Handle
 
 
+class _Unstopped(NamedTuple):
+    """The last action whose part is over for the session, but may go on, and why."""
+
+    action: str
+    why: str
+
+
 class _Stop:
     """A stop under way: when it was requested, the parts that are left, when the last one ended, and failures."""
 
@@ -68,6 +75,7 @@ class OutputNode(Node):
         self._can = output.can if not cues or "success" in cues else output.can - {"tone"}
         self._open: dict[_Key, _Open] = {}
         self._stopping: _Stop | None = None
+        self._unstopped: dict[ActionPart, _Unstopped] = {}
         self._open_error = ""
         self._closed = False
         self._uses_clock = False
@@ -180,13 +188,25 @@ class OutputNode(Node):
     def _reported(self, report: Report) -> None:
         if self._closed:
             return
+        self._forget_unstopped(report)
         for key, opened in self._parts_of(report).items():
             if (checked := valid_report(report, opened.since, self.bus.clock.now())) is None:
                 self._end(*key, "failed", "Its report could not be understood.")
-            elif checked.state in _OVER:
+                continue
+            if _is_proof(checked.state, checked.detail):  # the one before is over, too
+                self._unstopped.pop(key[1], None)
+            if checked.state in _OVER:
                 self._end(*key, checked.state, checked.detail, checked.at)
             else:
                 self._report(*key, checked.state, checked.at, checked.detail)
+
+    def _forget_unstopped(self, report: Report) -> None:
+        """Forget a part that may go on when the output reports, late, that it is over."""
+        action, part, state, detail = (getattr(report, name, None) for name in ("action", "part", "state", "detail"))
+        if state in _OVER and _is_proof(state, detail):
+            self._unstopped = {
+                key: late for key, late in self._unstopped.items() if (late.action, key) != (action, part)
+            }
 
     def _parts_of(self, report: Report) -> dict[_Key, _Open]:
         """Return the open parts that a report is about: all parts of its action if it names none that exists."""
@@ -201,6 +221,8 @@ class OutputNode(Node):
                 self.bus.clock.end_work((self.name, action, part))
             ended = self.bus.clock.now() if at is None else at
             self._report(action, part, state, ended, detail)
+            if state == "aborted" and detail and part != "show":
+                self._unstopped[part] = _Unstopped(action, detail)
             stop = self._stopping
             if stop and stop.left.pop((action, part), None):
                 stop.at = max(stop.at, ended)
@@ -210,23 +232,32 @@ class OutputNode(Node):
 
     def _give_up(self, action: str, part: ActionPart) -> None:
         if (action, part) in self._open and not self._closed:
-            self._end(action, part, "failed", "It did not report the outcome.")
+            self._fail_unstopped(action, part, "It did not report the outcome.")
             with contextlib.suppress(Exception):  # it has failed already
                 self.output.stop(action)
 
     def _not_stopped(self, halted: dict[_Key, _Open]) -> None:
         for key, opened in halted.items():
             if self._open.get(key) is opened and not self._closed:
-                self._end(*key, "failed", "It did not stop in time.")
+                self._fail_unstopped(*key, "It did not stop in time.")
+
+    def _fail_unstopped(self, action: str, part: ActionPart, why: str) -> None:
+        self._unstopped[part] = _Unstopped(action, why)
+        self._end(action, part, "failed", why)
 
     def _report_stop(self) -> None:
         """Report a stop once, when everything that was under way is over."""
         if (stop := self._stopping) and not stop.left:
             self._stopping = None
-            detail = " ".join(dict.fromkeys(stop.details))
+            detail = " ".join(dict.fromkeys([*stop.details, *(late.why for late in self._unstopped.values())]))
             self.bus.post(STOPPED, m.OutputStopped(output=self.name, asked=stop.asked, at=stop.at, detail=detail))
 
     def _report(self, action: str, part: ActionPart, state: PartState, at: int, detail: str = "") -> None:
         self.bus.post(
             REPORT, m.OutputReport(action=action, output=self.name, part=part, state=state, at=at, detail=detail)
         )
+
+
+def _is_proof(state: PartState, detail: object) -> bool:
+    """Return True if a report proves that nothing before it goes on: it began, or it ended without a doubt."""
+    return state in ("started", "done") or (state == "aborted" and not detail)

@@ -3,8 +3,9 @@
 import difflib
 from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
+from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
@@ -120,6 +121,9 @@ def _plugged_in(kind: str, text: str) -> Output:
                 raise OutputError(f"The output {kind} ({entry.value}) is not an Output.")
             if not isinstance(name := getattr(output, "name", ""), str) or not name:
                 raise OutputError(f"The output {kind} ({entry.value}) has no name.")
+            if not isinstance(output.can, frozenset | set) or not output.can <= set(get_args(ActionPart)):
+                parts = ", ".join(get_args(ActionPart))
+                raise OutputError(f"The can of the output {kind} ({entry.value}) is not a frozenset of: {parts}.")
             _checked[kind, text] = make, output
             return output
     raise OutputError(f'There is no output "{kind}". Choose one of: {", ".join(output_names())}.')

@@ -60,6 +60,7 @@ class Ros(Output):
         self._token = secrets.token_hex(3)
         self._ready_at: int | None = None
         self._stop_pending = self._was_lost = False
+        self._unended: dict[ActionPart, _Request] = {}
         self._unread_report = ""
 
     def open(self, theme: Theme, clock: Clock, report: Callable[[Report], None]) -> None:
@@ -102,7 +103,7 @@ class Ros(Output):
         """Ask the robot to stop. Its request is aborted when it confirms, or after a while as not confirmed.
 
         The next request waits for that. A stop that cannot be sent now is sent before anything else. Raises
-        OutputError if the connection was lost during a request that the robot may still be performing.
+        OutputError if the robot may still be performing a request that was given up.
         """
         if self._bridge is None:
             return
@@ -125,6 +126,8 @@ class Ros(Output):
             self._advance_all(self._bridge)
         elif self._was_lost and not is_sent:
             raise OutputError(self._stop_failure)
+        elif not sent and any(self._may_go_on(request, now) for request in self._unended.values()):
+            raise OutputError(self._unconfirmed)
 
     def close(self) -> None:
         """Have the robot stop, and close the connection."""
@@ -164,6 +167,7 @@ class Ros(Output):
         for request in self._under_way:
             self._was_lost = True
             self._stop_pending |= request.is_stopping
+            self._unended[request.part] = request
             self._end(request, "failed", now, f"The connection to the robot at {self._address} was lost.")
         self._advance_all(bridge)
 
@@ -172,6 +176,7 @@ class Ros(Output):
             return
         sent = [request for request in self._under_way if request.sent is not None and request.sent <= at]
         about = [request for request in sent if self._is_about(report, request.action, request.part)]
+        self._forget_unended(report, {request.part for request in about})
         begun = [request for request in about if request.started is not None]
         waiting = [request for request in about if request.started is None]
         for request in (waiting if report.state == "started" else begun + waiting)[:1]:
@@ -180,8 +185,18 @@ class Ros(Output):
                 self._report(request, "started", at)
             if report.state != "started":
                 why = report.detail or ("The robot failed." if report.state == "failed" else "")
+                if request.is_stopping and not why:
+                    self._unended.clear()
                 self._end(request, "aborted" if request.is_stopping and not why else report.state, at, why)
                 self._advance(request.part)
+
+    def _forget_unended(self, report: RobotReport, parts: set[ActionPart]) -> None:
+        """Forget requests that were given up and are over now: the robot reports so late, or has begun the next one."""
+        self._unended = {
+            part: request
+            for part, request in self._unended.items()
+            if part not in parts and (report.state == "started" or not self._is_about(report, request.action, part))
+        }
 
     def _request(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], text: str, lasts: int) -> None:
         if self._bridge is None:
@@ -222,7 +237,7 @@ class Ros(Output):
             return
         state: PartState = "failed"
         if request.is_stopping:
-            state, why = "aborted", f"The robot at {self._address} did not confirm that it stopped."
+            state, why = "aborted", self._unconfirmed
         elif request.started is None:
             why = f"Sent to the robot at {self._address}, which did not acknowledge it."
         elif now < (until := request.started + request.lasts + LONGEST):
@@ -230,6 +245,7 @@ class Ros(Output):
             return
         else:
             why = f"The robot at {self._address} started, but did not report that it was done."
+        self._unended[request.part] = request
         self._end(request, state, now, why + self._unread_report)
         self._advance(request.part)
 
@@ -266,6 +282,14 @@ class Ros(Output):
         """Requests that are sent and not over, oldest first."""
         sent = (queue[0] for queue in self._queues.values() if queue and queue[0].sent is not None)
         return sorted(sent, key=lambda request: request.sent or 0)
+
+    def _may_go_on(self, request: _Request, now: int) -> bool:
+        """Return True if the robot may perform a request that was given up: it started it, or still has time to."""
+        return request.started is not None or now < (request.sent or 0) + request.lasts + LONGEST
+
+    @property
+    def _unconfirmed(self) -> str:
+        return f"The robot at {self._address} did not confirm that it stopped."
 
     @property
     def _stop_failure(self) -> str:

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.clock import MS, SECOND, STALLED
 from sar_tui.framework.held_key import HeldKey
 from sar_tui.framework.messages import (
     ImuBlock,
@@ -16,7 +16,7 @@ from sar_tui.framework.messages import (
     SensorChanged,
     TrialEnded,
 )
-from sar_tui.framework.node import STALLED, TimedNode, on
+from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ

@@ -6,6 +6,8 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.store.stored_json import read_json
+
 _OVER = ("done", "aborted", "failed")
 _REPORTS = """SELECT topic, message FROM events
            WHERE session=? AND topic IN ('output/opened', 'output/report') ORDER BY seq"""
@@ -38,7 +40,7 @@ def output_summaries(database: sqlite3.Connection, session: str) -> list[OutputS
     opened: dict[str, OutputSummary] = {}
     last: dict[tuple[str, str, str], dict[str, Any]] = {}
     for topic, text in database.execute(_REPORTS, (session,)):
-        message = msgspec.json.decode(text)
+        message = read_json(text)
         found = opened.setdefault(message["output"], OutputSummary(message["output"]))
         if topic == "output/opened":
             found.address = message["address"]

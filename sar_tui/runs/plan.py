@@ -7,8 +7,9 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters, build, usable
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
@@ -173,8 +174,11 @@ def set_up(kind: type[Task], parameters: TaskParameters) -> Task:
     try:
         task = kind(parameters)
         levels = task.levels
+        nodes = list(task.nodes())
     except PLUGIN_ERRORS as error:
-        raise Failed(f"The task {kind.name} cannot be set up ({type(error).__name__}: {error}).") from error
+        raise Failed(f"The task {kind.name} cannot be set up ({describe(error)}).") from error
+    if wrong := [node for node in nodes if not isinstance(node, Node)]:
+        raise Failed(f"The task {kind.name} cannot be set up: among its nodes is {wrong[0]!r:.60}, which is no Node.")
     if type(levels) is not int or levels < 1:
         raise Failed(f"The task {kind.name} cannot be set up: its levels are {levels!r}, not a whole number from 1 on.")
     for name in ("start_level", "min_level"):

@@ -11,7 +11,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import output_nodes, start
 from sar_tui.simulation.operator import OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
@@ -42,7 +42,7 @@ def simulate(
 
     Raises:
         StoreError, PluginError, ParameterError: as ``start``.
-        Failed: the task raised.
+        Failed: the task raised, or waits for ever.
     """
     clock = VirtualClock() if set(plan.parameters.outputs) <= {"screen"} else PacedClock()
 
@@ -65,6 +65,11 @@ def simulate(
         session.detach()
         session.bus.drain()
         run.check()
+        if not session.ended:
+            raise Failed(
+                f"The session {run.id} stopped before its end: the task {plan.task.name} waits for something that the "
+                "simulated participant does not do. What was done so far is kept."
+            )
     finally:
         try:
             run.recorder.write()

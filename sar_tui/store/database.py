@@ -27,6 +27,8 @@ VERSION = 10
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
+_NOT_TEXT = "Could not decode to UTF-8"
+"""Part of the message of Python's module, without an error code of SQLite, if a text is damaged."""
 _LARGE_MB = 200.0
 """Size of a database from which it is announced that it is copied and brought up to date."""
 _TEMPORARY = {
@@ -155,6 +157,8 @@ def open_file(path: Path) -> StoreConnection:
         raise _unwritable(folder, error) from error
     except sqlite3.Error as error:
         raise explain(error, path) from error
+    except UnicodeDecodeError as error:  # the words of SQLite about a damaged schema, which quote it
+        raise damaged(path) from error
     return database
 
 
@@ -190,7 +194,7 @@ def _open_read_only(path: Path) -> sqlite3.Connection | None:
         try:
             database = sqlite3.connect(f"file:{quote(str(path.absolute()))}?{option}", uri=True, isolation_level=None)
             database.execute("SELECT 1 FROM sessions LIMIT 1").fetchone()
-        except sqlite3.Error:
+        except (sqlite3.Error, UnicodeDecodeError):
             continue
         return database
     return None
@@ -215,17 +219,18 @@ def _unwritable(folder: Path, error: OSError) -> StoreError:
 def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
     """Return an error of SQLite as a StoreError with a clear message."""
     code = (getattr(error, "sqlite_errorcode", 0) or 0) & 0xFF
+    if code == sqlite3.SQLITE_CORRUPT or _NOT_TEXT in str(error):
+        return damaged(path)
     known = {
         sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
         sqlite3.SQLITE_READONLY: f"{path} is read-only. Change the permissions of the file and of its folder.",
         sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you write to it?",
-        sqlite3.SQLITE_CORRUPT: f"{path} is damaged. Restore a backup, or choose another --data folder.",
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
         sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
         sqlite3.SQLITE_IOERR: f"The disk cannot write {path}.",
         sqlite3.SQLITE_NOMEM: "This machine has no memory left. Close other programs.",
     }
-    wrong_file = code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+    wrong_file = code == sqlite3.SQLITE_NOTADB
     return StoreError(
         known.get(code, f"{path}: {error}."),
         bad_input=wrong_file,
@@ -233,6 +238,12 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
         locked=code == sqlite3.SQLITE_BUSY,
         unreadable=wrong_file or code in (sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN),
     )
+
+
+def damaged(path: Path | str = FILE) -> StoreError:
+    """Return the error of a database whose bytes have changed."""
+    said = f"{path} is damaged. Restore a backup, or choose another --data folder."
+    return StoreError(said, bad_input=True, unreadable=True)
 
 
 @contextmanager

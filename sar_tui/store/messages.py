@@ -220,7 +220,8 @@ def _rows(database: sqlite3.Connection, session: str, after: int) -> Iterator[tu
         " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>? ORDER BY seq",
         (session, after),
     )
-    present = ((seq, run, at, *topics[topic], text) for seq, run, at, topic, text in rows)
+    unknown = ("", "")  # a damaged number, whose message cannot be read
+    present = ((seq, run, at, *topics.get(topic, unknown), text) for seq, run, at, topic, text in rows)
     if (first := earlier.fetchone()) is None:
         yield from present
     else:

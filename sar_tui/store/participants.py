@@ -11,14 +11,14 @@ _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 
 def check_code(code: str) -> str:
     """Return a code as it is stored, in capital letters. Raise StoreError if it is not valid."""
-    code = code.strip().upper()
-    if not _CODE.fullmatch(code):
+    code = code.strip()
+    if not _CODE.fullmatch(code):  # before the capitals: those of ß and ı are letters of other codes
         raise StoreError(
             "A participant code has 1 to 32 letters, digits, - or _, and begins with a letter or digit, such as P01. "
             "Never use a name.",
             bad_input=True,
         )
-    return code
+    return code.upper()
 
 
 def add(db: sqlite3.Connection, code: str) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.stored_json import read_json
 
 LONGEST_TEXT = 500
 """Largest number of characters of a reason or an author."""
@@ -138,4 +139,4 @@ def save(
 
 
 def _programme(row: tuple[str, str, int, str, str, str]) -> Programme:
-    return Programme(msgspec.json.decode(row[0]), *row[1:])
+    return Programme(read_json(row[0]), *row[1:])

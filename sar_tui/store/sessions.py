@@ -20,6 +20,7 @@ from sar_tui.framework.topics import PRESENCE
 from sar_tui.store import imu, messages
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
+from sar_tui.store.stored_json import read_json
 
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
@@ -109,7 +110,7 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     )
 
     def is_comparable(row: Row) -> bool:
-        stored = current_values(kind, msgspec.json.decode(row["parameters"]))
+        stored = current_values(kind, read_json(row["parameters"]))
         return {name: value for name, value in stored.items() if name in own} == own_values
 
     comparable = [row["id"] for row in live if is_comparable(row)]
@@ -163,7 +164,7 @@ def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[
 
 def _typed(table: str, row: Row) -> Row:
     """Return a row with its JSON columns decoded and its boolean columns as bool."""
-    decoded = {name: msgspec.json.decode(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
+    decoded = {name: read_json(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
     booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
     return row | decoded | booleans
 

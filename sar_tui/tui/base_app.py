@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import os
 import signal
+import sqlite3
 import sys
 from collections.abc import Sequence
 from typing import Any, ClassVar
@@ -182,6 +183,17 @@ class BaseApp(App[int]):
         if self._exit:  # a signal came while screens were still being made: they miss what is not made any more
             self._close_messages_no_wait()
             return
-        self.failure = f"sar-tui failed ({type(error).__name__}: {error}). Set {DEBUG}=1 to see where."
+        self.failure = explain_failure(error)
         self._return_code = 1
         self._close_messages_no_wait()
+
+
+def explain_failure(error: Exception) -> str:
+    """Return a sentence about an unhandled exception. Those of the database are sentences already."""
+    from sar_tui.store.database import StoreError, explain  # the panel and the agent's window have no database
+
+    if isinstance(error, sqlite3.Error):
+        error = explain(error)
+    if isinstance(error, StoreError):
+        return str(error)
+    return f"sar-tui failed ({type(error).__name__}: {error}). Set {DEBUG}=1 to see where."

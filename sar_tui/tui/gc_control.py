@@ -4,11 +4,13 @@ import asyncio
 import gc
 import sys
 
-from sar_tui.framework.clock import MS, host_now
+from sar_tui.framework.clock import MS, STALLED, host_now
 
 SWITCH_INTERVAL = 0.0005
 """Seconds a thread may hold the interpreter while another waits; short, so that keys are stamped in time."""
 _PERIOD = 0.02
+_WAKING = 50 * MS
+"""After a suspension the program's threads go on within this time of each other."""
 
 
 def end_loading() -> None:
@@ -25,6 +27,7 @@ class GcControl:
         self._handle: asyncio.TimerHandle | None = None
         self._worst = 0
         self._due = 0
+        self._went_on: int | None = None
 
     def begin_attempt(self) -> None:
         """Collect, and exclude all present objects from later collections."""
@@ -42,6 +45,7 @@ class GcControl:
         """Turn the collector off, and begin to measure the lag."""
         gc.disable()
         self._worst = 0
+        self._went_on = None
         if self._handle is None:
             self._watch()
 
@@ -57,10 +61,26 @@ class GcControl:
         """Largest lag of the event loop (ns) since the trial began."""
         return self._worst
 
+    def is_stalled(self, at: int) -> bool:
+        """Return True if the program went on at ``at`` (ns) after it had been suspended in the trial.
+
+        What was stamped then had waited in the terminal for some unknown time.
+        """
+        if self._handle:
+            self._measure()
+        return self._went_on is not None and abs(at - self._went_on) < _WAKING
+
+    def _measure(self) -> None:
+        now = host_now()
+        late = now - self._due
+        self._worst = max(self._worst, late)
+        if late > STALLED:
+            self._went_on = now
+
     def _watch(self) -> None:
         self._due = host_now() + round(_PERIOD * 1000) * MS
         self._handle = asyncio.get_running_loop().call_later(_PERIOD, self._tick)
 
     def _tick(self) -> None:
-        self._worst = max(self._worst, host_now() - self._due)
+        self._measure()
         self._watch()

@@ -65,6 +65,22 @@ async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
 
+@pytest.mark.parametrize("member", ["instructions", "goal", "trials_per_attempt"])
+async def test_a_task_that_raises_before_its_first_screen_asks_for_the_experimenter(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], member: str
+) -> None:
+    def fail(*_: object) -> str:
+        raise RuntimeError("a wire is loose")
+
+    loose = type("Loose", (keyboard,), {member: property(fail) if member == "trials_per_attempt" else fail})
+    async with open_app(data, catalogue, plan(catalogue, loose)) as driver:
+        await driver.wait(1000)
+        assert driver.sees("Please fetch the experimenter")
+        assert driver.sees("Press Enter to close.")
+        await driver.press("enter")
+        assert "The task keyboard failed (RuntimeError: a wire is loose" in driver.app.failure
+
+
 async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
     class Missing(Catalogue):
         def task(self, name: str) -> type[Task]:

@@ -8,6 +8,7 @@ from textual.widgets import Button, OptionList
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
@@ -243,6 +244,25 @@ async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
         assert driver.sees("is in a live session already")
         lock.release()
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+
+
+async def test_a_session_that_another_program_runs_is_shown_as_far_as_it_is(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01")) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        session = driver.session_id
+    database = connect(data)
+    database.execute("UPDATE sessions SET status = 'running'")
+    database.close()
+    lock = hold(data, "session", session)
+    async with open_app(data, catalogue) as driver:
+        driver.app.screen.query_one("#recent").focus()
+        await driver.press("enter")
+        assert driver.screen_name == "PastSessionScreen"
+        assert driver.sees("1 attempt so far; goal reached in 1.")
+        assert not driver.sees("Ended early")
+    lock.release()
 
 
 async def test_home_opens_on_the_participant_of_the_last_session(

@@ -101,6 +101,22 @@ async def test_under_a_cover_it_asks_and_the_answer_is_read_when_the_window_is_l
         assert driver.waiting.stage == "trial"
 
 
+async def test_while_the_disk_is_full_it_does_not_say_that_everything_is_kept(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await driver.disk(False)
+        await driver.press("f1", "ctrl+q")
+        assert driver.sees(QUESTION)
+        assert driver.sees("Your last answer may not be saved yet. If you leave now, it may be lost.")
+        assert not driver.sees("What you did is kept.")
+        await driver.press("enter", "escape")
+        await driver.disk(True)
+        await driver.press("ctrl+q")
+        assert driver.sees("What you did is kept. You can go on with this session later.")
+
+
 async def test_after_the_session_it_leaves_at_once(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         await driver.do_session()

@@ -311,3 +311,35 @@ async def test_the_footer_names_the_marks_while_there_is_a_trial_to_mark(
         assert shown in footer(driver)
         await reach(driver)
         assert shown in footer(driver)
+
+
+async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(data: Path, catalogue: Catalogue) -> None:
+    async with at_the_table(data, catalogue, reaches_per_attempt=2, attempts=1) as driver:
+        await to_start(driver)
+        await reach(driver)
+        await driver.press("f9")
+        await driver.press("space")
+        await driver.wait(500)
+        await driver.press("f7", "escape")
+        assert driver.sees("Marked: assisted"), "a pause aborts a reach and its mark; what is marked is the last reach"
+        await driver.press("enter")
+        await driver.press("f8")
+        assert driver.sees("Marked: assisted · F8 again: compensated instead")
+        assert driver.stored("SELECT trial, json_extract(details, '$.mark') FROM trials") == [(1, "assisted")]
+
+
+async def test_a_resumed_session_shows_the_mark_of_the_last_reach(data: Path, catalogue: Catalogue) -> None:
+    async with at_the_table(data, catalogue, attempts=3) as driver:
+        await to_start(driver)
+        await reach(driver)
+        await driver.press("f9")
+        assert driver.sees("Marked: assisted")
+        session = driver.session_id
+    async with open_app(data, catalogue, session) as driver:
+        assert driver.sees("Welcome back")
+        await driver.wait(300)
+        await driver.press("enter")
+        assert driver.sees("Marked: assisted")
+        await driver.press("f8")
+        assert driver.sees("Marked: assisted · F8 again: compensated instead")
+        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("assisted",)]

@@ -241,3 +241,17 @@ async def test_the_agent_is_silent_during_an_attempt(
         await driver.to_first_prompt()
         assert driver.said == ""
         assert all(line in driver.text for line in faces["listening"].splitlines()[1:3])
+
+
+async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_again(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        with monkeypatch.context() as suspended:
+            suspended.setattr("sar_tui.tui.gc_control.GcControl.is_stalled", lambda control, at: True)
+            await driver.answer(prompt, after_ms=2800)
+        again = await driver.to_prompt()
+        assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+        await driver.answer(again)
+    assert stored(data, "SELECT trial, reaction_time_ms FROM trials") == [(1, 400.0)]

@@ -77,6 +77,19 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write
     )
 
 
+@pytest.mark.parametrize("columns", [40, 80])
+def test_every_figure_is_printed_whole_however_narrow_the_terminal(
+    call: Call, write: Write, recorded: list[Row], monkeypatch: pytest.MonkeyPatch, columns: int
+) -> None:
+    """Times since 1970 have ten digits before the point."""
+    monkeypatch.setenv("COLUMNS", str(columns))
+    path = write([{**row, "t": row["t"] + 1_700_000_000} for row in recorded])
+    reach = call("detect", path, "--json").json["reaches"][0]
+    times = [f"{reach[name]:.3f}" for name in ("onset_s", "turn_s", "end_s", "reach_time_s")]
+    rest = [f"{reach[name]:.2f}" for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back")]
+    assert ["1", *times, *rest, "–"] in [line.split() for line in call("detect", path).out.splitlines()]
+
+
 def test_every_flag_is_described_even_an_unknown_one() -> None:
     assert list(explain_flags(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
 

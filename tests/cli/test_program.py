@@ -259,6 +259,31 @@ def test_a_reader_that_goes_away_is_no_error(call: Call, tmp_path: Path, how: st
     assert done.stderr == ""
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full is Linux's")
+@pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["sessions", "--help"], ["tasks"]])
+def test_output_that_does_not_fit_on_the_disk_is_a_failure_in_a_sentence(tmp_path: Path, arguments: list[str]) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "sar_tui", *arguments],
+            env={**os.environ, "SAR_TUI_DATA": str(tmp_path)},
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    said = "The disk is full: what was to be written is not complete. Free some space, and try again.\n"
+    assert (done.returncode, done.stderr) == (1, said)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the shell of POSIX systems")
+@pytest.mark.parametrize("arguments", ["--version", "tasks"])
+def test_a_command_whose_standard_output_is_closed_is_done_all_the_same(arguments: str) -> None:
+    done = subprocess.run(
+        ["sh", "-c", f'"{sys.executable}" -m sar_tui {arguments} >&-'], stderr=subprocess.PIPE, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 @pytest.mark.parametrize("arguments", [[], ["run", "keyboard", "-p", "P01"]], ids=["the app", "run"])
 @pytest.mark.parametrize("term", ["xterm", "dumb"])
 def test_without_a_terminal_the_app_is_refused(

@@ -189,3 +189,14 @@ def test_the_reasons_of_changes_are_shown_under_policies_that_need_them(call: Ca
 def test_by_default_no_reasons_are_listed(call: Call) -> None:
     call("simulate", "keyboard", "--user", "competent", "--attempts", "2", "--seed", "1")
     assert "After attempt" not in call("show", "last").out
+
+
+@pytest.mark.parametrize("damage", ["substr(parameters, 1, 100)", "CAST(parameters || x'ff' AS TEXT)", "''"])
+@pytest.mark.parametrize("command", [["sessions"], ["show", "last"], ["report", "wizard", "last"]])
+def test_a_damaged_text_in_the_database_is_reported_as_damage(
+    call: Call, tmp_path: Path, simulated: str, command: list[str], damage: str
+) -> None:
+    change(tmp_path, f"UPDATE sessions SET parameters={damage} WHERE id=?", simulated)
+    called = call(*command)
+    assert (called.code, called.out) == (2, "")
+    assert called.err.endswith("sar-tui.db is damaged. Restore a backup, or choose another --data folder.\n")

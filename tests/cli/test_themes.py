@@ -1,5 +1,6 @@
 """``sar-tui themes``: list, create, check."""
 
+import errno
 import shutil
 import tomllib
 from collections.abc import Callable
@@ -147,6 +148,19 @@ def test_an_existing_folder_is_never_overwritten(call: Call, evening: Path) -> N
     assert called.code == 2
     assert "exists already" in called.err
     assert (evening / "theme.toml").read_text(encoding="utf-8") == "mine"
+
+
+def test_a_new_theme_that_does_not_fit_on_the_disk_leaves_nothing_behind(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", full)
+        called = call("themes", "new", "evening", "--to", tmp_path)
+    assert (called.code, called.err.startswith("The disk is full: ")) == (1, True)
+    assert call("themes", "new", "evening", "--to", tmp_path).code == 0
 
 
 def test_a_new_theme_does_not_replace_another(call: Call, tmp_path: Path) -> None:

@@ -179,6 +179,16 @@ def test_only_values_that_differ_from_the_defaults_are_stored(data: st.DataObjec
     assert build(Parameters, changes) == built
 
 
+@pytest.mark.parametrize("returned", [["a list"], None, 5])
+def test_a_check_of_a_task_that_fails_is_a_problem_of_its_settings(returned: object) -> None:
+    class Unchecked(Parameters, frozen=True, kw_only=True):
+        def problems(self) -> Any:
+            return 1 / 0 if returned == 5 else returned
+
+    with pytest.raises(ParameterError, match=r"The settings cannot be checked: problems\(\) failed \(\w+Error: "):
+        build(Unchecked, {})
+
+
 def test_a_former_spelling_of_a_choice_is_read_as_the_present_one() -> None:
     assert build(Parameters, {"hand": "sinister", "difficulty_policy": "thesis"}) == build(Parameters, {"hand": "left"})
     assert current_values(Parameters, {"hand": "sinister", "unknown": "x", "reach": 2.0}) == {

@@ -11,6 +11,7 @@ import pytest
 
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.inputs import sources
+from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import SourceError
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
@@ -133,7 +134,9 @@ def test_a_name_that_cannot_be_opened_is_reported(name: str, said: str) -> None:
 
 @pytest.mark.usefixtures("_plugins")
 def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None:
-    assert isinstance(open_source("camera:473001"), PhidgetSource)
+    camera = open_source("camera:473001")
+    assert isinstance(camera, GuardedSource)
+    assert isinstance(camera.plug_in, PhidgetSource)
     assert source_names() == ["absent", "camera", "faulty", "hollow", "phidget", "recorded", "ros", "simulated"]
 
 

@@ -115,6 +115,33 @@ async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neith
         ]
 
 
+@pytest.mark.parametrize(("typed", "limit"), [("0", "lowest"), ("11", "highest"), ("9" * 30, "highest")])
+async def test_a_level_that_the_session_cannot_have_is_not_sent(
+    catalogue: Catalogue, folder: Path, typed: str, limit: str
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.propose(b.approval("d1", level=5, text="Level 4 → 5"))
+        await driver.press("e", "backspace", *typed, "enter")
+        assert driver.sent(t.DECISION) == []
+        assert f"is the {limit} level. Nothing was sent." in driver.text
+        await driver.press(*["backspace"] * len(typed), "7", "enter")
+        assert [decision.level for decision in driver.sent(t.DECISION)] == [7]
+
+
+@pytest.mark.parametrize(
+    "late", [b.approval("p1", 2000, level=5), b.approval("p1", 2000, text="", spoken="", gesture="nod")]
+)
+async def test_only_late_words_can_be_said_anyway(catalogue: Catalogue, folder: Path, late: m.PendingApproval) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.propose(late)
+        await driver.press("e", "8")
+        await driver.advance(2000)
+        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000)))
+        await driver.press("enter")
+        assert "Too late: it was already decided. Nothing was sent." in driver.text
+        assert "says it anyway" not in driver.text
+
+
 async def test_the_shown_proposal_stays_until_it_is_decided_and_a_key_right_after_is_not_for_the_next(
     catalogue: Catalogue, folder: Path
 ) -> None:
@@ -560,6 +587,23 @@ async def test_without_control_nothing_is_sent_until_it_is_taken(catalogue: Cata
         await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
         await driver.press("s")
         assert [act.command for act in driver.sent(t.COMMAND)] == ["skip"]
+
+
+async def test_who_takes_control_has_seen_the_proposals_since_they_were_on_their_own_screen(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
+        await driver.propose(b.approval("p1", 4000))
+        await driver.propose(b.approval("p2", 6000))
+        shown_at = driver.panel.commands.shown[1]
+        await driver.advance(1500)
+        assert driver.sent(t.PROPOSAL_SEEN) == []
+        for _ in range(2):
+            await driver.publish(t.PRESENCE, b.presence("baton", ANNA, ben="operator"))
+        assert [(name, act.action, act.at) for name, act in driver.peer.sent] == [
+            (t.PROPOSAL_SEEN.name, "p2", shown_at)
+        ]
 
 
 async def test_a_lost_link_is_shown_until_it_is_back(catalogue: Catalogue, folder: Path) -> None:

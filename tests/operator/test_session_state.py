@@ -110,6 +110,24 @@ def test_a_mark_changes_whether_a_trial_is_correct() -> None:
     assert not state.seat("A").trials[0].correct
 
 
+def test_after_an_aborted_trial_a_mark_is_put_on_the_last_one_again() -> None:
+    state = after(
+        (t.ATTEMPT_STARTED, m.AttemptStarted(attempt=3, practice=False, level=1, trials=20)),
+        (t.TRIAL, b.trial(1, "f", 400)),
+        (t.MARKED, m.TrialMarked(attempt=3, trial=1, mark="assisted", correct=False)),
+        (t.WAITING, b.waiting("response", "trial", attempt=3, trial=2)),
+        (t.MARKED, m.TrialMarked(attempt=3, trial=2, mark="missed", correct=False)),
+    )
+    assert (state.trial_mark.trial, state.trial_mark.present) == ((3, 2), "missed")
+    aborted = state.receive(
+        [
+            b.frame(t.MARKED, m.TrialMarked(attempt=3, trial=2, mark="", correct=True)),
+            b.frame(t.VOIDED, m.PromptVoided(attempt=3, trial=2, presentation=1, reason="pause")),
+        ]
+    )
+    assert (aborted.trial_mark.trial, aborted.trial_mark.present) == ((3, 1), "assisted")
+
+
 def test_the_session_says_who_has_control() -> None:
     mine = after((t.PRESENCE, b.presence()))
     assert (mine.holder, mine.has_control) == (b.ANNA, True)

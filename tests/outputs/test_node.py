@@ -442,6 +442,41 @@ def test_an_output_that_did_not_stop_can_be_stopped_again() -> None:
     assert [stopped.detail for stopped in stage.stopped] == ["It did not stop in time.", ""]
 
 
+@pytest.mark.parametrize("first", ["stopped in vain", "given up", "not confirmed"])
+def test_a_second_stop_does_not_confirm_what_nothing_confirms(first: str) -> None:
+    stage = Stage(FakeOutput())
+    stage.act(gesture="wave")
+    if first == "given up":
+        stage.wait(TIMEOUT)
+        why = "It did not report the outcome."
+    else:
+        stage.halt()
+        if first == "not confirmed":
+            stage.report("gesture", "aborted", detail="The robot did not confirm that it stopped.")
+        stage.wait(STOP_TIMEOUT)
+        why = stage.stopped.pop().detail
+        assert why
+    stage.halt()
+    assert [stopped.detail for stopped in stage.stopped] == [why]
+
+
+@pytest.mark.parametrize(("action", "state"), [("a1", "aborted"), ("a1", "done"), ("a2", "started"), ("a2", "done")])
+def test_a_stop_is_confirmed_once_the_output_reports_the_end_or_has_begun_the_next_part(
+    action: str, state: str
+) -> None:
+    stage = Stage(FakeOutput())
+    stage.act(gesture="wave", spoken="Well done.")
+    stage.halt()
+    stage.report("say", "aborted")
+    stage.wait(STOP_TIMEOUT)
+    stage.act("a2", gesture="wave")
+    stage.report("gesture", "failed", detail="The arm is stuck.", action="a3")
+    stage.report("gesture", state, action)
+    stage.halt()
+    stage.report("gesture", "aborted", "a2")
+    assert [stopped.detail for stopped in stage.stopped] == ["It did not stop in time.", ""]
+
+
 def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() -> None:
     stage = Stage(FakeOutput())
     stage.act(**EVERY_PART)

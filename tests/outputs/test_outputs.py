@@ -28,6 +28,9 @@ from tests.outputs.fake_outputs import FakeOutput, Speaker
 PlugIn = Callable[..., None]
 
 
+NO_SET = "The can of the output lamp (somewhere:lamp) is not a frozenset of: say, show, gesture, gaze, tone."
+
+
 @pytest.fixture
 def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
     """Install an output with its factory."""
@@ -161,6 +164,8 @@ def _refuses(_: str) -> Output:
         (lambda text: text, "The output lamp (somewhere:lamp) is not an Output."),
         (lambda text: Output(), "The output lamp (somewhere:lamp) has no name."),
         (lambda text: FakeOutput(7), "The output lamp (somewhere:lamp) has no name."),  # type: ignore[arg-type]
+        (lambda text: FakeOutput("lamp", None), NO_SET),  # type: ignore[arg-type]
+        (lambda text: FakeOutput("lamp", frozenset({"fly"})), NO_SET),  # type: ignore[arg-type]
     ],
 )
 def test_an_unusable_plug_in_is_reported_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:

@@ -280,6 +280,56 @@ def test_a_stop_that_cannot_be_sent_as_the_connection_breaks_has_failed() -> Non
         assert rig.detail("a", "gesture").startswith("The robot could not be asked to stop. ")
 
 
+UNCONFIRMED = r"^The robot at .* did not confirm that it stopped\.$"
+
+
+def test_a_stop_is_not_confirmed_by_a_robot_that_was_lost_while_it_moved() -> None:
+    with robot_bench("slow") as (rig, robot):
+        rig.ask("gesture", "a")
+        rig.wait(lambda: rig.states("a", "gesture") == ["started"])
+        its = asked(robot, "gesture")[0]["id"]
+        robot.leave()
+        rig.wait_for("gesture", "a")
+        robot.arrive()
+        rig.wait(lambda: robot.has_subscriber("/sar_tui/report"))
+        rig.wait(lambda: is_ready(rig))
+        with pytest.raises(OutputError, match=UNCONFIRMED):
+            rig.output.stop()
+        wait_until(lambda: asked(robot, "stop")[-1:] == [{"id": ""}])
+        with pytest.raises(OutputError, match=UNCONFIRMED):
+            rig.output.stop()
+        robot.publish("/sar_tui/report", {"data": json.dumps({"state": "done", "id": its, "part": "gesture"})})
+        rig.wait(lambda: not cast(Ros, rig.output)._unended)
+        rig.output.stop()
+
+
+def test_a_stop_is_not_confirmed_by_a_robot_that_reports_nothing_and_may_still_speak() -> None:
+    with robot_bench("silent") as (rig, robot):
+        rig.ask("say", "a", "Hello.")
+        rig.wait(lambda: len(asked(robot, "speech")) == 1)
+        rig.clock.advance(ANSWER)
+        assert rig.states("a", "say") == ["failed"]
+        with pytest.raises(OutputError, match=UNCONFIRMED):
+            rig.output.stop()
+        rig.clock.advance(LONGEST)
+        rig.output.stop()
+
+
+def test_a_robot_that_confirms_a_stop_has_stopped_altogether() -> None:
+    with robot_bench("slow") as (rig, robot):
+        robot.manner = "silent"
+        rig.ask("gaze", "a")
+        rig.wait(lambda: len(asked(robot, "gaze")) == 1)
+        rig.clock.advance(ANSWER)
+        robot.manner = "slow"
+        rig.ask("gesture", "b")
+        rig.wait(lambda: rig.states("b", "gesture") == ["started"])
+        rig.output.stop()
+        rig.wait_for("gesture", "b")
+        assert rig.states("b", "gesture") == ["started", "aborted"]
+        rig.output.stop()
+
+
 @pytest.mark.parametrize(("manner", "form"), [("obliging", "json"), ("terse", "text")])
 def test_a_confirmed_stop_is_forgotten(manner: Manner, form: str) -> None:
     with robot_bench(manner, 60, f"?form={form}") as (rig, robot):

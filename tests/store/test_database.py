@@ -146,6 +146,15 @@ def test_a_damaged_database_is_reported(data: Path) -> None:
     assert refusal(data).bad_input
 
 
+def test_a_schema_that_is_not_even_text_is_reported_as_damage(data: Path) -> None:
+    with closing(connect(data)) as database:
+        database.execute("PRAGMA writable_schema=ON")
+        database.execute(
+            "UPDATE sqlite_schema SET sql=CAST('CREATE TABLE ' || x'ff' || '(' AS TEXT) WHERE name='trials'"
+        )
+    assert "sar-tui.db is damaged. Restore a backup" in str(refusal(data))
+
+
 def test_a_folder_that_is_a_file_is_reported(tmp_path: Path) -> None:
     (tmp_path / "data").write_text("")
     refused = refusal(tmp_path / "data")

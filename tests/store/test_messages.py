@@ -118,6 +118,13 @@ def test_a_message_that_cannot_be_read_is_named(database: sqlite3.Connection, te
         read(database)
 
 
+def test_a_message_whose_topic_is_damaged_is_named(database: sqlite3.Connection) -> None:
+    store(database, KEY, m.KeyPressed(key="f", at=5))
+    database.execute("UPDATE messages SET topic=999")
+    with pytest.raises(StoreError, match=f"Message 1 of session {SESSION} cannot be read"):
+        read(database)
+
+
 def test_the_names_of_a_topic_and_its_fields_are_stored_once(database: sqlite3.Connection) -> None:
     store(database, KEY, m.KeyPressed(key="f", at=5))
     before = database.execute("SELECT * FROM topics").fetchall()

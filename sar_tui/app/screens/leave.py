@@ -14,14 +14,25 @@ _LEAVE = "leave"
 
 
 class LeaveScreen(ModalScreen[bool]):
-    """Asks whether to leave the session; the result is True to leave. To go on is chosen at first."""
+    """Asks whether to leave the session; the result is True to leave. To go on is chosen at first.
+
+    Args:
+        can_save: False if the disk cannot be written to.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(False)", "Go on", id="go-on")]
 
+    def __init__(self, *, can_save: bool = True) -> None:
+        super().__init__()
+        self._can_save = can_save
+
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
+        kept = tr("What you did is kept. You can go on with this session later.")
+        if not self._can_save:
+            kept = tr("Your last answer may not be saved yet. If you leave now, it may be lost.")
         menu = OptionList(
-            Option(f"{tr('What you did is kept. You can go on with this session later.')}\n", disabled=True),
+            Option(f"{kept}\n", disabled=True),
             Option(tr("Go on"), id="go on"),
             Option(tr("Yes, leave"), id=_LEAVE),
             id="leave",

@@ -1,14 +1,13 @@
 """The keys with which a therapist marks a trial: the mark that is on it, and the footer's bindings."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from textual.binding import ActiveBinding, Binding
 
 from sar_tui.framework.language import Language
 from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.messages import AttemptStarted, TrialMarked, Waiting
 from sar_tui.framework.trial_types import Mark
 
 _AROUND, _PALETTE = 3, 17
@@ -21,28 +20,26 @@ class MarkKeys:
     Args:
         marks: of the task.
         tr: the session's language.
+        trial_mark: returns the trial that a mark is put on now, and the mark that is on it.
     """
 
-    def __init__(self, marks: Sequence[Mark], tr: Language) -> None:
+    def __init__(self, marks: Sequence[Mark], tr: Language, trial_mark: Callable[[], TrialMark]) -> None:
         self._marks = {mark.key: mark for mark in marks}
         self._titles = {mark.name: tr(mark.title) for mark in marks}
         self.tr = tr
+        self._trial_mark = trial_mark
         self._mark = TrialMark()
         self._replaces = ""
 
-    def wait(self, waiting: Waiting) -> bool:
+    def follow(self) -> bool:
         """Follow the session to the trial that is marked from now on. Returns True if this changes the text."""
         before = self.text
-        self._mark = self._mark.after(waiting)
+        self._mark = self._trial_mark()
         return self.text != before
 
-    def begin_attempt(self, started: AttemptStarted) -> None:
-        """Forget the last attempt's trial: it cannot be marked any more."""
-        self._mark = self._mark.after(started)
-
-    def marked(self, marked: TrialMarked) -> None:
+    def marked(self) -> None:
         """Follow a mark that was put on a trial, or removed."""
-        self._mark = self._mark.after(marked)
+        self.follow()
         self._replaces = ""
 
     def press(self, key: str) -> Mark | None:

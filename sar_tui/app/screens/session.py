@@ -63,7 +63,8 @@ class SessionScreen(AgentScreen):
     @functools.cached_property
     def _marks(self) -> MarkKeys:
         """Keys of the therapist's marks."""
-        return MarkKeys(self._live.run.session.task.marks, self.tr)
+        session = self._live.run.session
+        return MarkKeys(session.task.marks, self.tr, lambda: session.trial_mark)
 
     @property
     def help_text(self) -> str:
@@ -94,7 +95,6 @@ class SessionScreen(AgentScreen):
         yield KeyFooter()
 
     def on_mount(self) -> None:
-        self._show_trials(0)
         self._show_attempts(0)
         self._live.begin(self.app, self._broken)
 
@@ -125,7 +125,9 @@ class SessionScreen(AgentScreen):
             if not is_repeat:
                 self._press_mark(event.key, waiting)
             return
-        self._live.keyboard.pressed(event.key, event.character, self._live.stamp(event.time), self._gc.lag)
+        at = self._live.stamp(event.time)
+        stalled = self._gc.is_stalled(round(at * SECOND))
+        self._live.keyboard.pressed(event.key, event.character, at, self._gc.lag, stalled)
         self._correct_key(event.key, waiting)
 
     def _press_mark(self, key: str, waiting: Waiting) -> None:
@@ -183,6 +185,11 @@ class SessionScreen(AgentScreen):
         """True in a trial, which is paused when another screen covers this one."""
         return self._waiting is not None and self._waiting.stage == "trial"
 
+    @property
+    def can_save(self) -> bool:
+        """False while the session waits for a disk that cannot be written to."""
+        return self._waiting is None or self._waiting.reason != "storage"
+
     def on_screen_suspend(self) -> None:
         """Pause a trial that another screen covers: the participant cannot see the prompt."""
         if self.is_in_trial:
@@ -224,10 +231,9 @@ class SessionScreen(AgentScreen):
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         self._gc.begin_attempt()
-        self._marks.begin_attempt(started)
 
     def marked(self, marked: TrialMarked) -> None:
-        self._marks.marked(marked)
+        self._marks.marked()
         if self._waiting:
             self._show_position(self._waiting)
 
@@ -241,7 +247,9 @@ class SessionScreen(AgentScreen):
     def wait(self, waiting: Waiting) -> None:
         before, self._waiting = self._waiting, waiting
         entered = before is None or before.stage != waiting.stage
-        if self._marks.wait(waiting):
+        if before is None:
+            self._show_trials(0)
+        if self._marks.follow():
             self._show_position(waiting)
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")
@@ -335,8 +343,8 @@ class SessionScreen(AgentScreen):
         self.query_one("#attempts", ProgressLine).show(self.tr(kind), done, total)
 
     def _show_trials(self, done: int) -> None:
-        task = self._live.run.session.task
-        self.query_one("#trials", ProgressLine).show(self.tr(task.trials), done, task.trials_per_attempt)
+        total = self._waiting.trials if self._waiting else 0
+        self.query_one("#trials", ProgressLine).show(self.tr(self._live.run.session.task.trials), done, total)
 
     def _broken(self, error: str) -> None:
         """Record that the task raised, so that the app ends with this message; the data is safe."""

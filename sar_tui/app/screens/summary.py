@@ -58,6 +58,8 @@ class Summary(Vertical):
         tr, count = language_of(self.app), len(attempts)
         if status == "completed":
             done = tr("You did 1 attempt") if count == 1 else tr("You did {count} attempts", count=count)
+        elif status == "running":
+            done = tr("1 attempt so far") if count == 1 else tr("{count} attempts so far", count=count)
         else:
             done = tr("Ended early, after 1 attempt")
             if count != 1:

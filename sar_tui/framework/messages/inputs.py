@@ -52,12 +52,14 @@ class ThemeApplied(Message, frozen=True, kw_only=True):
 class KeyPressed(Message, frozen=True, kw_only=True):
     """A key, stamped in the input thread. ``key`` is the character it types, or its name (``enter``, ``left``).
 
-    ``loop_lag``: the largest delay of the event loop since the last prompt or key, in ns.
+    ``loop_lag``: the largest delay of the event loop since the last prompt or key, in ns. ``stalled``: the program had
+    just been suspended, so that the key was pressed at some unknown time before ``at``.
     """
 
     key: str
     at: int
     loop_lag: int = 0
+    stalled: bool = False
 
 
 class Pasted(Message, frozen=True, kw_only=True):

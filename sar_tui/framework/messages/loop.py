@@ -36,12 +36,14 @@ class Percept(Message, frozen=True, kw_only=True):
     """Something a participant did, as a task sees it. ``delay``: from ``at`` until it was handled, in ns.
 
     ``repeat``: the same key again within the repeat interval (a held key, a bouncing contact): never a response.
+    ``stalled``: the program had just been suspended, so that it was done at some unknown time before ``at``.
     """
 
     at: int
     delay: int = 0
     loop_lag: int = 0
     repeat: bool = False
+    stalled: bool = False
 
 
 class KeyPerceived(Percept, frozen=True, kw_only=True):

@@ -90,6 +90,8 @@ class Arbiter(Approvals):
         self._has_operators = False
         self._remarks = 0
         self._awaited: tuple[str, ...] = ()
+        self._given = (0, "")
+        """Attempt and seat of the feedback that was given last."""
 
     # --- the session -----------------------------------------------------------------------------------------
 
@@ -286,7 +288,7 @@ class Arbiter(Approvals):
             if current := self._queue.current:
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._queue.begin(action, self._parts(action))
-            self.emit(ACTION, action)
+            self.emit(ACTION, self._in_turn(action))
             self.set_timer("patience", self.now + ACTION_TIMEOUT + PER_CHARACTER * len(action.spoken))
         if not self._queue.is_acting:
             self.cancel_timer("patience")
@@ -297,6 +299,15 @@ class Arbiter(Approvals):
         else:
             self.cancel_timer("deadline")
         self._publish_state()
+
+    def _in_turn(self, action: Action) -> Action:
+        """Return feedback so that it joins that of the other participant, whichever an operator decided on first."""
+        if action.kind != "feedback" or self._rules.version < 3:
+            return action
+        attempt, seat = self._given
+        self._given = (action.attempt, action.seat)
+        self.cancel_timer("filler")  # it would replace the words while the other feedback is awaited
+        return replace(action, joins=attempt == action.attempt and seat not in ("", action.seat))
 
     @property
     def _is_idle(self) -> bool:

@@ -10,7 +10,7 @@ from sar_tui.framework.attempt_state import AttemptScore, AttemptState
 from sar_tui.framework.attempts import Attempts, NextAttempt
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.marks import MarkedResults
+from sar_tui.framework.marks import MarkedResults, TrialMark
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes.trial_flow import TrialFlow
 from sar_tui.framework.policies.limits import Dose, is_session_over, reached_of_day
@@ -240,6 +240,17 @@ class AttemptFlow(TrialFlow):
         self._attempts.restore_settings()
 
     # --- marks ----------------------------------------------------------------------------------------------
+
+    @property
+    def trial_mark(self) -> TrialMark:
+        """The trial that a mark is put on now, and the mark that is on it."""
+        if self._phase in IN_TRIAL and self._phase not in MARKABLE:
+            trial, mark = (self._attempts.attempt, self._attempts.trial), self._trial.mark
+            return TrialMark(open=trial, marks={trial: mark.name if mark else ""})
+        if last := self._attempts.amendable_trial:
+            mark = self._last_results.mark
+            return TrialMark(done=last, marks={last: mark.name if mark else ""})
+        return TrialMark()
 
     def _mark(self, mark: Mark) -> None:
         """Mark the open trial, or else the last one, whose attempt is then scored again if it has ended."""

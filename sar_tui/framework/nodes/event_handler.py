@@ -21,6 +21,7 @@ from sar_tui.framework.session_phase import (
     PAUSES,
     REQUEST_KEY,
     Phase,
+    text_of,
     waiting_message,
 )
 from sar_tui.framework.task import Task
@@ -83,6 +84,8 @@ class EventHandler(AttemptFlow):
     @on(SESSION)
     def session_started(self, session: m.SessionStarted) -> None:
         """Show the instructions in the first run; continue where the last run stopped in a later one."""
+        text_of(self.task.instructions(), "instructions")  # raises here, where it ends the session, not on the screen
+        self._rules = session.rules
         self._last_key = None
         self._start_key.release()
         self._focused = True
@@ -261,7 +264,7 @@ class EventHandler(AttemptFlow):
     def _notice_for(self, phase: Phase) -> str:
         """Return what the participant must know first: a new level, a trial to repeat, a limit that is reached."""
         if phase is Phase.READY and self._attempts.level != self._announced_level:
-            return self.task.notice(self._attempts.level, self._announced_level)
+            return text_of(self.task.notice(self._attempts.level, self._announced_level), "notice")
         if phase is Phase.REVIEW:
             return self._limit
         return self._notice if phase is Phase.START else ""

@@ -47,5 +47,6 @@ class Perception(Node):
                 repeat=last is not None and last.key == press.key and press.at - last.at < self._repeat_interval,
                 delay=self.now - press.at,
                 loop_lag=press.loop_lag,
+                stalled=press.stalled,
             ),
         )

@@ -6,9 +6,9 @@ from collections.abc import Callable
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.clock import MS, SECOND, STALLED
 from sar_tui.framework.held_key import HeldKey
-from sar_tui.framework.node import STALLED, TimedNode, on
+from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.session_phase import BEFORE_PROMPT, IN_TRIAL, Phase
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
@@ -54,6 +54,7 @@ class TrialFlow(TimedNode, ABC):
         self._stored = (0, 0)
         self._last_trial = (0, 0)
         self._focused = True
+        self._rules = 3
         self._repeats = 0
         self._last_key: int | None = None
         self._start_key = HeldKey()
@@ -151,13 +152,14 @@ class TrialFlow(TimedNode, ABC):
                 self._when_agent_is_still(self._await_quiet)
             case "quiet":
                 self._begin_foreperiod()
+            case "cue" | "foreperiod" if late > STALLED and self._rules >= 3:
+                self._begin_foreperiod_anew()
             case "cue":
                 self.emit(CUE, self._trial.cue(self.now))
             case "foreperiod":
                 self._show_when_stored()
             case "timeout" if late > STALLED:
-                self._void("stalled")
-                self._begin_trial()
+                self._repeat_stalled()
             case "timeout":
                 self._trial.lag = late
                 self.set_timer("grace", self.now + GRACE)
@@ -168,14 +170,17 @@ class TrialFlow(TimedNode, ABC):
         """Wait for quiet again after a key, and restart the foreperiod."""
         if self._phase is not Phase.QUIET:
             self._trial.false_starts += 1
-            self.cancel_timer("foreperiod")
-            self.cancel_timer("cue")
-            self._await_quiet()
+            self._begin_foreperiod_anew()
         else:
             self._set_quiet_timer()
             if self.now - self._awaiting_quiet_since > HELD_NOTICE:
                 self._awaiting_quiet_since = self.now
                 self._wait(Phase.QUIET, "held")
+
+    def _begin_foreperiod_anew(self) -> None:
+        self.cancel_timer("foreperiod")
+        self.cancel_timer("cue")
+        self._await_quiet()
 
     # --- prompt and response --------------------------------------------------------------------------------
 
@@ -252,6 +257,9 @@ class TrialFlow(TimedNode, ABC):
         if percept.repeat:
             self._trial.flag("repeat_key")
             return
+        if percept.stalled and self._trial.stimulus.signals:
+            self._repeat_stalled()
+            return
         trial = self._trial.view()
         self._trial.remember(percept)
         if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
@@ -261,6 +269,11 @@ class TrialFlow(TimedNode, ABC):
             self._try_again(result)
         elif result is not None:
             self._finish(result)
+
+    def _repeat_stalled(self) -> None:
+        """Repeat the trial: the program was suspended in it, so the time of its response is not known."""
+        self._void("stalled")
+        self._begin_trial()
 
     # --- the end of a trial -----------------------------------------------------------------------------------
 
@@ -276,6 +289,9 @@ class TrialFlow(TimedNode, ABC):
         """Record the trial, and continue with the next one or the end of the attempt."""
         self.cancel_timers()
         results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
+        if set(results) != set(self._trial.seats):
+            given, due = ", ".join(map(str, results)) or "none", ", ".join(self._trial.seats)
+            raise ValueError(f"the results of a trial are for the seats {given}; they are due for {due}")
         self._repeats = 0
         complete_results = {seat: complete(mine, self.task.Details) for seat, mine in results.items()}
         stored = self._trial_done({seat: self._flagged(mine) for seat, mine in complete_results.items()})

@@ -131,6 +131,7 @@ def driver() -> ArbiterDriver:
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
     driver = ArbiterDriver()
     whole: dict[str, Any] = {
+        "kind": "encouragement",
         "seat": "B",
         "face": "happy",
         "gesture": "wave",
@@ -145,9 +146,7 @@ def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
     }
     driver.propose("hello", **whole)
     (action,) = driver.all(ACTION)
-    assert action == m.Action(
-        id="hello", kind="feedback", text="hello", spoken="hello", decision="accepted", actor="agent", **whole
-    )
+    assert action == m.Action(id="hello", text="hello", spoken="hello", decision="accepted", actor="agent", **whole)
 
 
 @pytest.mark.parametrize("what", IN_TRIAL)

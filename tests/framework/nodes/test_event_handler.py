@@ -19,6 +19,7 @@ from sar_tui.framework.topics import (
     LEVEL,
     PROMPT,
     SESSION_ENDED,
+    SHOWN,
     TRIAL,
     VOIDED,
     WAITING,
@@ -884,6 +885,48 @@ def test_a_trial_is_repeated_if_the_program_was_suspended(new_session: NewSessio
     assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
 
 
+def suspended_in_foreperiod(driver: LoopDriver) -> None:
+    """Suspend the program for four seconds in the first foreperiod."""
+    driver.enter()
+    driver.press("enter")
+    driver.until(lambda: driver.waiting.what == "foreperiod")
+    driver.clock.set(driver.clock.now() + 4000 * MS)
+    driver.wait(0)
+
+
+def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(new_session: NewSession) -> None:
+    driver = new_session()
+    suspended_in_foreperiod(driver)
+    assert driver.all(PROMPT) == []
+    went_on = driver.clock.now()
+    timing = driver.answer().timing
+    assert driver.last(SHOWN).at - went_on >= timing.foreperiod_ms * MS
+    assert (timing.presentation, timing.false_starts, timing.flags) == (1, 0, ())
+
+
+def test_a_session_of_earlier_rules_keeps_its_foreperiods(new_session: NewSession) -> None:
+    earlier = new_session(begin=False)
+    earlier.session._rules = 2
+    earlier.session.begin()
+    suspended_in_foreperiod(earlier)
+    assert len(earlier.all(PROMPT)) == 1
+    assert new_session(history=earlier.records).waiting.reason == "interrupted"
+
+
+def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(new_session: NewSession) -> None:
+    driver = new_session()
+    prompt = driver.start()
+    driver.wait(2800)
+    driver.press(prompt.expected, stalled=True)
+    assert driver.all(TRIAL) == []
+    assert driver.last(VOIDED).reason == "stalled"
+    again = driver.to_prompt()
+    assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+    driver.wait(300)
+    driver.press(again.expected)
+    assert driver.last(TRIAL).reaction_time_ms == 300.0
+
+
 def test_a_miss_stores_the_delay_of_its_time_out(new_session: NewSession) -> None:
     driver = new_session(response_timeout_ms=1000)
     driver.start()
@@ -1026,6 +1069,24 @@ def test_a_task_that_raises_stops_the_session_with_a_fault(calm: Theme) -> None:
     driver.wait(10_000)
     assert driver.session.broken is not None
     assert driver.session.broken.error == "ZeroDivisionError: no taps"
+
+
+@pytest.mark.parametrize("value", ["raised", None, ("a", "b")])
+@pytest.mark.parametrize("method", ["instructions", "goal", "notice"])
+def test_a_text_that_a_task_cannot_give_stops_the_session_instead_of_a_blank_screen(
+    calm: Theme, method: str, value: object
+) -> None:
+    def give(*_: object) -> object:
+        if value == "raised":
+            raise ZeroDivisionError("no words")
+        return value
+
+    driver = LoopDriver(type("Mute", (Taps,), {"name": "mute", method: give}), calm, attempts=1)
+    driver.enter()
+    said = "ZeroDivisionError: no words" if value == "raised" else f"TypeError: {method}() returned {value}, not a text"
+    assert driver.session.broken is not None
+    assert driver.session.broken.error == said
+    assert driver.last(WAITING).stage == "broken"
 
 
 class Bounded(Taps):

@@ -391,6 +391,48 @@ def test_with_two_seats_feedback_is_given_in_turn_with_gaze_to_each(calm: Theme)
     assert [action.gaze for action in driver.all(ACTION) if action.kind == "greeting"] == ["ahead"]
 
 
+TWO_UNDECIDED = {"operator_feedback": "approve", "operator_time_ms": 60_000, "filler": "operator"}
+
+
+def undecided_couple(calm: Theme, rules: int = RULES) -> LiftDriver:
+    """Bring two participants to the end of an attempt whose feedback an operator decides on."""
+    driver = LiftDriver(Couple, calm, begin=False, attempts=3, encouragement=False, **TWO_UNDECIDED)
+    driver.session._rules = rules
+    driver.session.begin()
+    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver.begin_lifts()
+    driver.lift()
+    driver.lift()
+    return driver
+
+
+@pytest.mark.parametrize("order", ["AB", "BA"])
+def test_with_two_seats_the_feedback_that_is_decided_on_second_joins_the_first(calm: Theme, order: str) -> None:
+    driver = undecided_couple(calm)
+    waits = {pending.proposal.seat: pending.proposal.id for pending in driver.last(ARBITER_STATE).pending}
+    for seat in order:
+        decide(driver, waits[seat], "accept")
+    assert [(action.seat, action.joins) for action in feedback(driver)] == [(order[0], False), (order[1], True)]
+
+
+def test_with_two_seats_no_filler_replaces_the_feedback_that_was_given_first(calm: Theme) -> None:
+    driver = undecided_couple(calm)
+    decide(driver, pending_feedback(driver), "accept")
+    driver.wait(5000)
+    assert [action.kind for action in driver.all(ACTION)][-1] == "feedback"
+    assert driver.waiting.stage == "answer"
+
+
+def test_with_two_seats_a_session_keeps_the_manner_in_which_it_gave_feedback(calm: Theme) -> None:
+    earlier = undecided_couple(calm, rules=2)
+    waits = {pending.proposal.seat: pending.proposal.id for pending in earlier.last(ARBITER_STATE).pending}
+    for seat in "BA":
+        decide(earlier, waits[seat], "accept")
+    assert [(action.seat, action.joins) for action in feedback(earlier)] == [("B", True), ("A", False)]
+    again = LiftDriver(Couple, calm, history=earlier.records, attempts=3, encouragement=False, **TWO_UNDECIDED)
+    assert again.last(SESSION).rules == 2
+
+
 def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only(calm: Theme) -> None:
     driver = lifted(calm, UnevenCouple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
     driver.operate("mark", reason="caught")

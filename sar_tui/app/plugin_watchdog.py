@@ -1,4 +1,4 @@
-"""Ends a call of a task's code that does not return, so that keys and signals work again."""
+"""Ends a call of a task's or an output's code that does not return, so that keys and signals work again."""
 
 import sys
 import threading
@@ -8,28 +8,32 @@ from types import FrameType, TracebackType
 from sar_tui.plugins import task_of_module
 
 LIMIT_S = 10.0
-"""Longest duration of a call of a task's code."""
+"""Longest duration of a call of a plug-in's code."""
 PERIOD_S = 1.0
 """Interval at which the watchdog looks."""
+_OUTPUTS = "sar_tui.outputs.node"
+"""Module that calls outputs."""
+_OWN = "sar_tui."
 _MOST_ERRORS = 3
 """A call that goes on after this many errors, or is in a library that no error reaches, is given up."""
 
 
 class NotResponding(Exception):
-    """Raised inside a call of a task's code that does not return."""
+    """Raised inside a call of a plug-in's code that does not return."""
 
     def __str__(self) -> str:
         return f"it took longer than {LIMIT_S:g} s"
 
 
-class TaskWatchdog:
+class PluginWatchdog:
     """Watches the thread that creates it, from a thread of its own. A context manager.
 
     A call that does not return gets a `NotResponding` where it is, which is then reported like any other error of the
-    task. Time in which the whole program stood still (a suspended computer) does not count.
+    plug-in. Time in which the whole program stood still (a suspended computer) does not count.
 
     Args:
-        give_up: called with the task's name, from the watchdog's thread, when no error ends the call.
+        give_up: called with the plug-in, such as ``task reaching``, from the watchdog's thread, when no error ends the
+            call.
         limit_s, period_s: longest duration of a call, and the interval at which it is checked.
     """
 
@@ -42,8 +46,8 @@ class TaskWatchdog:
         self._call: FrameType | None = None
         self._looks = 0
 
-    def __enter__(self) -> "TaskWatchdog":
-        threading.Thread(target=self._run, name="task watchdog", daemon=True).start()
+    def __enter__(self) -> "PluginWatchdog":
+        threading.Thread(target=self._run, name="plug-in watchdog", daemon=True).start()
         return self
 
     def __exit__(
@@ -57,25 +61,32 @@ class TaskWatchdog:
 
     def look(self) -> None:
         """Find out whether the same call is still under way, and end it if it is and its time is over."""
-        call, task = _task_call(sys._current_frames().get(self._watched))
+        call, plugin = _plugin_call(sys._current_frames().get(self._watched))
         if call is None or call is not self._call:
             self._call, self._looks = call, 0
             return
         self._looks += 1
         errors = self._looks - self._most_looks
         if errors >= _MOST_ERRORS:
-            self._give_up(task)
+            self._give_up(plugin)
         elif errors >= 0:
             import ctypes  # loads slowly, and is hardly ever needed
 
             ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._watched), ctypes.py_object(NotResponding))
 
 
-def _task_call(frame: FrameType | None) -> tuple[FrameType | None, str]:
-    """Return the outermost frame of a task's code in a stack, which is the call by the framework, and the task."""
+def _plugin_call(frame: FrameType | None) -> tuple[FrameType | None, str]:
+    """Return the outermost frame of a plug-in in a stack, which is the call by the framework, and its name."""
     found: tuple[FrameType | None, str] = (None, "")
     while frame is not None:
-        if task := task_of_module(frame.f_globals.get("__name__", "")):
-            found = frame, task
-        frame = frame.f_back
+        module, caller = _module(frame), frame.f_back
+        if task := task_of_module(module):
+            found = frame, f"task {task}"
+        elif caller is not None and _module(caller) == _OUTPUTS and not module.startswith(_OWN):
+            found = frame, f"output {caller.f_locals['self'].name}"
+        frame = caller
     return found
+
+
+def _module(frame: FrameType) -> str:
+    return str(frame.f_globals.get("__name__", ""))
