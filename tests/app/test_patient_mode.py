@@ -258,3 +258,13 @@ async def test_without_the_focus_the_keys_still_work(data: Path, catalogue: Cata
         driver.app.screen.set_focus(None)
         await driver.press("down", "down", "enter")
         assert driver.sees("Have a rest")
+
+
+async def test_enter_and_escape_in_one_burst_close_the_question_once(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.write("f12", "enter", "escape", "escape")
+        assert driver.screen_name == "PatientScreen"
+        await driver.press("f12")
+        await driver.write("enter", "escape", "escape")
+        assert driver.app.is_running
+        assert driver.screen_name == "PatientScreen"

@@ -107,7 +107,7 @@ class AdjustScreen(ModalScreen[None]):
             case "release":
                 self._command("release")
             case "back":
-                self.dismiss()
+                self.action_back()
             case asked:
                 self._ask(asked or "")
 
@@ -162,5 +162,5 @@ class AdjustScreen(ModalScreen[None]):
         """Close the field, else the screen."""
         if self.query_one(Input).display:
             self._close_field()
-        else:
+        elif self.is_current:
             self.dismiss()

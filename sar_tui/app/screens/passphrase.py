@@ -27,7 +27,7 @@ class PassphraseScreen(ModalScreen[bool]):
         where: what it opens, for the log of the tries.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(False)", "Back", id="back")]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "Back", id="back")]
 
     def __init__(self, passphrase: Passphrase, where: str) -> None:
         super().__init__()
@@ -44,10 +44,19 @@ class PassphraseScreen(ModalScreen[bool]):
             yield Static(self.tr("Enter: confirm. Esc: back."), classes="muted", markup=False)
 
     def on_mount(self) -> None:
-        self._idle = self.set_timer(_SHOWN_SECONDS, lambda: self.dismiss(False))
+        self._idle = self.set_timer(_SHOWN_SECONDS, self.action_back)
         self.set_interval(1.0, self._show_wait)
         self._is_waiting = False
         self._show_wait()
+
+    def action_back(self) -> None:
+        """Go back without a passphrase."""
+        self._leave(False)
+
+    def _leave(self, is_right: bool) -> None:
+        """Close, once: Enter and Esc may come in the same moment."""
+        if self.is_current:
+            self.dismiss(is_right)
 
     @on(Input.Changed)
     def _typed(self) -> None:
@@ -57,7 +66,7 @@ class PassphraseScreen(ModalScreen[bool]):
     def _entered(self, event: Input.Submitted) -> None:
         event.stop()
         if not event.value:
-            self.dismiss(False)
+            self.action_back()
             return
         self.query_one(Input).value = ""
         if self._passphrase.wait_s > 0:
@@ -69,7 +78,7 @@ class PassphraseScreen(ModalScreen[bool]):
             self._say(str(error))
             return
         if is_right:
-            self.dismiss(True)
+            self._leave(True)
         else:
             self._say(self.tr("That is not the passphrase."))
             self._show_wait()
