@@ -223,7 +223,10 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
         return damaged(path)
     known = {
         sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
-        sqlite3.SQLITE_READONLY: f"{path} is read-only. Change the permissions of the file and of its folder.",
+        sqlite3.SQLITE_READONLY: (
+            f"{path} is read-only. Change the permissions of the file, of its folder, and of {path}-wal and "
+            f"{path}-shm, which another user may have left."
+        ),
         sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you write to it?",
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
         sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",

@@ -383,6 +383,12 @@ def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(databa
         connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
 
 
+def test_a_file_beside_the_database_that_may_not_be_written_to_is_named() -> None:
+    error = sqlite3.OperationalError("attempt to write a readonly database")
+    error.sqlite_errorcode = sqlite3.SQLITE_READONLY
+    assert "sar-tui.db-wal and sar-tui.db-shm, which another user may have left" in str(explain(error))
+
+
 def test_the_data_folder_can_be_set_by_an_environment_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path))
     assert default_folder() == tmp_path
