@@ -1,5 +1,9 @@
-"""In patient mode no input leads to another screen than the participant's, and every session stays whole."""
+"""In patient mode no input leads to another screen than the participant's, and every session stays whole.
 
+``SAR_TUI_TEST_STRINGS=100000`` types as many random strings, for an hour or so, instead of some thousand.
+"""
+
+import os
 import random
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +25,8 @@ from tests.app.app_driver import SHORT, AppDriver, open_app
 from tests.examples import QUICK
 
 OTHER = "P77"
+SEEDS = range(2, 6)
+STRINGS = int(os.environ.get("SAR_TUI_TEST_STRINGS", "2000")) // len(SEEDS)
 ALLOWED = {
     "PatientScreen", "SessionScreen", "PassphraseScreen", "HelpScreen", "TooSmallScreen", "SensorCheckScreen",
     "SavingScreen", "WellbeingScreen",
@@ -124,8 +130,9 @@ def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(
     ("number", "seed"),
-    [(250, 1), *([] if QUICK else [pytest.param(25_000, seed, marks=pytest.mark.slow) for seed in range(2, 6)])],
+    [(250, 1), *([] if QUICK else [pytest.param(STRINGS, seed, marks=pytest.mark.slow) for seed in SEEDS])],
 )
+@pytest.mark.timeout(max(180, STRINGS // 2))
 async def test_no_string_leads_out_of_patient_mode(
     number: int, seed: int, prepared: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:

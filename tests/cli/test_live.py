@@ -38,8 +38,10 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]
         plan: Plan | None = None,
         resume: str | None = None,
         link: BrokerProcess | None = None,
+        patient: str = "",
     ) -> int:
         calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
+        calls[-1]["patient"] = patient
         calls[-1]["joinable"] = live_sessions()
         return 7
 

@@ -87,7 +87,7 @@ def test_random_bytes_from_a_terminal_never_show_another_screen(prepared: Path) 
         assert _LEAVE_ALTERNATE_SCREEN not in terminal.output
         terminal.hang_up()
         assert terminal.process.wait(60) == 129
-    assert rows(prepared, "SELECT DISTINCT participant FROM seats") == [("P01",)]
+    assert {code for (code,) in rows(prepared, "SELECT participant FROM seats")} <= {"P01"}
     assert rows(prepared, "PRAGMA integrity_check") == [("ok",)]
 
 
