@@ -10,7 +10,7 @@ from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
-from textual.widgets import OptionList, Static
+from textual.widgets import Static
 from textual.widgets.option_list import Option
 
 from sar_tui.drivers.login_name import login_name
@@ -22,6 +22,7 @@ from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.option_list import OptionList
 
 LOOK_SECONDS = 1.0
 HOW_TO_START = "No session on this machine can be joined. Start one with: sar-tui run TASK -p CODE --operator"

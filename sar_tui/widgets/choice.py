@@ -10,7 +10,8 @@ from textual.events import Click, Key
 from textual.message import Message
 from textual.reactive import reactive
 from textual.widget import Widget
-from textual.widgets import OptionList
+
+from sar_tui.widgets.option_list import OptionList
 
 
 class ChoiceList(OptionList):

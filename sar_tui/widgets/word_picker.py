@@ -6,9 +6,10 @@ from textual import on
 from textual.app import ComposeResult
 from textual.content import Content
 from textual.widget import Widget
-from textual.widgets import Input, OptionList
+from textual.widgets import Input
 
 from sar_tui.widgets.choice import ChoiceList
+from sar_tui.widgets.option_list import OptionList
 
 
 class WordPicker(Widget):

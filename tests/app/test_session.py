@@ -255,3 +255,15 @@ async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_ag
         assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
         await driver.answer(again)
     assert stored(data, "SELECT trial, reaction_time_ms FROM trials") == [(1, 400.0)]
+
+
+@pytest.mark.parametrize("keys", [("enter", "space"), ("space", "enter")])
+async def test_two_keys_in_one_burst_close_the_summary_once(
+    keys: tuple[str, ...], data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.do_session()
+        await driver.wait(500)
+        await driver.write(*keys)
+        await driver.settle()
+        assert (driver.app.failure, driver.app.return_code) == ("", 0)

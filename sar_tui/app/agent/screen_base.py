@@ -5,7 +5,6 @@ import functools
 from typing import Any
 
 from textual.app import ComposeResult
-from textual.screen import Screen
 from textual.widgets import Static
 
 from sar_tui.app.live import LiveSession
@@ -13,13 +12,14 @@ from sar_tui.framework.gesture import Gesture
 from sar_tui.framework.language import Language
 from sar_tui.framework.messages import Action
 from sar_tui.framework.theme import Theme
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.agent import Agent
 
 _SCREEN = "screen"
 
 
-class AgentScreen(Screen[None]):
+class AgentScreen(DismissedOnce[None]):
     """The base of the session's screen: the agent's stage (see `output.AgentStage`).
 
     The agent is shown if the screen is one of the session's outputs; otherwise only while its voice has failed, so that

@@ -7,7 +7,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
-from textual.widgets import Input, OptionList, Static
+from textual.widgets import Input, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.app.live import LiveSession
@@ -17,13 +17,15 @@ from sar_tui.framework.live_settings import FEEDBACK_EVERY, GOAL, adjustable, wi
 from sar_tui.framework.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
 from sar_tui.framework.parameters import fields
 from sar_tui.framework.topics import COMMAND, NOTE_ADDED, SETTING
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
+from sar_tui.widgets.option_list import OptionList
 
 ACTOR = "therapist"
 _LONGEST_NOTE = 1000
 
 
-class AdjustScreen(ModalScreen[None]):
+class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     """Lists the changes; each is recorded like an operator's act, and holds from the next attempt on."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "Back", id="back")]

@@ -12,6 +12,7 @@ from textual.widgets import Input, Static
 from sar_tui.drivers.login_name import login_name
 from sar_tui.store import adverse_events, participants, sessions
 from sar_tui.store.database import StoreError
+from sar_tui.tui.dismissed_once import DismissedOnce
 
 _FIELDS = {
     "participant": "Participant",
@@ -28,7 +29,7 @@ _HINTS = {
 }
 
 
-class AdverseEventScreen(ModalScreen[bool]):
+class AdverseEventScreen(DismissedOnce[bool], ModalScreen[bool]):
     """A short form; the result is True if the event was recorded.
 
     Args:

@@ -9,11 +9,14 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
 from textual.screen import ModalScreen
-from textual.widgets import OptionList, Static
+from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.widgets.option_list import OptionList
 
-class ChoosePresetScreen(ModalScreen[str | None]):
+
+class ChoosePresetScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     """A list of presets; its result is the name of one, or None.
 
     Args:

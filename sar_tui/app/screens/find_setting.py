@@ -9,10 +9,12 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
 from textual.screen import ModalScreen
-from textual.widgets import Input, OptionList, Static
+from textual.widgets import Input, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.declaration import Field
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.widgets.option_list import OptionList
 
 
 def matching(fields: Sequence[Field], typed: str) -> list[Field]:
@@ -30,7 +32,7 @@ def matching(fields: Sequence[Field], typed: str) -> list[Field]:
     return sorted(found, key=rank)
 
 
-class FindSettingScreen(ModalScreen[str | None]):
+class FindSettingScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     """Asks for a word, and lists the settings that have it; its result is the name of one, or None.
 
     Args:

@@ -9,10 +9,11 @@ from textual.containers import VerticalScroll
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Static
 
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
 
 
-class HelpScreen(ModalScreen[None]):
+class HelpScreen(DismissedOnce[None], ModalScreen[None]):
     """Lists the keys of the screen below it."""
 
     BINDINGS: ClassVar[list[BindingType]] = [

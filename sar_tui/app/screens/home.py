@@ -8,13 +8,14 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
-from textual.widgets import Button, OptionList, Static
+from textual.widgets import Button, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.plugins import PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.option_list import OptionList
 
 if TYPE_CHECKING:  # loaded when the lists are filled: the empty screen is shown before
     from sar_tui.framework.task import Task

@@ -5,15 +5,16 @@ from typing import ClassVar
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.screen import ModalScreen
-from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
+from sar_tui.widgets.option_list import OptionList
 
 _LEAVE = "leave"
 
 
-class LeaveScreen(ModalScreen[bool]):
+class LeaveScreen(DismissedOnce[bool], ModalScreen[bool]):
     """Asks whether to leave the session; the result is True to leave. To go on is chosen at first.
 
     Args:

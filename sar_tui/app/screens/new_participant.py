@@ -11,9 +11,10 @@ from textual.widgets import Input, Static
 
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError
+from sar_tui.tui.dismissed_once import DismissedOnce
 
 
-class NewParticipantScreen(ModalScreen[str | None]):
+class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     """Asks for a new code; its result is the code, or None."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]

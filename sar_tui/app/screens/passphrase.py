@@ -12,6 +12,7 @@ from textual.widgets import Input, Static
 
 from sar_tui.store.database import StoreError
 from sar_tui.store.passphrase import Passphrase
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
 
 _LONGEST = 200
@@ -19,7 +20,7 @@ _SHOWN_SECONDS = 60.0
 """Without a key for this long the question goes away: a participant may have opened it by mistake."""
 
 
-class PassphraseScreen(ModalScreen[bool]):
+class PassphraseScreen(DismissedOnce[bool], ModalScreen[bool]):
     """Asks for the passphrase; the result is True if it was right. Enter on an empty field goes back.
 
     Args:
@@ -51,12 +52,7 @@ class PassphraseScreen(ModalScreen[bool]):
 
     def action_back(self) -> None:
         """Go back without a passphrase."""
-        self._leave(False)
-
-    def _leave(self, is_right: bool) -> None:
-        """Close, once: Enter and Esc may come in the same moment."""
-        if self.is_current:
-            self.dismiss(is_right)
+        self.dismiss(False)
 
     @on(Input.Changed)
     def _typed(self) -> None:
@@ -78,7 +74,7 @@ class PassphraseScreen(ModalScreen[bool]):
             self._say(str(error))
             return
         if is_right:
-            self._leave(True)
+            self.dismiss(True)
         else:
             self._say(self.tr("That is not the passphrase."))
             self._show_wait()

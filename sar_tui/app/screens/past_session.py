@@ -4,19 +4,19 @@ from typing import Any, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.screen import Screen
 from textual.widgets import Static
 
 from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
 from sar_tui.reports.wellbeing import session_lines
 from sar_tui.store import adverse_events, provenance, sessions, wellbeing
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import stored_facts
 
 
-class PastSessionScreen(Screen[None]):
+class PastSessionScreen(DismissedOnce[None]):
     """The plot and figures of one stored session."""
 
     help_text = "The results of a past session: each attempt and its level.\n"

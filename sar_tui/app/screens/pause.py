@@ -1,11 +1,11 @@
 """The pause menu: go on, tired, in pain, finished, for the therapist. Only ending the session asks again."""
 
 from textual.message import Message
-from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.messages import SessionCommand
 from sar_tui.widgets.language import language_of
+from sar_tui.widgets.option_list import OptionList
 
 _WORDS = {
     "": ("Paused", "Take your time."),

@@ -11,6 +11,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from sar_tui.store.programmes import LONGEST_TEXT
+from sar_tui.tui.dismissed_once import DismissedOnce
 
 _LINES = 8
 """Largest number of changes that are listed."""
@@ -23,7 +24,7 @@ class Reason(NamedTuple):
     author: str
 
 
-class SaveReasonScreen(ModalScreen[Reason | None]):
+class SaveReasonScreen(DismissedOnce[Reason | None], ModalScreen[Reason | None]):
     """Lists the changes, and asks for a reason; its result is None if nothing is to be saved.
 
     Args:

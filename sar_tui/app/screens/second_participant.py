@@ -7,15 +7,17 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
-from textual.widgets import OptionList, Static
+from textual.widgets import Static
 from textual.widgets.option_list import Option
 
 from sar_tui.store import participants
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.widgets.option_list import OptionList
 
 _NEW = "+"
 
 
-class SecondParticipantScreen(ModalScreen[str | None]):
+class SecondParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     """Asks for the participant on the right; its result is their code, or None.
 
     Args:

@@ -10,7 +10,6 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
-from textual.screen import Screen
 from textual.widgets import Static
 
 from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text, signed, worst
@@ -20,6 +19,7 @@ from sar_tui.framework.language import Language
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.motion.reach_bounds import Hand
 from sar_tui.runs.plan import Plan
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import planned_language, translated
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.sensor_placement import bar, draw_hand
@@ -54,7 +54,7 @@ _HELP_OF_TWO = (
 )
 
 
-class SensorCheckScreen(Screen[bool]):
+class SensorCheckScreen(DismissedOnce[bool]):
     """Shows the data of started feeds; its result is True if the session is to begin.
 
     Two sensors are checked one after the other; a line at the top shows the state of both.

@@ -7,8 +7,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.screen import Screen
-from textual.widgets import Button, OptionList, Static
+from textual.widgets import Button, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.drivers.login_name import login_name
@@ -23,8 +22,10 @@ from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.key_footer import KeyFooter
+from sar_tui.widgets.option_list import OptionList
 from sar_tui.widgets.parameter_field import ParameterField
 
 _LEVELS = ("start_level", "min_level", "max_level")
@@ -33,7 +34,7 @@ _COUNT = 4
 """Columns for the number of settings that differ."""
 
 
-class SettingsScreen(Screen[None]):
+class SettingsScreen(DismissedOnce[None]):
     """Groups at the left, the fields of one group at the right, the help of the focused field below."""
 
     help_text = (

@@ -7,12 +7,12 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Vertical
-from textual.screen import Screen
 from textual.widgets import Static
 
 from sar_tui.framework.language import Language
 from sar_tui.framework.policies.wellbeing import HIGHEST, Moment, StopReason, stop_now
 from sar_tui.store.wellbeing import NOT_SAID, Question
+from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import translated
 from sar_tui.widgets.key_footer import KeyFooter
 
@@ -61,7 +61,7 @@ Save = Callable[[Person, Question, str], None]
 """Stores an answer."""
 
 
-class WellbeingScreen(Screen[bool]):
+class WellbeingScreen(DismissedOnce[bool]):
     """Asks each participant; the result is True to go on, False not to begin the session.
 
     Args:
