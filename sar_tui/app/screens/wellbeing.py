@@ -221,7 +221,7 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     def _keys(self, question: Question) -> str:
         tr = self.tr
-        number = tr("Press a number from 0 to 9. For 10, press {key}.", key=tr("T"))
+        number = tr("Press a number from 0 to 9. For 10, press T.")
         if question == "place":
             number = tr("Press a number from 1 to 9.")
         return f"{number}\n{tr('Press N if you would rather not say.')}"
