@@ -410,7 +410,8 @@ class SarTui(PatientModeApp):
         tasks = self.catalogue.extra_tasks
         one = self.is_for_one_session
         lines = exit_message(code, self.failure, self.live, self.folder, tasks, names_ended_session=one)
-        return [*lines, *filter(None, (self.pending_notice,))]
+        troubles = self._troubles if self.patient else ()  # nobody was there to be told
+        return [*lines, *troubles, *filter(None, (self.pending_notice,))]
 
     def abandon(self, plugin: str) -> None:
         """End the program at once. For another thread, while this app's own hangs in the code of a plug-in."""

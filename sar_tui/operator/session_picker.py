@@ -79,7 +79,7 @@ class ChooseScreen(Screen[JoinableSession | None]):
         except LinkError as error:
             self.query_one("#hint", Static).update(str(error))
             return
-        if self._waits and len(found) == 1 and not self._found and self.is_current:
+        if self._waits and len(found) == 1 and not self._found and self.is_active:
             self.dismiss(next(iter(found.values())))
             return
         if found != self._found or not found:

@@ -1,4 +1,4 @@
-"""Screens that are closed once, although two keys of one burst ask for it."""
+"""Screens that close themselves only, although two keys of one burst ask for it."""
 
 from typing import TypeVar
 
@@ -9,8 +9,12 @@ T = TypeVar("T")
 
 
 class DismissedOnce(Screen[T]):
-    """Base of screens that keys close: a second key of the same burst would close the screen below as well."""
+    """Base of screens that keys close.
+
+    `Screen.dismiss` closes whatever screen is on top. That is another one if a second key of the same burst asks for
+    it, or if a dialog was opened after the key was typed and before it was handled.
+    """
 
     def dismiss(self, result: T | None = None) -> AwaitComplete:
         """Close the screen, unless that has been done or another screen covers it."""
-        return super().dismiss(result) if self.is_current else AwaitComplete()
+        return super().dismiss(result) if self.is_active else AwaitComplete()

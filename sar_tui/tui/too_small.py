@@ -38,7 +38,7 @@ class TooSmallScreen(Screen[None]):
 
     def on_screen_resume(self) -> None:
         """Uncover if the window grew while another screen was on top of this one."""
-        if self.is_current and not is_too_small(self.app.size):
+        if self.is_active and not is_too_small(self.app.size):
             self.dismiss()
 
     def on_resize(self, event: events.Resize) -> None:

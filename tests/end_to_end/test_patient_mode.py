@@ -83,7 +83,7 @@ def test_random_bytes_from_a_terminal_never_show_another_screen(prepared: Path) 
                 shown = screen.text()
                 assert "P77" not in shown
                 assert "Recent sessions" not in shown
-                assert terminal.process.poll() is None
+                assert terminal.process.poll() is None, terminal.output[-2_000:]
         assert _LEAVE_ALTERNATE_SCREEN not in terminal.output
         terminal.hang_up()
         assert terminal.process.wait(60) == 129

@@ -34,6 +34,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         super().__init__()
         self._live = live
         self._asked = ""
+        self._has_gone_on = False
         self._settings = adjustable(live.run.session.task)
 
     def compose(self) -> ComposeResult:
@@ -55,13 +56,18 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
     def on_unmount(self) -> None:
         self._live.run.session.bus.untap(self._heard)
 
+    def on_screen_resume(self) -> None:
+        """Close after another screen covered this one while the session went on."""
+        if self._has_gone_on:
+            self.dismiss()
+
     def _heard(self, cascade: list[Record]) -> None:
         """Show the changes that have been made, here or by an operator."""
         if not self.is_attached:
             return
         if any(isinstance(each.message, Waiting) and each.message.stage != "paused" for each in cascade):
-            if self.is_current:
-                self.dismiss()  # an operator went on: the participant must see the screen below
+            self._has_gone_on = True  # by an operator: the participant must see the screen below
+            self.dismiss()
         elif any(record.topic in (COMMAND, SETTING) for record in cascade):
             self._list_changes()
 
@@ -164,5 +170,5 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         """Close the field, else the screen."""
         if self.query_one(Input).display:
             self._close_field()
-        elif self.is_current:
+        else:
             self.dismiss()
