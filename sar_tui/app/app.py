@@ -19,8 +19,8 @@ from textual.widget import Widget
 
 from sar_tui.app.exit_message import UNSAVED, exit_message
 from sar_tui.app.patient_mode import PatientModeApp
-from sar_tui.app.plugin_watchdog import PluginWatchdog
 from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.store.database import StoreError, connect, explain
 from sar_tui.theme_folder import may_have_images
 from sar_tui.tui.terminal_input import UnreadableInput

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     import sqlite3
@@ -142,6 +143,19 @@ class Home(NamedTuple):
 
         with self.database() as database:
             yield database, find(database, self.folder, name)
+
+
+def watch_plugins(context: typer.Context) -> None:
+    """End calls of a task's code that do not return, until the command is over."""
+    from sar_tui.runs.plugin_watchdog import PluginWatchdog
+
+    context.with_resource(PluginWatchdog(give_up))
+
+
+def give_up(plugin: str) -> None:
+    """End the program at once. For the watchdog's thread, while the command hangs in the code of a plug-in."""
+    print(f"The {plugin} does not return from its own code.", file=sys.stderr, flush=True)
+    os._exit(FAILED)
 
 
 def console(*, error: bool = False) -> "Console":

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, print_json, watch_plugins
 
 if TYPE_CHECKING:
     from sar_tui.framework.graph import Graph
@@ -20,6 +20,7 @@ def graph(
     tasks: Tasks = None,
 ) -> None:
     """Draw the nodes and topics of a task's loop."""
+    watch_plugins(context)
     catalogue = Home.of(context, data, tasks).catalogue()
     kind = catalogue.task(task)
     whole = _loop(kind, catalogue.theme("calm"))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, watch_plugins
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ def progress(
 
     if language not in LANGUAGES:
         raise Refused(f"There are no sentences in {language}. Choose one of: {', '.join(LANGUAGES)}.")
+    watch_plugins(context)
     home = Home.of(context, data, tasks)
     code = check_code(participant)
     find = _finder(home)

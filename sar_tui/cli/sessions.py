@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json, watch_plugins
 
 if TYPE_CHECKING:
     import sqlite3
@@ -85,6 +85,7 @@ def show(
     from sar_tui.store import adverse_events, wellbeing
     from sar_tui.store import sessions as store
 
+    watch_plugins(context)
     home = Home.of(context, data, tasks)
     with home.session(session) as (database, found):
         programme = _programme(database, found)

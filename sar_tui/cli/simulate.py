@@ -22,6 +22,7 @@ from sar_tui.cli.common import (
     print_json,
     progress_bar,
     read_settings,
+    watch_plugins,
 )
 from sar_tui.cli.errors import Refused
 
@@ -110,6 +111,7 @@ def simulate(
 
     It runs the same nodes as a live session, on a clock that jumps from one event to the next, into the database.
     """
+    watch_plugins(context)
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json, watch_plugins
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed
 from sar_tui.tui.exit_codes import FAILED
@@ -16,6 +16,7 @@ app = typer.Typer(rich_markup_mode=None)
 @app.callback(invoke_without_command=True)
 def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
     """List the tasks; show, create or check one."""
+    watch_plugins(context)
     context.obj = home = Home.of(context, data, tasks)
     if context.invoked_subcommand is not None:
         return

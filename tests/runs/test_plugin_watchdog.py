@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from sar_tui.app.plugin_watchdog import NotResponding, PluginWatchdog
 from sar_tui.framework.bus import Bus
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.outputs.node import OutputNode
+from sar_tui.runs.plugin_watchdog import NotResponding, PluginWatchdog
 from tests.outputs.contract import THEME
 from tests.outputs.fake_outputs import FakeOutput
 
