@@ -1,10 +1,13 @@
 """Results as participants read them: times in seconds, in every text and plot. Data stay in milliseconds."""
 
+from datetime import date
+
 from sar_tui.framework.language import Language
 from sar_tui.framework.trial_types import Metric
 
 _DECIMALS = 2
 """Decimals of a time in seconds: more would be finer than a person can tell."""
+_WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 
 
 def goal_text(metric: Metric, goal: float, tr: Language) -> str:
@@ -29,6 +32,41 @@ def difference_text(metric: Metric, value: float, other: float, tr: Language, de
     distance = abs(round(value / size, shown) - round(other / size, shown)) * size
     text = result_text(metric, distance, tr, decimals)
     return "" if text == result_text(metric, 0.0, tr, decimals) else text
+
+
+def beside_text(metric: Metric, now: float, then: float, when: str, tr: Language, levels: tuple[int, int]) -> str:
+    """Return two results in words: "Today 0.48 seconds, Tuesday 0.54 seconds."
+
+    Args:
+        metric: of the task.
+        now, then: of today, and of an earlier day.
+        when: that day, as `day_text` returns it.
+        tr: the language.
+        levels: of both; they are named if they differ, because results of harder levels are worse.
+    """
+    today, before = result_text(metric, now, tr), result_text(metric, then, tr)
+    if levels[0] == levels[1]:
+        return tr("Today {now}, {when} {then}.", now=today, when=when, then=before)
+    return tr(
+        "Today {now} at level {level}, {when} {then} at level {before}.",
+        now=today,
+        level=levels[0],
+        when=when,
+        then=before,
+        before=levels[1],
+    )
+
+
+def day_text(day: date, today: date, tr: Language) -> str:
+    """Return an earlier day: "earlier today", "yesterday", "Tuesday", "12 days ago"."""
+    days = (today - day).days
+    if days < 1:
+        return tr("earlier today")
+    if days == 1:
+        return tr("yesterday")
+    if days >= len(_WEEKDAYS):
+        return tr("{days} days ago", days=days)
+    return tr(_WEEKDAYS[day.weekday()])
 
 
 def decimals_for(metric: Metric, value: float, goal: float) -> int | None:

@@ -141,15 +141,24 @@ def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Ta
 
 def comparable(sessions: Iterable[SessionResults], task: Task) -> Line | None:
     """Return the line that a live session of a task, with its settings and one participant, would join; or None."""
-    kind, settings = type(task), _compared(type(task), msgspec.json.decode(msgspec.json.encode(task.parameters)))
-    members = [
-        each
-        for each in sessions
-        if (each.task, each.task_version, each.seat, each.mode) == (kind.name, kind.version, "A", "live")
-        and each.results
-        and _compared(kind, each.parameters) == settings
-    ]
-    return _line(kind, settings, members) if members else None
+    settings = settings_of(task)
+    members = [each for each in sessions if is_comparable(each, task, settings)]
+    return _line(type(task), settings, members) if members else None
+
+
+def settings_of(task: Task) -> dict[str, Any]:
+    """Return the settings of a task that comparable sessions share."""
+    return _compared(type(task), msgspec.json.decode(msgspec.json.encode(task.parameters)))
+
+
+def is_comparable(session: SessionResults, task: Task, settings: Mapping[str, Any]) -> bool:
+    """Return True for a live session of one participant with results, of a task with these shared settings."""
+    kind = type(task)
+    return (
+        (session.task, session.task_version, session.seat, session.mode) == (kind.name, kind.version, "A", "live")
+        and bool(session.results)
+        and _compared(kind, session.parameters) == settings
+    )
 
 
 def _compared(kind: type[Task] | None, parameters: Mapping[str, Any]) -> dict[str, Any]:
