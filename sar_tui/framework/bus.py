@@ -196,15 +196,16 @@ class Bus:
         self.clock.call_soon(self.drain)
 
     def drain(self) -> None:
-        """Deliver the inputs that wait, one cascade after the other. Does nothing if none waits."""
+        """Deliver the inputs that wait, one cascade after the other, and then faults that were reported outside one."""
         if self._running:
             return
         self._running = True
         try:
             inputs, derived, deliver = self._inputs, self._derived, self._deliver
-            while inputs:
+            while inputs or derived:
                 self._now = self.clock.now()
-                deliver(*inputs.popleft())
+                if inputs:
+                    deliver(*inputs.popleft())
                 while derived:
                     deliver(*derived.popleft())
                 cascade, self._cascade = self._cascade, []

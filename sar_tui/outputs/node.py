@@ -1,15 +1,13 @@
 """An output on the bus: passes actions to it, and reports the state of each part."""
 
-import contextlib
 from typing import Any, ClassVar, NamedTuple, get_args
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Topic
-from sar_tui.framework.clock import MS, SECOND, Handle
+from sar_tui.framework.clock import MS, SECOND, Handle, VirtualClock
 from sar_tui.framework.messages import ActionPart, PartState
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.paced_clock import PacedClock
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
 from sar_tui.outputs.output import Output, OutputError, Report
@@ -20,6 +18,8 @@ TIMEOUT = 20 * SECOND
 PER_CHARACTER = 150 * MS
 STOP_TIMEOUT = 2 * SECOND
 """A part that is not over by then, after a stop, has failed."""
+CLOSE = "close"
+"""Place of a `Fault` of an output that could not be closed."""
 _OVER: tuple[PartState, ...] = ("done", "aborted", "failed")
 _Key = tuple[str, ActionPart]
 """An action's id and a part of it."""
@@ -85,7 +85,8 @@ class OutputNode(Node):
         super().attach(bus)
         try:
             self.output.open(self._theme, bus.clock, self._receive)
-        except PLUGIN_ERRORS as error:
+        except BaseException as error:
+            self._raise_if_interrupted(error)
             self._open_error = f"It could not be opened ({describe(error)})."
         self.emit(OUTPUT, m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))))
 
@@ -95,8 +96,11 @@ class OutputNode(Node):
             for key in [key for key in self._open if key[1] != "show"]:
                 self._end(*key, "aborted", "The session was left.")
             self._closed = True
-            with contextlib.suppress(Exception):  # the session is over, and the other outputs must still be closed
+            try:
                 self.output.close()
+            except BaseException as error:  # the session is over, and the other outputs must still be closed
+                self._raise_if_interrupted(error)
+                self.bus.report(self.name, CLOSE, error)
 
     @on(THEME)
     def apply_theme(self, applied: m.ThemeApplied) -> None:
@@ -140,7 +144,8 @@ class OutputNode(Node):
             self._stopping.left |= lasting
         try:
             self.output.stop(halt.action)
-        except PLUGIN_ERRORS as error:
+        except BaseException as error:
+            self._raise_if_interrupted(error)
             why = as_text(error) if isinstance(error, OutputError) else f"It could not be stopped ({describe(error)})."
             if self._stopping and halt.reason == "stopped":
                 self._stopping.details.append(why)
@@ -149,6 +154,11 @@ class OutputNode(Node):
         if lasting:
             clock.call_at(clock.now() + STOP_TIMEOUT, lambda: self._not_stopped(lasting))
         self._report_stop()
+
+    def _raise_if_interrupted(self, error: BaseException) -> None:
+        """Raise a Ctrl-C during a simulation. In a live session none is raised; the error is the output's own."""
+        if isinstance(error, KeyboardInterrupt) and isinstance(self.bus.clock, VirtualClock):
+            raise error
 
     def _do(self, action: str, part: ActionPart, *what: str) -> None:
         """Request a part of an action, unless it is empty or this output cannot do it."""
@@ -170,7 +180,8 @@ class OutputNode(Node):
         timers = clock.timers if isinstance(clock, PacedClock) else 0
         try:
             getattr(self.output, part)(action, *what)
-        except PLUGIN_ERRORS as error:
+        except BaseException as error:
+            self._raise_if_interrupted(error)
             why = as_text(error) if isinstance(error, OutputError) else f"{describe(error)}."
             self._end(action, part, "failed", why)
             return
@@ -233,8 +244,10 @@ class OutputNode(Node):
     def _give_up(self, action: str, part: ActionPart) -> None:
         if (action, part) in self._open and not self._closed:
             self._fail_unstopped(action, part, "It did not report the outcome.")
-            with contextlib.suppress(Exception):  # it has failed already
+            try:
                 self.output.stop(action)
+            except BaseException as error:  # it has failed already
+                self._raise_if_interrupted(error)
 
     def _not_stopped(self, halted: dict[_Key, _Open]) -> None:
         for key, opened in halted.items():

@@ -6,15 +6,16 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.outputs.node import CLOSE
 from sar_tui.store.stored_json import read_json
 
 _OVER = ("done", "aborted", "failed")
 _REPORTS = """SELECT topic, message FROM events
-           WHERE session=? AND topic IN ('output/opened', 'output/report') ORDER BY seq"""
+           WHERE session=? AND topic IN ('output/opened', 'output/report', 'framework/fault') ORDER BY seq"""
 
 
 class OutputSummary(msgspec.Struct):
-    """Output of a session. ``why``: the most frequent reason for its failures."""
+    """Output of a session. ``why``: the most frequent reason for its failures; ``not_closed``: why closing failed."""
 
     output: str
     address: str = ""
@@ -22,14 +23,18 @@ class OutputSummary(msgspec.Struct):
     aborted: int = 0
     failed: int = 0
     why: str = ""
+    not_closed: str = ""
 
     @property
     def line(self) -> str:
         """Its failures, as "speech: 5 of 5 failed (There is no sound card.)"; empty if there are none."""
-        if not self.failed:
-            return ""
-        why = f" ({self.why})" if self.why else ""
-        return f"{self.output}: {self.failed} of {self.done + self.aborted + self.failed} failed{why}"
+        problems = []
+        if self.failed:
+            why = f" ({self.why})" if self.why else ""
+            problems.append(f"{self.failed} of {self.done + self.aborted + self.failed} failed{why}")
+        if self.not_closed:
+            problems.append(f"it was not closed ({self.not_closed})")
+        return f"{self.output}: {'; '.join(problems)}" if problems else ""
 
 
 def output_summaries(database: sqlite3.Connection, session: str) -> list[OutputSummary]:
@@ -41,6 +46,10 @@ def output_summaries(database: sqlite3.Connection, session: str) -> list[OutputS
     last: dict[tuple[str, str, str], dict[str, Any]] = {}
     for topic, text in database.execute(_REPORTS, (session,)):
         message = read_json(text)
+        if topic == "framework/fault":
+            if message["node"] in opened and message["topic"] == CLOSE:
+                opened[message["node"]].not_closed = message["error"]
+            continue
         found = opened.setdefault(message["output"], OutputSummary(message["output"]))
         if topic == "output/opened":
             found.address = message["address"]

@@ -164,7 +164,7 @@ def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path:
     assert call("show", simulated).out.rstrip().split("\n")[-1] == f"! speech: 3 of 5 failed ({card})"
     outputs = {each["output"]: each for each in call("show", simulated, "--json").json["outputs"]}
     assert outputs["speech"] == {
-        "output": "speech", "address": "speech", "done": 1, "aborted": 1, "failed": 3, "why": card,
+        "output": "speech", "address": "speech", "done": 1, "aborted": 1, "failed": 3, "why": card, "not_closed": "",
     }  # fmt: skip
     assert (outputs["tones"]["done"], outputs["tones"]["failed"], outputs["tones"]["why"]) == (1, 0, "")
 

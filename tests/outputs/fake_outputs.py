@@ -16,15 +16,21 @@ class FakeOutput(Output):
     Args:
         name, can: as those of any output.
         breaks: methods that raise.
+        error: how they do.
     """
 
     def __init__(
-        self, name: str = "fake", can: frozenset[ActionPart] = EVERYTHING, breaks: tuple[str, ...] = ()
+        self,
+        name: str = "fake",
+        can: frozenset[ActionPart] = EVERYTHING,
+        breaks: tuple[str, ...] = (),
+        error: type[BaseException] = RuntimeError,
     ) -> None:
         self.name = name
         self.can = can
         self.asked: list[tuple[str, ...]] = []
         self._breaks = breaks
+        self._error = error
 
     def apply_theme(self, theme: Theme) -> None:
         super().apply_theme(theme)
@@ -54,7 +60,7 @@ class FakeOutput(Output):
     def _note(self, *what: str) -> None:
         self.asked.append(what)
         if what[0] in self._breaks:
-            raise RuntimeError(f"no {what[0]} today")
+            raise self._error(f"no {what[0]} today")
 
 
 class Speaker(Output):

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Topic
+from sar_tui.framework.bus import FAULT, Bus, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.node import Node, on
@@ -60,6 +60,7 @@ class Stage:
         self.reports: list[m.OutputReport] = []
         self.stopped: list[m.OutputStopped] = []
         self.faults: list[Any] = []
+        self.bus.subscribe(FAULT, self.faults.append)
         self.bus.subscribe(OUTPUT, self.opened.append)
         self.bus.subscribe(REPORT, self.reports.append)
         self.bus.subscribe(STOPPED, self.stopped.append)
@@ -349,7 +350,32 @@ def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason() -> N
 def test_an_output_that_raises_on_close_does_not_block_the_exit() -> None:
     stage = Stage(FakeOutput(breaks=("close",)))
     stage.node.detach()
+    stage.bus.drain()
     assert asked(stage) == [("close",)]
+    assert [(fault.topic, fault.error) for fault in stage.faults] == [("close", "RuntimeError: no close today")]
+
+
+class Cancelled(BaseException):
+    """Like the cancellations of libraries, no Exception."""
+
+
+@pytest.mark.parametrize("error", [SystemExit, Cancelled])
+def test_an_output_that_ends_the_program_has_failed_like_any_other(error: type[BaseException]) -> None:
+    stage = Stage(FakeOutput(breaks=("say", "stop", "close"), error=error))
+    stage.act(spoken="Well done!")
+    stage.halt()
+    stage.node.detach()
+    stage.bus.drain()
+    assert stage.states() == ["queued", "failed"]
+    assert [fault.error for fault in stage.faults] == [f"{error.__name__}: no close today"]
+    opened = Stage(FakeOutput(breaks=("apply_theme",), error=error))
+    opened.act(spoken="Well done!")
+    assert opened.reports[-1].detail == f"It could not be opened ({error.__name__}: no apply_theme today)."
+
+
+def test_ctrl_c_ends_a_simulation_while_an_output_is_asked() -> None:
+    with pytest.raises(KeyboardInterrupt):
+        Stage(FakeOutput(breaks=("close",), error=KeyboardInterrupt)).node.detach()
 
 
 @pytest.mark.parametrize(("part", "given"), [("say", "spoken"), ("show", "text"), ("gesture", "gesture")])

@@ -61,3 +61,24 @@ def test_each_gesture_of_an_output_is_done_whatever_clock_it_follows(
     (arm,) = [summary for summary in output_summaries(connect(data), session) if summary.output == "arm"]
     assert arm.done >= 4
     assert (arm.aborted, arm.failed) == (0, 0)
+
+
+class Stubborn(Timed):
+    """Ends the program when it is closed."""
+
+    def close(self) -> None:
+        raise SystemExit("the arm is stuck")
+
+
+def test_an_output_that_ends_the_program_when_closed_is_named_and_the_session_is_whole(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "sar_tui.runs.simulate.output_nodes", lambda task, theme: [OutputNode(Stubborn(), "arm", theme)]
+    )
+    plan = make_plan(catalogue, "keyboard", ["P01"], {"attempts": 1, "outputs": ("screen", "speech")}, mode="simulated")
+    session = simulate(plan, PEOPLE["average"], data, catalogue)
+    database = connect(data)
+    assert database.execute("SELECT status FROM sessions").fetchone()[0] == "completed"
+    (line,) = [summary.line for summary in output_summaries(database, session) if summary.output == "arm"]
+    assert line == "arm: it was not closed (SystemExit: the arm is stuck)"

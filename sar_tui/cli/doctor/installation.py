@@ -38,13 +38,14 @@ def outputs() -> Finding:
     """Load the plug-ins among the outputs. None is opened, because only a session knows its address."""
     from importlib.metadata import entry_points
 
+    from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
     from sar_tui.outputs.outputs import GROUP, output_names
 
     problems = []
     for entry in entry_points(group=GROUP):
         try:
             entry.load()
-        except Exception as error:
+        except PLUGIN_ERRORS as error:
             problems.append(
                 f"The output {entry.name} ({entry.value}) cannot be loaded: {type(error).__name__}: {error}."
             )
