@@ -72,7 +72,9 @@ class LiveSession:
         if self._link and self._peers:
             from sar_tui.link.peer import session_welcome
 
-            task = self.run.session.task
+            session = self.run.session
+            task = session.task
+            self._peers.trial_mark = lambda: session.trial_mark
             self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
 
     def _nodes(self, task: Task, theme: Theme, seed: int) -> list[Node]:

@@ -1,6 +1,7 @@
 """Node that links the bus to the broker process: sends messages to peers, and publishes the operator's acts."""
 
 import functools
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import msgspec
@@ -8,6 +9,7 @@ import msgspec
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.node import Node
 from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
 from sar_tui.link import protocol
@@ -37,6 +39,7 @@ MAX_ACT_AGE = 60 * SECOND
 _CHECK_INTERVAL = SECOND
 _NOT_IN_CONTROL = "Another operator is in control."
 _NO_SEAT = "There is no such seat in this session."
+_NO_MARK = "There is no such mark in this task."
 
 
 class LinkNode(Node):
@@ -47,6 +50,7 @@ class LinkNode(Node):
 
     Attributes:
         welcome: description of the session, to be set before it starts; each peer gets it with its own name and role.
+        trial_mark: returns the trial that a mark is put on now, and the mark that is on it.
     """
 
     welcome: Welcome
@@ -65,6 +69,7 @@ class LinkNode(Node):
 
     def __init__(self, channel: Channel) -> None:
         super().__init__()
+        self.trial_mark: Callable[[], TrialMark] = TrialMark
         self._channel = channel
         self._feed = SessionFeed()
         self._control = ControlLock()
@@ -158,9 +163,15 @@ class LinkNode(Node):
         if self.welcome.participants and act.seat not in self.welcome.participants:
             self._refuse(received.name, received.topic, _NO_SEAT)
             return
+        if isinstance(act, m.SessionCommand) and act.command == "mark" and not self._has_mark(act.reason):
+            self._refuse(received.name, received.topic, _NO_MARK)
+            return
         now = self.bus.clock.now()
         at = now if not act.at else min(now, max(act.at, now - MAX_ACT_AGE))
         self.emit(protocol.OPERATOR_TOPICS[received.topic], msgspec.structs.replace(act, actor=received.name, at=at))
+
+    def _has_mark(self, name: str) -> bool:
+        return any(mark.name == name for mark in self.welcome.marks)
 
     def _refuse(self, name: str, what: str, why: str) -> None:
         """Report that a request was refused, at most once a second if it is repeated."""
@@ -227,7 +238,8 @@ class LinkNode(Node):
             self._need_snapshot |= dict.fromkeys(self._control.peers)
         snapshot = self._feed.snapshot() if self._need_snapshot else []
         for name in list(self._need_snapshot):
-            welcome = msgspec.structs.replace(self.welcome, name=name, role=role_of(name) or "observer")
+            role = role_of(name) or "observer"
+            welcome = msgspec.structs.replace(self.welcome, name=name, role=role, trial_mark=self.trial_mark())
             if self._channel.send(OutgoingSnapshot(name, self._number, welcome, snapshot)):
                 del self._need_snapshot[name]
         if self._need_snapshot:

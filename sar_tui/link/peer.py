@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
 import msgspec
 
 from sar_tui.framework.bus import Topic
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.messages import Message, Role
 from sar_tui.framework.trial_types import Metric
 
@@ -36,7 +37,8 @@ class Welcome(msgspec.Struct, frozen=True):
 
     ``link``: the link's id. ``name``, ``role``: the peer's, as the session knows it. ``unit``, ``decimals``: of the
     metric; ``metric`` is not known of a session of an earlier version. ``spoken_names``: how the agent addresses
-    each of several participants, by seat. ``parameters``: of the task, as plain values.
+    each of several participants, by seat. ``parameters``: of the task, as plain values. ``trial_mark``: the mark that
+    a key would remove or replace now, which may be of an earlier run.
     """
 
     link: str
@@ -55,6 +57,7 @@ class Welcome(msgspec.Struct, frozen=True):
     marks: tuple[MarkKey, ...] = ()
     spoken_names: dict[str, str] = {}
     parameters: dict[str, Any] = {}
+    trial_mark: TrialMark = TrialMark()
 
 
 def session_welcome(task: "Task", session: str, link: str, participants: dict[str, str]) -> Welcome:

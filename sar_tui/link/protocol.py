@@ -10,7 +10,7 @@ from typing import IO, Annotated, Any, Literal, TypeVar
 import msgspec
 
 from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.messages import Message, SessionCommand
+from sar_tui.framework.messages import Message, NoteAdded, SessionCommand
 from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
 from sar_tui.framework.visible_text import obeyed
 from sar_tui.link.peer import Frame, MotionTrace, Welcome
@@ -271,6 +271,8 @@ def decode_act(topic: str, raw: msgspec.Raw) -> Message:
                 raise ProtocolError("A text contains control characters.")
     if isinstance(message, SessionCommand) and message.command == "pause" and message.reason not in _PAUSE_REASONS:
         raise ProtocolError("That is not a valid reason for a pause.")
+    if isinstance(message, NoteAdded) and not (message.text.strip() or message.label.strip()):
+        raise ProtocolError("A note is empty.")
     return message
 
 

@@ -26,6 +26,9 @@ from sar_tui.operator.text_charts import cut
 
 ACTS = frozenset(topic.name for topic in (COMMAND, DECISION, REMARK, MODE, NOTE_ADDED))
 """Names of the topics of acts."""
+REFUSED = "refused, the text is kept"
+"""Why an act failed with a text that somebody typed, and that is offered again."""
+_TOO_LATE = "too late, it was decided already"
 SLOW = 3 * SECOND
 """An act that the session has not confirmed after this time may never have arrived."""
 _LONGEST = 36
@@ -60,6 +63,7 @@ class Act(NamedTuple):
         latency: time (ns) from the key to the session.
         why: why it failed.
         action: id of the action that it is about.
+        typed: text that the operator typed for it.
         parts: of that action, by output, that have begun and not ended.
     """
 
@@ -72,6 +76,7 @@ class Act(NamedTuple):
     latency: int | None = None
     why: str = ""
     action: str = ""
+    typed: str = ""
     parts: frozenset[tuple[str, str]] = frozenset()
 
     @property
@@ -83,6 +88,22 @@ class Act(NamedTuple):
     def is_open(self) -> bool:
         """True until its outcome is known."""
         return self.state not in ("done", "failed")
+
+    @property
+    def unused_text(self) -> str:
+        """Text that was typed, and that the session has refused; else empty."""
+        return self.typed if self.state == "failed" and self.why in (REFUSED, _TOO_LATE) else ""
+
+    def is_typed_for(self, topic: str, action: str) -> bool:
+        """Return True if its text may be offered again for a topic, or for a decision on an action.
+
+        A decision that came too late can still be said, if it has words.
+        """
+        if not self.typed:
+            return False
+        if topic == REMARK.name and self.topic == DECISION.name:
+            return self.why == _TOO_LATE and self.message.text is not None
+        return self.topic == topic and getattr(self.message, "action", "") == action
 
     def line(self, now: int) -> Line:
         """Return its line with the outcome so far. Only what has happened is marked as good."""
@@ -127,15 +148,21 @@ class Act(NamedTuple):
             return self
         message = frame.message
         if self.topic == COMMAND.name:
-            return self._replace(state="done") if _is_done(self.message, frame) else self
+            return self._carried_out(message) if _is_done(self.message, frame) else self
         if self.topic == DECISION.name:
             return self._decided(message)
         return self._said(message)
 
+    def _carried_out(self, message: Any) -> "Act":
+        """Return a command after it was carried out: the key of the mark that is on a trial removes it."""
+        is_removed = isinstance(message, TrialMarked) and not message.mark
+        text = self.text.replace("Marked", "Unmarked", 1) if is_removed else self.text
+        return self._replace(state="done", text=text)
+
     def _decided(self, message: Any) -> "Act":  # noqa: PLR0911
         match message:
             case LateDecision() if message.what == f"{self.message.verdict} {self.action}":
-                return self.failed("too late, it was decided already")
+                return self.failed(_TOO_LATE)
             case Action(id=self.action) | LevelDecided(id=self.action) if self._is_mine(message):
                 return self._replace(state="done")
             case Dropped(id=self.action, reason="vetoed") if self._is_mine(message):

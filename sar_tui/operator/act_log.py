@@ -5,7 +5,7 @@ from typing import Any
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Message, PeerRequestRefused
 from sar_tui.link.peer import Frame, Welcome
-from sar_tui.operator.act import ACTS, SLOW, Act
+from sar_tui.operator.act import ACTS, REFUSED, SLOW, Act
 from sar_tui.operator.act_text import KindsOfAction, act_text, is_stop
 from sar_tui.operator.event_log import MAX_LINES, Line
 from sar_tui.operator.event_text import short_name
@@ -38,9 +38,14 @@ class ActLog:
         """Log why something was not done."""
         self._reports = [*self._reports, Line(at, text, "bad")][-MAX_LINES:]
 
-    def add(self, text: str, topic: Topic[Any], message: Message, when: str = "") -> None:
+    def add(self, text: str, topic: Topic[Any], message: Message, when: str = "", typed: str = "") -> None:
         """Log an act that was sent."""
-        self.acts = [*self.acts, Act(text, topic.name, message, when=when)][-MAX_LINES:]
+        self.acts = [*self.acts, Act(text, topic.name, message, when=when, typed=typed)][-MAX_LINES:]
+
+    def unused_text(self, topic: Topic[Any], action: str = "") -> str:
+        """Return the text typed last for a topic, or for a decision on an action, if it was refused; else empty."""
+        last = next((act for act in reversed(self.acts) if act.is_typed_for(topic.name, action)), None)
+        return last.unused_text if last else ""
 
     def rejoined(self) -> None:
         """Forget what the session will send again, and give up acts whose outcome was missed."""
@@ -63,7 +68,7 @@ class ActLog:
     def _refused(self, topic: str) -> None:
         for index, act in enumerate(self.acts):
             if act.is_pending and act.topic == topic:
-                self.acts[index] = act.failed("refused")
+                self.acts[index] = act.failed(REFUSED if act.typed else "refused")
                 return
 
     def _received(self, frame: Frame, me: Welcome) -> None:

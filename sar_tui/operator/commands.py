@@ -154,9 +154,11 @@ class Commands:
             return False
         else:
             decision = replace(decision, gesture=text.replace(" ", "_"))
-        return self._send_decision("Edited", approval, decision, at)
+        return self._send_decision("Edited", approval, decision, at, typed=text)
 
-    def _send_decision(self, text: str, approval: PendingApproval, decision: Decision, at: int) -> bool:
+    def _send_decision(
+        self, text: str, approval: PendingApproval, decision: Decision, at: int, typed: str = ""
+    ) -> bool:
         if self.sent_decision(decision.action):
             return False
         shown, since = self.shown
@@ -164,7 +166,7 @@ class Commands:
             self.log.report(at, "Too soon: that proposal had only just appeared. Nothing was sent.")
             return False
         text = f"{text} {approval.proposal.kind}"
-        is_sent = self.send(text, DECISION, replace(decision, seat=approval.proposal.seat), at)
+        is_sent = self.send(text, DECISION, replace(decision, seat=approval.proposal.seat), at, typed)
         if is_sent:
             self._sent_decisions[decision.action] = (text, at)
         return is_sent
@@ -270,7 +272,7 @@ class Commands:
         if not filled:
             return False
         remark = Remark(text=addressed(self.state, seat, filled), source="free text", seat=seat)
-        return self.send(f"Said{addressee(self.state, seat)} “{filled}”", REMARK, remark, at)
+        return self.send(f"Said{addressee(self.state, seat)} “{filled}”", REMARK, remark, at, text)
 
     def _fill(self, text: str, seat: str, at: int) -> str:
         """Return a typed text with its slots filled; empty if a value is not known yet."""
@@ -288,7 +290,7 @@ class Commands:
 
     def note(self, text: str, at: int) -> bool:
         """Add a note to the record."""
-        return self.send(f"Noted “{text}”", NOTE_ADDED, NoteAdded(text=text), at)
+        return self.send(f"Noted “{text}”", NOTE_ADDED, NoteAdded(text=text), at, text)
 
     def event(self, label: str, at: int) -> bool:
         """Add an event mark to the record."""
@@ -296,15 +298,15 @@ class Commands:
 
     # --- sending ---------------------------------------------------------------------------------------------------
 
-    def send(self, text: str, topic: Topic[Any], message: Any, at: int) -> bool:
-        """Send an act, or log why not. ``text``: for the log."""
+    def send(self, text: str, topic: Topic[Any], message: Any, at: int, typed: str = "") -> bool:
+        """Send an act, or log why not. ``text``: for the log; ``typed``: what the operator typed for it."""
         if reason := self.refusal():
             self.log.report(at, f"{reason} Nothing was sent.")
             return False
         if self.peer is None or self.state.welcome is None:
             return False
         act = replace(message, actor=self.state.welcome.name, at=at)
-        self.log.add(text, topic, act, self._when() if topic is REMARK else "")
+        self.log.add(text, topic, act, self._when() if topic is REMARK else "", typed)
         self.peer.send(topic, act)
         return True
 

@@ -8,6 +8,7 @@ from textual.binding import BindingType
 
 from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.framework.messages import PendingApproval, Valence
+from sar_tui.framework.topics import DECISION, NOTE_ADDED, REMARK
 from sar_tui.operator import palette
 from sar_tui.operator.commands import CONFIRM_SECONDS, editable, takes_valence
 from sar_tui.operator.keymap import KEY_COMMANDS, bindings
@@ -75,7 +76,8 @@ class PanelScreen(PanelLayout):
         """Edit the proposal. If it has just gone, let the operator type anyway, so that letters do not act as keys."""
         if approval := self.chosen:
             self.selected = approval.proposal.id
-            text = editable(approval, self.commands.state)
+            unused = self.commands.log.unused_text(DECISION, approval.proposal.id)
+            text = unused or editable(approval, self.commands.state)
             self._open_entry("Edit:", text, lambda text, at: self._edited(approval, text, at), edited=approval)
         else:
             self.commands.log.report(self._at, "No proposal is pending: the agent will say what you type.")
@@ -160,11 +162,13 @@ class PanelScreen(PanelLayout):
     def action_say(self) -> None:
         seat = self.seat
         to = addressee(self.commands.state, seat)
-        self._open_entry(f"Say{to}:", "", lambda text, at: self.commands.say(text, seat, at))
+        unused = self.commands.log.unused_text(REMARK)
+        self._open_entry(f"Say{to}:", unused, lambda text, at: self.commands.say(text, seat, at))
 
     def action_note(self) -> None:
         began = self._at
-        self._open_entry("Note:", "", lambda text, at: self.commands.note(text, began), max_length=_MAX_NOTE)
+        unused = self.commands.log.unused_text(NOTE_ADDED)
+        self._open_entry("Note:", unused, lambda text, at: self.commands.note(text, began), max_length=_MAX_NOTE)
 
     def action_event(self, index: int) -> None:
         if index < len(self.file.events):

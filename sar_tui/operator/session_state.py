@@ -127,7 +127,9 @@ class SessionState(msgspec.Struct, frozen=True):
     def receive(self, event: PeerEvent) -> "SessionState":
         """Return the state after an event of the link."""
         if isinstance(event, Welcome):
-            return SessionState(connection=self.connection, welcome=event, theme=self.theme)
+            return SessionState(
+                connection=self.connection, welcome=event, theme=self.theme, trial_mark=event.trial_mark
+            )
         if isinstance(event, MotionTrace):
             return self._add_motion(event)
         if isinstance(event, Connection):

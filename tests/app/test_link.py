@@ -34,6 +34,9 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
         welcome = snapshot.welcome
         assert (welcome.session, welcome.link, welcome.task) == (driver.session_id, channel.link, "keyboard")
         assert (welcome.participants, welcome.attempts, welcome.trials) == ({"A": "P01"}, 2, 2)
+        assert driver.app.live
+        assert driver.app.live._peers
+        assert driver.app.live._peers.trial_mark() == driver.session.trial_mark
         assert THEME in [record.topic for record in snapshot.records]
 
         await driver.to_first_prompt()

@@ -9,6 +9,7 @@ import pytest
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.messages import Message
 from sar_tui.framework.node import Node
 from sar_tui.framework.topics import (
@@ -30,7 +31,7 @@ from sar_tui.framework.topics import (
 from sar_tui.link import protocol
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
 from sar_tui.link.node import LinkNode
-from sar_tui.link.peer import Welcome
+from sar_tui.link.peer import MarkKey, Welcome
 from sar_tui.link.protocol import (
     ActReceived,
     BrokerEvent,
@@ -211,6 +212,24 @@ def test_act_for_unknown_seat_is_refused(bench: Bench) -> None:
     bench.act(ANNA, NOTE_ADDED, m.NoteAdded(seat="Q", text="x"))
     assert bench.of(NOTE_ADDED) == []
     assert len(bench.of(REFUSED)) == 1
+
+
+def test_a_mark_that_the_task_does_not_have_is_refused(bench: Bench) -> None:
+    bench.node.welcome = msgspec.structs.replace(WELCOME, marks=(MarkKey("missed", "Marker missed"),))
+    bench.receive(PeerJoined(ANNA))
+    for name in ("missed", "nonsense", ""):
+        bench.act(ANNA, COMMAND, m.SessionCommand(command="mark", reason=name))
+    assert [act.reason for act in bench.of(COMMAND)] == ["missed"]
+    assert [refused.why for refused in bench.of(REFUSED)] == ["There is no such mark in this task."]
+
+
+def test_a_new_peer_is_told_the_mark_of_an_earlier_run(bench: Bench) -> None:
+    bench.node.trial_mark = lambda: TrialMark(done=(2, 1), marks={(2, 1): "missed"})
+    bench.receive(PeerJoined(ANNA), SnapshotRequested(ANNA))
+    bench.clock.advance(SECOND)
+    (snapshot,) = bench.snapshots()
+    welcome = protocol.decode(protocol.encode(snapshot.welcome), Welcome)
+    assert (welcome.trial_mark.trial, welcome.trial_mark.present) == ((2, 1), "missed")
 
 
 def test_invalid_act_from_the_broker_is_refused(bench: Bench) -> None:

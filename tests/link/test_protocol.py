@@ -54,6 +54,8 @@ def test_unknown_or_invalid_frames_are_skipped() -> None:
         (REMARK.name, m.Remark(text="turned \u202e round"), "control characters"),
         (NOTE_ADDED.name, m.NoteAdded(text="bell \a"), "control characters"),
         (NOTE_ADDED.name, m.NoteAdded(actor="\0"), "control characters"),
+        (NOTE_ADDED.name, m.NoteAdded(), "A note is empty"),
+        (NOTE_ADDED.name, m.NoteAdded(text=" \n", label=" "), "A note is empty"),
         (COMMAND.name, m.SessionCommand(command="pause", reason="sensor"), "not a valid reason"),
     ],
 )

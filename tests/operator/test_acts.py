@@ -152,6 +152,20 @@ def test_a_decision_that_comes_too_late_is_never_marked_as_done(calm: Theme) -> 
     assert not panel.was_good("Approv")
 
 
+def test_an_edit_that_comes_too_late_can_still_be_said(calm: Theme) -> None:
+    panel = Panel(session(calm, operator_feedback="veto"))
+    panel.is_slow = True
+    approval = panel.commands.pending[0]
+    panel.commands.shown = (approval.proposal.id, panel.now() - SECOND)
+    assert panel.commands.edit(approval, "Well held.", panel.now())
+    assert panel.commands.log.unused_text(REMARK) == ""
+    panel.driver.wait(10_000)
+    panel.deliver()
+    assert panel.commands.log.unused_text(REMARK) == "Well held."
+    assert panel.commands.say("Well held!", "A", panel.now())
+    assert panel.commands.log.unused_text(REMARK) == ""
+
+
 def test_a_level_is_marked_as_decided_when_it_is(calm: Theme) -> None:
     panel = Panel(session(calm, operator_difficulty="approve"))
     panel.decide("accept")
@@ -364,6 +378,16 @@ def test_a_therapists_mark_is_in_the_log_of_everybody() -> None:
     marked = m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
     commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, marked)])
     assert commands.log.lines(b.START) == [Line(b.START, "therapist: Marked: marker missed", "good")]
+
+
+@pytest.mark.parametrize(("actor", "by"), [("therapist", "therapist: "), (ANNA, "you: ")])
+def test_a_mark_that_is_removed_is_logged_as_removed(actor: str, by: str) -> None:
+    commands = Commands()
+    commands.receive(b.welcome(marks=b.MARKS))
+    mark = m.SessionCommand(command="mark", actor=actor, reason="missed", at=b.START)
+    removed = m.TrialMarked(attempt=3, trial=4, mark="", correct=True)
+    commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, removed)])
+    assert commands.log.lines(b.START) == [Line(b.START, f"{by}Unmarked: marker missed", "good")]
 
 
 def test_earlier_notes_are_there_for_an_observer_who_joins_late_and_are_not_doubled() -> None:

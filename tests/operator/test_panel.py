@@ -16,6 +16,7 @@ from sar_tui.framework.messages import Role
 from sar_tui.link.peer import Connection
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.keymap import FILE
+from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 from tests.operator import panel_driver as b
@@ -378,6 +379,18 @@ async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
         await driver.burst("t", *"{result}", "enter")
         assert "{result} is not known yet. Nothing was sent." in driver.text
         assert len(driver.sent(t.REMARK)) == 3
+
+
+async def test_a_text_that_the_session_refuses_is_offered_again(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.burst("t", *"Well held.", "enter")
+        refused = m.PeerRequestRefused(actor=ANNA, what=t.REMARK.name, why="Another operator is in control.")
+        await driver.publish(t.REFUSED, refused)
+        assert "refused, the text is kept" in driver.text
+        await driver.burst("t", "enter")
+        assert [remark.text for remark in driver.sent(t.REMARK)] == ["Well held.", "Well held."]
+        await driver.press("t")
+        assert driver.panel.query_one(ProposalStrip).entry.value == ""
 
 
 async def test_without_a_prompt_nothing_is_skipped_or_repeated(catalogue: Catalogue, folder: Path) -> None:

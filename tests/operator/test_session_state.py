@@ -13,6 +13,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework import topics as t
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import SECOND
+from sar_tui.framework.marks import TrialMark
 from sar_tui.link.peer import Connection, MotionTrace
 from sar_tui.operator import proposal_view, status_view
 from sar_tui.operator.act import Act
@@ -108,6 +109,13 @@ def test_a_mark_changes_whether_a_trial_is_correct() -> None:
     marked = m.TrialMarked(attempt=3, trial=1, mark="missed", correct=False)
     state = after((t.TRIAL, b.trial(1, "f", 400)), (t.MARKED, marked))
     assert not state.seat("A").trials[0].correct
+
+
+def test_a_panel_that_joins_knows_the_mark_of_an_earlier_run() -> None:
+    state = SessionState().receive(b.welcome(trial_mark=TrialMark(done=(2, 1), marks={(2, 1): "missed"})))
+    assert (state.trial_mark.trial, state.trial_mark.present) == ((2, 1), "missed")
+    begun = state.receive([b.frame(t.ATTEMPT_STARTED, m.AttemptStarted(attempt=3, practice=False, level=1, trials=20))])
+    assert begun.trial_mark.present == ""
 
 
 def test_after_an_aborted_trial_a_mark_is_put_on_the_last_one_again() -> None:

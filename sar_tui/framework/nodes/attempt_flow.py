@@ -4,6 +4,8 @@ import contextlib
 from collections.abc import Collection
 from typing import Any
 
+from msgspec.structs import replace
+
 from sar_tui.framework import change_text, marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.attempt_state import AttemptScore, AttemptState
@@ -244,13 +246,13 @@ class AttemptFlow(TrialFlow):
     @property
     def trial_mark(self) -> TrialMark:
         """The trial that a mark is put on now, and the mark that is on it."""
-        if self._phase in IN_TRIAL and self._phase not in MARKABLE:
-            trial, mark = (self._attempts.attempt, self._attempts.trial), self._trial.mark
-            return TrialMark(open=trial, marks={trial: mark.name if mark else ""})
+        found = TrialMark()
         if last := self._attempts.amendable_trial:
-            mark = self._last_results.mark
-            return TrialMark(done=last, marks={last: mark.name if mark else ""})
-        return TrialMark()
+            found = replace(found, done=last, marks={last: _name(self._last_results.mark)})
+        if self._phase in IN_TRIAL and self._phase not in MARKABLE:
+            trial = (self._attempts.attempt, self._attempts.trial)
+            found = replace(found, open=trial, marks=found.marks | {trial: _name(self._trial.mark)})
+        return found
 
     def _mark(self, mark: Mark) -> None:
         """Mark the open trial, or else the last one, whose attempt is then scored again if it has ended."""
@@ -279,3 +281,7 @@ class AttemptFlow(TrialFlow):
         correct = dict.fromkeys(self._trial.seats, mark.counts if mark else True)
         for message in marks.messages(self._attempts.attempt, self._attempts.trial, mark, correct):
             self.emit(MARKED, message)
+
+
+def _name(mark: Mark | None) -> str:
+    return mark.name if mark else ""

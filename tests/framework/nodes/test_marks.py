@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.session import Session
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, FEEDBACK, LEVEL, MARKED, TRIAL
@@ -32,6 +33,19 @@ def mark(driver: LoopDriver, name: str) -> None:
 
 def marked(driver: LoopDriver) -> list[tuple[int, int, str, bool]]:
     return [(m.attempt, m.trial, m.mark, m.correct) for m in driver.all(MARKED)]
+
+
+def test_the_last_trials_mark_is_known_in_the_next_trial_and_after_a_resume(
+    new_session: NewSession, calm: Theme
+) -> None:
+    driver = new_session()
+    driver.lift(400)
+    mark(driver, "caught")
+    driver.press("space")
+    driver.to_prompt()
+    assert driver.session.trial_mark == TrialMark(done=(1, 1), open=(1, 2), marks={(1, 1): "caught", (1, 2): ""})
+    resumed = LiftDriver(Lift, calm, attempts=3, start_level=3, history=driver.records)
+    assert (resumed.session.trial_mark.trial, resumed.session.trial_mark.present) == ((1, 1), "caught")
 
 
 # --- the open trial -----------------------------------------------------------------------------------------
