@@ -21,12 +21,18 @@ class Blockers:
         self.has_disk_failed = False
         self._lost = dict.fromkeys(sensor_seats, "")
         self._disk_error = ""
+        self._over: set[str] = set()
         self._errors: dict[str, SensorChanged] = {}
 
     @property
     def is_sensor_lost(self) -> bool:
         """True if a sensor that is needed sends no data."""
         return bool(self._lost)
+
+    @property
+    def is_recording_over(self) -> bool:
+        """True if a recording that replaces a sensor is at its end: it sends no more data in this run."""
+        return bool(self._over)
 
     @property
     def lost_seat(self) -> str:
@@ -37,6 +43,7 @@ class Blockers:
         """Forget earlier reports, at the start of a run."""
         self.has_disk_failed = False
         self._lost = dict.fromkeys(self._sensor_seats, "")
+        self._over = set()
 
     def update_storage(self, storage: StorageChanged) -> None:
         """Apply a report about the disk."""
@@ -47,7 +54,10 @@ class Blockers:
         """Apply a report about a sensor; False if it does not affect the session, such as a lost sample."""
         if sensor.seat not in self._sensor_seats:
             return False
+        if sensor.state == "ended":
+            self._over.add(sensor.seat)
         if sensor.state in _BACK:
+            self._over.discard(sensor.seat)
             self._lost.pop(sensor.seat, None)
             return True
         if sensor.state == "error":

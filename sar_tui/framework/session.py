@@ -104,6 +104,11 @@ class Session:
         """The trial that a mark is put on now, and the mark that is on it."""
         return self._event_handler.trial_mark
 
+    @property
+    def is_recording_over(self) -> bool:
+        """True if a recording that replaces a sensor is at its end, so that the session cannot go on in this run."""
+        return self._event_handler.is_recording_over
+
     def begin(self, run: int = 1) -> None:
         """Begin a run: attach the inputs and outputs, and start the loop."""
         self.task.rules = self._rules

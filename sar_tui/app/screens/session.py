@@ -258,7 +258,8 @@ class SessionScreen(AgentScreen):
             if waiting.what == "response":
                 self._gc.begin_trial()
             return
-        text = waiting_text(waiting, self._live.run.session.task)
+        session = self._live.run.session
+        text = waiting_text(waiting, session.task, is_recording_over=session.is_recording_over)
         if waiting.stage == "trial" and waiting.what == "quiet":
             self.query_one(BigPrompt).redraw()
         if waiting.reason == "held":

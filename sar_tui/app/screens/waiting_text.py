@@ -16,8 +16,13 @@ class WaitingText(NamedTuple):
     press: str
 
 
-def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: PLR0911
-    """Return the text for a wait; None while the screen shows a prompt, the pause menu or the summary."""
+def waiting_text(  # noqa: PLR0911
+    waiting: Waiting, task: Task, *, is_recording_over: bool = False
+) -> WaitingText | None:
+    """Return the text for a wait; None while the screen shows a prompt, the pause menu or the summary.
+
+    ``is_recording_over``: the sensor that is awaited is a recording at its end.
+    """
     tr = session_language(task)
     match waiting.stage:
         case "instructions":
@@ -39,7 +44,7 @@ def waiting_text(waiting: Waiting, task: Task) -> WaitingText | None:  # noqa: P
                 return WaitingText(tr("Once more"), f"{waiting.notice}\n\n{waiting.goal}", press)
             return WaitingText(tr("Ready?"), waiting.goal, press)
         case "paused":
-            return _paused(waiting, task, tr)
+            return _paused(waiting, task, tr, is_recording_over)
         case "broken":
             stopped = tr("Something went wrong in this task, so the session has stopped.")
             text = f"{stopped}\n{tr('Everything you did is kept.')}"
@@ -67,7 +72,7 @@ def key_name(key: str, tr: Language) -> str:
     return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
 
 
-def _paused(waiting: Waiting, task: Task, tr: Language) -> WaitingText | None:
+def _paused(waiting: Waiting, task: Task, tr: Language, is_recording_over: bool) -> WaitingText | None:
     match waiting.reason:
         case "interrupted":
             go_on = f"{tr('We go on with {attempt}.', attempt=waiting.attempt_name)} {waiting.goal}"
@@ -87,11 +92,12 @@ def _paused(waiting: Waiting, task: Task, tr: Language) -> WaitingText | None:
             silent = tr("The sensor on your hand sends no data just now. Nothing is lost.")
             if len(task.seats) > 1 and waiting.seat:
                 silent = f"{task.display_name(waiting.seat)}: {silent}"
+            then = tr("The session goes on by itself once the sensor sends data again. To end it: Escape.")
+            if is_recording_over:
+                then = tr("A recording replaces the sensor, so the session cannot go on. To end it: Escape.")
             return WaitingText(
                 tr("Please wait"),
-                f"{silent}\n\n"
-                f"{tr('For the experimenter: {words}', words=why)}\n"
-                f"{tr('The session goes on by itself once the sensor sends data again. To end it: Escape.')}",
+                f"{silent}\n\n{tr('For the experimenter: {words}', words=why)}\n{then}",
                 "",
             )
     return None

@@ -79,6 +79,11 @@ class EventHandler(AttemptFlow):
         self._blockers = Blockers(task.sensor_seats(task.parameters))
         self._status: Literal["completed", "aborted"] = "completed"
 
+    @property
+    def is_recording_over(self) -> bool:
+        """True if a recording that replaces a sensor is at its end."""
+        return self._blockers.is_recording_over
+
     # --- the session -------------------------------------------------------------------------------------
 
     @on(SESSION)

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui.app.screens.waiting_text import waiting_text
 from sar_tui.framework.messages import SensorChanged, SensorState
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import PROMPT, SENSOR, SESSION_ENDED, TRIAL, VOIDED, WAITING
@@ -91,6 +92,17 @@ def test_a_lost_sensor_voids_the_trial(lifting: LiftDriver, loss: SensorState, c
     lifting.lift()
     assert [(trial.trial, trial.correct) for trial in lifting.all(TRIAL)] == [(1, True)]
     assert lifting.last(TRIAL).timing.presentation == 2
+
+
+@pytest.mark.parametrize(
+    ("loss", "says"), [("stalled", "The session goes on by itself once"), ("ended", "so the session cannot go on.")]
+)
+def test_the_screen_says_whether_the_sensor_can_come_back(lifting: LiftDriver, loss: SensorState, says: str) -> None:
+    sensor(lifting, loss)
+    session = lifting.session
+    shown = waiting_text(lifting.waiting, session.task, is_recording_over=session.is_recording_over)
+    assert shown is not None
+    assert says in shown.text
 
 
 def test_a_new_reason_of_the_loss_is_published(lifting: LiftDriver) -> None:
