@@ -15,6 +15,7 @@ from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored
+from tests.examples import first
 
 
 async def test_a_failed_write_asks_for_the_experimenter_and_the_session_continues_afterwards(
@@ -65,7 +66,7 @@ async def test_a_task_that_raises_asks_for_the_experimenter_and_the_app_fails(
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
 
-@pytest.mark.parametrize("member", ["instructions", "goal", "trials_per_attempt"])
+@pytest.mark.parametrize("member", first(1, ["instructions", "goal", "trials_per_attempt"]))
 async def test_a_task_that_raises_before_its_first_screen_asks_for_the_experimenter(
     data: Path, catalogue: Catalogue, keyboard: type[Task], member: str
 ) -> None:

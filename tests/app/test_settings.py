@@ -20,6 +20,7 @@ from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.parameter_field import ParameterField
 from tests.app.app_driver import AppDriver, known, open_app, stored
+from tests.examples import first
 
 
 def panels(driver: AppDriver) -> list[FieldPanel]:
@@ -95,8 +96,9 @@ async def test_there_is_one_field_for_each_declared_parameter(
             for each in declared:
                 widget = field(driver, each.name)
                 assert widget.has_focus_within
-                assert each.title in driver.text
-                assert each.unit in driver.text
+                text = driver.text
+                assert each.title in text
+                assert each.unit in text
                 assert each.help in meaning(driver)
                 if each.kind in ("int", "float"):
                     assert each.bounds[1:] in meaning(driver)
@@ -236,7 +238,7 @@ async def test_what_is_typed_after_a_reset_replaces_the_default(data: Path, cata
 
 
 @pytest.mark.usefixtures("a_participant")
-@pytest.mark.parametrize("sizes", [((80, 24),), ((30, 5), (80, 24)), ((80, 30), (79, 24), (80, 24))])
+@pytest.mark.parametrize("sizes", first(1, [((30, 5), (80, 24)), ((80, 24),), ((80, 30), (79, 24), (80, 24))]))
 async def test_the_focused_field_stays_in_view_in_a_smaller_window(
     sizes: tuple[tuple[int, int], ...], data: Path, catalogue: Catalogue
 ) -> None:

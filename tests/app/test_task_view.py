@@ -64,7 +64,11 @@ async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: P
         pytest.param(VIEW.replace("{prompt.text}", "your prompt"), "prompt_lines", marks=pytest.mark.slow),
         pytest.param(VIEW.replace("return [(f", "return 3 #"), "prompt_lines", marks=pytest.mark.slow),
         (VIEW.replace("self.trials += 1", "self.trial += 1"), "event_handler/trial"),
-        (VIEW.replace("colors['accent']", "colors['no colour']").replace('colors["accent"]', "1 / 0"), "drawing"),
+        pytest.param(
+            VIEW.replace("colors['accent']", "colors['no colour']").replace('colors["accent"]', "1 / 0"),
+            "drawing",
+            marks=pytest.mark.slow,
+        ),
         (VIEW.replace("return lambda", "raise RuntimeError\n        return lambda"), "between_attempts"),
         (VIEW.replace("for a in attempts", "for a in attempt"), "facts"),
     ],

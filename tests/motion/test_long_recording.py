@@ -10,6 +10,7 @@ from sar_tui.motion.detection import DETECTORS, detect
 from sar_tui.motion.long_recording import SHORTEST_WINDOW_S, LongDetection, detect_long
 from sar_tui.motion.samples import Samples, recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
+from tests.examples import first
 
 RATE_HZ = 60.0
 SMALL = 1000
@@ -52,7 +53,7 @@ def test_a_recording_that_fits_is_analysed_as_a_whole(detector: str) -> None:
     assert (found.rate_hz, found.samples) == (whole.rate_hz, len(samples))
 
 
-@pytest.mark.parametrize("profile", ["steady", "patient"])
+@pytest.mark.parametrize("profile", first(1, ["patient", "steady"]))
 @pytest.mark.parametrize("detector", DETECTORS)
 def test_in_windows_the_same_reaches_are_found(detector: str, profile: str) -> None:
     profile = profile if detector == "single-axis" else "clean"
@@ -73,6 +74,7 @@ def test_the_result_does_not_depend_on_the_blocks() -> None:
     assert detect_long([whole], window=SMALL).reaches == detect_long(parts, window=SMALL).reaches
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_recording() -> None:
     peaks = []
     for count in (60, 180):

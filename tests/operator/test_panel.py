@@ -19,6 +19,7 @@ from sar_tui.operator.keymap import FILE
 from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
+from tests.examples import first
 from tests.operator import panel_driver as b
 from tests.operator.panel_driver import ANNA, PanelDriver
 from tests.settle import settle
@@ -350,7 +351,7 @@ async def test_while_the_panel_is_hidden_only_the_stop_key_acts(catalogue: Catal
         assert "too small" not in driver.text
 
 
-@pytest.mark.parametrize("keys", [(), ("f1",), ("e",)])
+@pytest.mark.parametrize("keys", first(1, [(), ("f1",), ("e",)]))
 async def test_the_panel_survives_any_size_of_its_window(
     keys: tuple[str, ...], catalogue: Catalogue, folder: Path
 ) -> None:
