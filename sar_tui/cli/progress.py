@@ -1,6 +1,5 @@
 """``sar-tui progress``: a participant over sessions."""
 
-import os
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
@@ -26,7 +25,6 @@ _LISTED = 20
 _MONTHS = 3
 _ID = 6
 """Characters of a session's id that are printed."""
-_SIDES = {"": "", "easier": "all too easy", "harder": "all too hard"}
 
 
 def progress(
@@ -95,7 +93,7 @@ def progress(
 
 def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> None:
     """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts cannot be drawn."""
-    from sar_tui.reports.progress_page import ChartsMissing, page
+    from sar_tui.reports.progress_page import ChartsMissing, page, write_page
 
     if path.exists():
         raise Refused(f"{path} exists already, and is not overwritten. Name another file.")
@@ -103,8 +101,7 @@ def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> N
         text = page(found, find, language)
     except ChartsMissing as error:
         raise Refused(str(error)) from error
-    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
-        file.write(text)
+    write_page(text, path)
     print(f"{path} is written. Open it in a browser, which can also print it.")
 
 
@@ -152,7 +149,7 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
             f"{each.right / each.trials:.0%}" if each.trials else "",
             f"{each.reached}/{each.attempts}",
             f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "",
-            progress_words.band(line, each, tr) or _SIDES[each.side],
+            progress_words.band(line, each, tr) or progress_words.SIDES[each.side],
         )
         for each in line.sessions[-_LISTED:]
     ]

@@ -11,6 +11,7 @@ import msgspec
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import build, current_values
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
 from sar_tui.progress.level_estimate import (
@@ -42,6 +43,7 @@ class SessionResults(msgspec.Struct, frozen=True):
         right: number of right responses.
         seconds: time on the task, without the time between attempts.
         qualities: means of the measures of how it was done, by name.
+        felt: what the participant said of pain and tiredness.
     """
 
     session: str
@@ -60,6 +62,7 @@ class SessionResults(msgspec.Struct, frozen=True):
     right: int
     seconds: float
     qualities: Mapping[str, float]
+    felt: SessionRatings = SessionRatings()
 
 
 class Point(msgspec.Struct, frozen=True):

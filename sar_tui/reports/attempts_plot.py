@@ -116,7 +116,7 @@ def _body(
                 found, [metrics[attempt - 1] for attempt in found], marker=marker, color=_COLORS[name], style="bold"
             )
 
-    ticks = _round_numbers(low, high, max(2, rows // 2))
+    ticks = round_numbers(low, high, max(2, rows // 2))
     plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
     room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
     every = next(step for power in (1, 10, 100, 1000, 10_000) for m in (1, 2, 5) if (step := m * power) >= room)
@@ -211,7 +211,7 @@ def _limits(values: Sequence[float]) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _round_numbers(low: float, high: float, most: int) -> list[float]:
+def round_numbers(low: float, high: float, most: int) -> list[float]:
     """Return at most ``most`` round numbers between two bounds, in steps of 1, 2 or 5 times a power of ten."""
     power = 10 ** math.floor(math.log10((high - low) / most))
     step = next(s for m in (1, 2, 5, 10, 20) if (high - low) / (s := m * power) <= most)

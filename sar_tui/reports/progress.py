@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Axis, Metric
 from sar_tui.progress import change
@@ -32,7 +33,10 @@ class AtGoal(msgspec.Struct, frozen=True):
 
 
 class SessionProgress(msgspec.Struct, frozen=True):
-    """A session on a line. ``value`` is what the line's verdicts compare: more is better."""
+    """A session on a line. ``value`` is what the line's verdicts compare: more is better.
+
+    ``pain``, ``tiredness``: the worst that was said, 0 to 10; None if nothing is known.
+    """
 
     session: str
     began: str
@@ -51,6 +55,9 @@ class SessionProgress(msgspec.Struct, frozen=True):
     at_goal: AtGoal | None
     side: Side
     value: float | None
+    felt: SessionRatings
+    pain: int | None
+    tiredness: int | None
 
 
 class LineProgress(msgspec.Struct, frozen=True):
@@ -60,6 +67,7 @@ class LineProgress(msgspec.Struct, frozen=True):
         goal: of all levels; None if it differs between levels.
         measure: ``level`` (level at goal), ``result`` (mean result, where the level never changed), or empty.
         settings: what the sessions have in common, where it differs from the defaults.
+        places: of the levels on the axis of difficulty; empty if they do not rise from level to level.
         between_sd: SD of the sessions' means.
         baseline: None before it has enough sessions.
         verdict: on the last session whose value is known, against the baseline.
@@ -71,6 +79,7 @@ class LineProgress(msgspec.Struct, frozen=True):
     mode: str
     metric: Metric
     axis: Axis
+    places: list[float]
     goal: float | None
     measure: Literal["level", "result", ""]
     settings: dict[str, Any]
@@ -152,6 +161,7 @@ def _line(line: Line) -> LineProgress:
         mode=last.mode,
         metric=last.metric,
         axis=line.task.axis if line.task else Axis(),
+        places=rising,
         goal=_goal(line.task) if line.task else last.parameters.get("threshold"),
         measure=line.measure,
         settings=_differing(line),
@@ -196,6 +206,9 @@ def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgre
         at_goal=_at_goal(rising, point.estimate) if point.estimate else None,
         side=point.side,
         value=line.value(point),
+        felt=results.felt,
+        pain=results.felt.pain,
+        tiredness=results.felt.fatigue,
     )
 
 

@@ -1,7 +1,9 @@
 """Progress as a page to print: one self-contained HTML file with drawn charts and their text alternatives."""
 
+import os
 from collections.abc import Callable, Iterator
 from html import escape
+from pathlib import Path
 
 from sar_tui.framework.language import Language
 from sar_tui.framework.task import Task
@@ -23,6 +25,12 @@ th { border-bottom: 1px solid #888; } td:first-child, th:first-child { text-alig
 pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
 """
+
+
+def write_page(text: str, path: Path) -> None:
+    """Write a page that only its owner can read. Raises FileExistsError and other OSErrors."""
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+        file.write(text)
 
 
 class ChartsMissing(Exception):

@@ -93,6 +93,51 @@ def _now(line: LineProgress, tr: Language) -> str:
     )
 
 
+def spread(line: LineProgress, tr: Language) -> str:
+    """Return the SD within the last session and between the sessions' means; empty if neither is known."""
+
+    def shown(sd: float) -> str:
+        return f"{sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
+
+    within = line.sessions[-1].sd
+    said = []
+    if within is not None:
+        said.append(tr("SD within the last session, between its attempts: {sd}.", sd=shown(within)))
+    if line.between_sd is not None:
+        said.append(tr("SD between the sessions' means: {sd}.", sd=shown(line.between_sd)))
+    return " ".join(said)
+
+
+SIDES = {"": "", "easier": "all too easy", "harder": "all too hard"}
+"""Short words for the side of a session whose level at goal is not known."""
+
+
+def felt_marks(session: SessionProgress, tr: Language) -> str:
+    """Return the worst pain and tiredness of a session in a few characters; empty if there is none."""
+    said = [(tr("pain"), session.pain), (tr("tired"), session.tiredness)]
+    return ", ".join(f"{name} {rating}" for name, rating in said if rating)
+
+
+def felt(session: SessionProgress, tr: Language) -> list[str]:
+    """Return what was said of pain and of tiredness: "pain 2 before, 4 after"."""
+    given = session.felt
+    pain = _ratings(given.pain_before, given.pain_pause, given.pain_after, tr)
+    tired = _ratings(given.fatigue_before, None, given.fatigue_after, tr)
+    if given.told_pain and given.pain_pause is None:
+        pain.append(tr("said in a pause"))
+    named = [(tr("pain"), pain), (tr("tiredness"), tired)]
+    return [f"{name} {', '.join(parts)}" for name, parts in named if parts]
+
+
+def _ratings(before: int | None, pause: int | None, after: int | None, tr: Language) -> list[str]:
+    moments = (
+        (before, tr("{rating} before")),
+        (pause, tr("{rating} in a pause")),
+        (after, tr("{rating} after")),
+    )
+    return [text.format(rating=rating) for rating, text in moments if rating is not None]
+
+
 def _practice(line: LineProgress, tr: Language) -> str:
     found = line.baseline
     if found is None or found.practice <= 0:
@@ -233,6 +278,28 @@ def instrument_change(found: InstrumentChange, tr: Language) -> str:
 
 
 # --- the dose of a month ------------------------------------------------------------------------------------
+
+
+def days_table(days: Sequence[Day], tr: Language) -> list[str]:
+    """Return the dose of each day in columns, with a heading."""
+    heads = ("date", "planned", "done", "repetitions", "min on task")
+    rows = [tuple(tr(head) for head in heads)]
+    rows += [
+        (
+            f"{mark(each)} {each.date}",
+            str(each.planned),
+            str(each.done),
+            str(each.repetitions),
+            tr.figures(f"{each.time_on_task_s / 60:.1f}"),
+        )
+        for each in days
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
+    return [
+        "  ".join(f"{cell:>{width}}" if column else f"{cell:<{width}}" for column, (cell, width) in enumerate(pairs))
+        for pairs in (zip(row, widths, strict=True) for row in rows)
+    ]
+
 
 MARKS: tuple[tuple[str, str, Callable[[Day], bool]], ...] = (
     ("■", "all planned attempts done", lambda day: day.done >= day.planned),

@@ -8,7 +8,7 @@ import msgspec
 
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
-from sar_tui.store import provenance
+from sar_tui.store import provenance, wellbeing
 
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
@@ -51,6 +51,9 @@ def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = Non
     for session, seat, name, mean in db.execute(_QUALITIES, (participant,)):
         if isinstance(mean, float):
             qualities.setdefault((session, seat), {})[name] = mean
+    felt: dict[tuple[str, str], list[wellbeing.Row]] = {}
+    for said in wellbeing.of_participant(db, participant):
+        felt.setdefault((said["session"], said["seat"]), []).append(said)
     query = _SESSIONS.format(of_task="AND sessions.task=?" if task else "")
     for row in db.execute(query, (participant, task) if task else (participant,)):
         found, began, of_task, mode, status, seat, parameters, software = row
@@ -73,4 +76,5 @@ def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = Non
             right=sum(result.correct for result, *_ in attempts),
             seconds=sum(lasted for *_, lasted in attempts) / 1e9,
             qualities=qualities.get((found, seat), {}),
+            felt=wellbeing.ratings(felt.get((found, seat), ()), seat),
         )

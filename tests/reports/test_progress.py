@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports import progress_words
 from sar_tui.reports.progress import Progress, compare, dose, progress
+from sar_tui.reports.progress_figures import level_figure, result_figure
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
 
@@ -167,3 +169,31 @@ def test_every_translation_is_of_a_text_of_the_reports() -> None:
     inserted = {"simulated", "no session"}
     source = re.sub(r'"\n\s*f?"', "", "".join(path.read_text(encoding="utf-8") for path in files)).replace("'", '"')
     assert [text for text in SPANISH if f'"{text}"' not in source and text not in inserted] == []
+
+
+# --- charts in text ------------------------------------------------------------------------------------------------
+
+
+def test_the_chart_of_levels_has_pain_and_tiredness_on_its_axis(keyboard: type[Task]) -> None:
+    felt = SessionRatings(pain_before=2, pain_after=4, fatigue_after=10)
+    found = of(keyboard, session(0, adapted(0), felt=felt), session(1, adapted(1)))
+    drawn = level_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard), chosen=1)
+    assert len(drawn) == 16
+    assert drawn[0].startswith("level at goal (keys)")
+    assert any(re.match(r" *\d \(\d\)┤", row) for row in drawn)
+    assert [row.split() for row in drawn[-2:]] == [["pain", "4", "·"], ["tired", "10", "·"]]
+    assert drawn[-4].index("▲") == drawn[-2].index("·")
+
+
+def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type[Task]) -> None:
+    found = of(keyboard, *(session(number, adapted(number), qualities={"sparc": -1.5 - number}) for number in (0, 1)))
+    drawn = result_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard))
+    assert drawn[-2].split() == ["right", "95%", "95%"]
+    assert drawn[-1].split() == ["sparc", "-1.5", "-2.5"]
+
+
+def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: type[Task]) -> None:
+    easy = session(2, at_one_level(2, 500.0))
+    drawn = level_figure(of(keyboard, *steady(2), easy).lines[0], 120, 16, progress_words.words("en", keyboard))
+    assert "^ every result better than the goal" in drawn[0]
+    assert "^" in drawn[1]

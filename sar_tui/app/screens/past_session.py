@@ -22,6 +22,7 @@ class PastSessionScreen(DismissedOnce[None]):
     help_text = "The results of a past session: each attempt and its level.\n"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter,space", "dismiss", "Back", id="back"),
+        Binding("f4", "progress", "Progress", id="progress"),
         Binding("a", "report_event", "Adverse event", id="adverse-event"),
     ]
 
@@ -53,6 +54,17 @@ class PastSessionScreen(DismissedOnce[None]):
         from sar_tui.app.screens.adverse_event import AdverseEventScreen
 
         self.app.push_screen(AdverseEventScreen(self._row), lambda _: self._show_wellbeing())
+
+    def action_progress(self) -> None:
+        """Show the participant's progress in this task; of two participants, that of the one on the left."""
+        from sar_tui.app.screens.progress import ProgressScreen
+
+        try:
+            task = self.app.catalogue.task(self._row["task"])
+        except PluginError as error:
+            self.notify(str(error), severity="warning", timeout=15)
+        else:
+            self.app.push_screen(ProgressScreen(self._row["participant"], task))
 
     def on_mount(self) -> None:
         self._show_wellbeing()

@@ -43,6 +43,12 @@ class SessionRatings(msgspec.Struct, frozen=True):
         known = [rating for rating in (self.pain_before, self.pain_pause, self.pain_after) if rating is not None]
         return max([*known, *([1] if self.told_pain else [])], default=None)
 
+    @property
+    def fatigue(self) -> int | None:
+        """The greatest tiredness of the session; None if nothing is known."""
+        known = [rating for rating in (self.fatigue_before, self.fatigue_after) if rating is not None]
+        return max(known, default=None)
+
 
 def stop_now(before: int | None, now: int | None) -> StopReason | None:
     """Return why a person should stop and tell the therapist now; None if there is no reason.

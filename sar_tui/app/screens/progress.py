@@ -1,0 +1,276 @@
+"""Progress of a participant in a task over sessions, for the therapist."""
+
+import sqlite3
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from textual import work
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.widgets import Static
+
+from sar_tui.framework.task import Task
+from sar_tui.reports import progress_parts as parts
+from sar_tui.reports import progress_words
+from sar_tui.reports.progress import LineProgress, Progress, compare, progress
+from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
+from sar_tui.store.database import StoreError, explain
+from sar_tui.store.instrument_scores import scores_of
+from sar_tui.store.results import sessions_of
+from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.widgets.key_footer import KeyFooter
+
+_PARTS = ("Level", "Results", "Sessions", "Dose", "Instruments")
+_PAGE = 10
+"""Sessions that Page Up and Page Down go back and on."""
+_WIDE = 130
+"""Columns from which the sessions are shown beside the other parts."""
+_BESIDE = 84
+_COLORS = {POINT: "$accent", BAND: "$text-muted", AREA: "$border", RULE: "$text-muted", CHOSEN: "$accent"}
+NONE_YET = "No session yet."
+
+
+class ProgressScreen(DismissedOnce[None]):
+    """A chart of the sessions and what can be said of them, in parts; one session is chosen in all of them."""
+
+    help_text = (
+        "Progress shows in the level, not in the results: the program makes the task harder when it goes well. The "
+        "level at goal is the level at which this person would just reach the goal; its band says how well it is "
+        "known. Sessions inside the shaded area do not differ by more than noise and practice.\n\n"
+        "Left and Right: the parts. Up and Down: choose a session. C marks it, and compares it with the next that you "
+        "choose. N: a note to paste into a record. H writes a page with charts to print.\n\n"
+        "Sessions with other settings are never in one chart: S shows those.\n\n"
+        "These are training measures. They are no diagnosis.\n"
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,f4", "leave", "Back", id="back"),
+        Binding("right,tab", "part(1)", "Part", key_display="←→", id="next-part"),
+        Binding("left,shift+tab", "part(-1)", "Previous part", show=False, id="previous-part"),
+        Binding("down", "choose(1)", "Next session", show=False, id="next-session"),
+        Binding("up", "choose(-1)", "Previous session", show=False, id="previous-session"),
+        Binding("pagedown", f"choose({_PAGE})", "Ten on", show=False, id="sessions-on"),
+        Binding("pageup", f"choose(-{_PAGE})", "Ten back", show=False, id="sessions-back"),
+        Binding("home", "choose_end(0)", "First session", show=False, id="first-session"),
+        Binding("end", "choose_end(-1)", "Last session", show=False, id="last-session"),
+        Binding("c", "compare", "Compare", id="compare"),
+        Binding("s", "other_settings", "Settings", id="other-settings"),
+        Binding("n", "note", "Note", id="note"),
+        Binding("h", "page", "Page", id="page"),
+    ]
+
+    app: Any
+
+    def __init__(self, participant: str, task: type[Task]) -> None:
+        super().__init__()
+        self._participant = participant
+        self._motor_task = task
+        self._found: Progress | None = None
+        self._part = 0
+        self._line = 0
+        self._chosen = 0
+        self._marked: str | None = None
+        self._tr = progress_words.words("en", task)
+
+    def compose(self) -> ComposeResult:
+        yield Static(f"{self._participant} · {self._motor_task.title}", id="top", markup=False)
+        yield Static("", id="parts")
+        with Horizontal(id="body"):
+            yield Static("Reading the sessions …", id="part")
+            yield Static("", id="beside")
+        yield Static("", id="chosen", markup=False)
+        yield KeyFooter()
+
+    def on_mount(self) -> None:
+        self.call_after_refresh(self._read)
+
+    def _read(self) -> None:
+        """Read the sessions once the empty screen is shown: a thousand of them take a moment."""
+        find = {self._motor_task.name: self._motor_task}.get
+        try:
+            database = self.app.database
+            sessions = list(sessions_of(database, self._participant, self._motor_task.name))
+            self._found = progress(self._participant, sessions, find, scores_of(database, self._participant))
+        except (StoreError, sqlite3.Error) as error:
+            self.query_one("#part", Static).update(
+                Content(f"The sessions cannot be read: {error if isinstance(error, StoreError) else explain(error)}")
+            )
+            return
+        self._line = len(self._found.lines) - 1
+        self._chosen = len(line.sessions) - 1 if (line := self._shown_line) else 0
+        self.refresh_bindings()
+        self._show()
+
+    @property
+    def _shown_line(self) -> LineProgress | None:
+        return self._found.lines[self._line] if self._found and self._found.lines else None
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        match action:
+            case "other_settings":
+                return self._found is not None and len(self._found.lines) > 1
+            case "compare" | "choose" | "choose_end":
+                return self._shown_line is not None and len(self._shown_line.sessions) > 1
+            case "note" | "page":
+                return self._shown_line is not None
+        return super().check_action(action, parameters)
+
+    # --- what is shown ------------------------------------------------------------------------------------------
+
+    def on_resize(self) -> None:
+        if self._found:
+            self.call_after_refresh(self._show)
+
+    def _show(self) -> None:
+        """Draw everything anew."""
+        assert self._found
+        line = self._shown_line
+        self.query_one("#top", Static).update(self._title(line))
+        named = [(f"[{name}]", "$accent bold") if n == self._part else f" {name} " for n, name in enumerate(_PARTS)]
+        self.query_one("#parts", Static).update(Content.assemble(*named))
+        is_wide = self.size.width >= _WIDE and line is not None and _PARTS[self._part] != "Sessions"
+        beside, part = self.query_one("#beside", Static), self.query_one("#part", Static)
+        beside.display = is_wide
+        height = self.query_one("#body").size.height
+        width = self.query_one("#body").size.width - (_BESIDE if is_wide else 0) - 2
+        part.update(_colored(self._lines_of_part((width, height))))
+        if is_wide and line:
+            table = parts.sessions_part(line, (_BESIDE - 2, height), self._chosen, self._tr, self._marked)
+            beside.update(_colored(table))
+        self.query_one("#chosen", Static).update(self._about_chosen(line) if line else "")
+
+    def _title(self, line: LineProgress | None) -> str:
+        if line is None:
+            return f"{self._participant} · {self._motor_task.title}"
+        count = len(self._found.lines) if self._found else 1
+        number = f"{count - self._line} of {count} · " if count > 1 else ""
+        return f"{self._participant} · {number}{progress_words.heading(line, self._tr)}"
+
+    def _lines_of_part(self, size: tuple[int, int]) -> list[str]:
+        assert self._found
+        line, tr = self._shown_line, self._tr
+        match _PARTS[self._part]:
+            case "Dose":
+                return parts.dose_part(self._found, size, tr)
+            case "Instruments":
+                return parts.instruments_part(self._found, size, tr)
+            case _ if line is None:
+                return [NONE_YET]
+            case "Level":
+                return parts.level_part(line, size, self._chosen, tr)
+            case "Results":
+                return parts.results_part(line, size, self._chosen, tr)
+            case _:
+                return parts.sessions_part(line, size, self._chosen, tr, self._marked)
+
+    def _about_chosen(self, line: LineProgress) -> str:
+        """Return the chosen session in words, or its comparison with the marked one."""
+        assert self._found
+        chosen = line.sessions[self._chosen]
+        when, felt = parts.session_text(line, chosen, self._tr)
+        if self._marked == chosen.session:
+            felt = "Choose the session to compare it with. Esc: no comparison."
+        elif self._marked and (comparison := compare(self._found, self._marked, chosen.session)):
+            felt = progress_words.compared(line, comparison, self._tr)
+        return f"{parts.CURSOR} {when}\n  {felt}"
+
+    # --- keys ----------------------------------------------------------------------------------------------------
+
+    def action_part(self, step: int) -> None:
+        """Show another part."""
+        self._part = (self._part + step) % len(_PARTS)
+        if self._found:
+            self._show()
+
+    def action_choose(self, step: int) -> None:
+        """Choose an earlier or later session."""
+        if line := self._shown_line:
+            self._chosen = max(0, min(len(line.sessions) - 1, self._chosen + step))
+            self._show()
+
+    def action_choose_end(self, session: int) -> None:
+        """Choose the first or the last session."""
+        if line := self._shown_line:
+            self._chosen = session % len(line.sessions)
+            self._show()
+
+    def action_other_settings(self) -> None:
+        """Show the sessions that had other settings."""
+        if line := self._shown_line:
+            assert self._found
+            self._line = (self._line - 1) % len(self._found.lines)
+            line = self._found.lines[self._line]
+            self._chosen, self._marked = len(line.sessions) - 1, None
+            self.refresh_bindings()
+            self._show()
+
+    def action_compare(self) -> None:
+        """Mark the chosen session, to compare it with others; or end the comparison."""
+        if line := self._shown_line:
+            chosen = line.sessions[self._chosen].session
+            self._marked = None if self._marked == chosen else chosen
+            self._show()
+
+    def action_leave(self) -> None:
+        """End a comparison, or go back."""
+        if self._marked:
+            self._marked = None
+            self._show()
+        else:
+            self.dismiss()
+
+    def action_note(self) -> None:
+        """Show a paragraph to paste into a record."""
+        from sar_tui.app.screens.progress_note import ProgressNoteScreen
+
+        if line := self._shown_line:
+
+            def text(language: str) -> str:
+                tr = progress_words.words(language, self._motor_task)
+                return progress_words.note(self._participant, line, tr)
+
+            self.app.push_screen(ProgressNoteScreen(text))
+
+    def action_page(self) -> None:
+        """Write a page with charts into the data folder."""
+        if self._found:
+            self.notify("Drawing the page …", timeout=3)
+            self._write_page(self._found)
+
+    @work(thread=True, exclusive=True, group="page")
+    def _write_page(self, found: Progress) -> None:
+        from sar_tui.reports.progress_page import ChartsMissing, page, write_page
+
+        find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get
+        name = f"progress-{self._participant}-{self._motor_task.name}"
+        try:
+            text = page(found, find, "en")
+            path = self.app.folder / f"{name}.html"
+            number = 1
+            while path.exists():
+                number += 1
+                path = self.app.folder / f"{name}-{number}.html"
+            write_page(text, path)
+        except ChartsMissing as error:
+            self.app.call_from_thread(self.notify, str(error), severity="warning", timeout=20)
+        except OSError as error:
+            said = f"The page cannot be written: {error.strerror or error}."
+            self.app.call_from_thread(self.notify, said, severity="error", timeout=20)
+        else:
+            said = f"{path} is written. Open it in a browser, which can also print it."
+            self.app.call_from_thread(self.notify, said, timeout=30)
+
+
+def _colored(lines: list[str]) -> Content:
+    """Return lines of text, with the characters of charts in their colours."""
+    pieces: list[str | tuple[str, str]] = []
+    for line in lines:
+        for character in f"{line}\n":
+            style = _COLORS.get(character, "")
+            last = pieces[-1] if pieces else None
+            if isinstance(last, tuple) and last[1] == style:
+                pieces[-1] = (last[0] + character, style)
+            else:
+                pieces.append((character, style))
+    return Content.assemble(*pieces)

@@ -1,0 +1,135 @@
+"""The parts of the progress screen, as lines of text that fit a width and a height."""
+
+import textwrap
+from collections.abc import Sequence
+
+from sar_tui.framework.language import Language
+from sar_tui.reports import progress_words
+from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
+from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, qualities, result_figure
+
+CURSOR, MARKED = "▸", "◆"
+_FEWEST_OF_A_CHART = 10
+"""Rows below which the text has to be shortened instead of the chart."""
+_MOST_OF_A_CHART = 24
+_MONTHS = 3
+
+
+def level_part(line: LineProgress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
+    """Return the level at goal as a chart where it is known, and what can be said of the line."""
+    width, height = size
+    text = _wrapped(progress_words.sentences(line, tr), width)
+    room = height - len(text) - 1
+    if has_levels(line):
+        chart = level_figure(line, width, _chart_height(room), tr, chosen)
+    elif has_results(line):
+        chart = result_figure(line, width, _chart_height(room), tr, chosen)
+    else:
+        chart = []
+    return [*chart, "", *text][:height] if chart else text[:height]
+
+
+def results_part(line: LineProgress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
+    """Return the mean results as a chart, and accuracy, smoothness and the SD within and between sessions."""
+    width, height = size
+    below = _wrapped([*_ends(line, tr), progress_words.spread(line, tr)], width)
+    if not has_results(line):
+        return below[:height]
+    return [*result_figure(line, width, _chart_height(height - len(below) - 1), tr, chosen), "", *below][:height]
+
+
+def sessions_part(
+    line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
+) -> list[str]:
+    """Return the sessions as a table with a cursor; ``marked`` is the id of the one to compare with."""
+    width, height = size
+    heads = ("date", "levels", "mean ± SD", "right", "goals", f"at goal ({line.axis.unit or line.axis.name})", "felt")
+    shown = _window(len(line.sessions), max(1, height - 1), chosen)
+    rows = [[tr(head) for head in heads]]
+    rows += [_cells(line, line.sessions[number], tr) for number in shown]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
+    lines = []
+    for number, row in zip((None, *shown), rows, strict=True):
+        sign = CURSOR if number == chosen else " "
+        if number is not None and line.sessions[number].session == marked:
+            sign = MARKED
+        cells = [
+            f"{cell:<{size}}" if column in (0, 6) else f"{cell:>{size}}"
+            for column, (cell, size) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append(f"{sign} {'  '.join(cells)}"[:width].rstrip())
+    return lines
+
+
+def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
+    """Return a mark for each day of the last months, and the last days in figures."""
+    width, height = size
+    if not found.days:
+        return [tr("No live session yet.")]
+    months = progress_words.calendar(found.days)[-_MONTHS:]
+    lines = [f"{'':9}1   5    10   15   20   25   30", *(f"{month}  {marks}" for month, marks in months)]
+    lines += ["", *_wrapped([progress_words.legend(tr)], width), ""]
+    room = max(1, height - len(lines) - 1)
+    return [*lines, *progress_words.days_table(found.days[-room:], tr)][:height]
+
+
+def instruments_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
+    """Return the scores of other instruments, with what is published of their changes."""
+    width, height = size
+    if not found.instruments:
+        hint = tr("None yet. `sar-tui instrument add {code} FMA-UE 34` adds a score.", code=found.participant)
+        return _wrapped([hint], width)
+    lines: list[str] = []
+    for each in found.instruments:
+        lines += [*_wrapped([progress_words.instrument_change(each, tr)], width), ""]
+    return lines[:height]
+
+
+def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
+    """Return a session on two lines: its date, end and dose; what was said of pain and tiredness."""
+    parts = [
+        f"{progress_words.day(session.began)} {session.began[11:16]}",
+        tr(session.status),
+        tr("{done}/{planned} attempts", done=session.attempts, planned=session.planned),
+        tr("{repetitions} repetitions", repetitions=session.trials),
+        tr("{minutes} min", minutes=f"{session.time_on_task_s / 60:.1f}"),
+    ]
+    return [" · ".join(parts), " · ".join(progress_words.felt(session, tr))]
+
+
+def _ends(line: LineProgress, tr: Language) -> list[str]:
+    """Return the first and the last known value of each measure of how the sessions were done."""
+    said = []
+    for name, values, form in qualities(line, tr):
+        known = [value for value in values if value is not None]
+        if known:
+            first, last = (tr.figures(form.format(value)) for value in (known[0], known[-1]))
+            said.append(f"{name} {first} → {last}")
+    return [tr("First → last session: {values}.", values=", ".join(said))] if said else []
+
+
+def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
+    return [
+        progress_words.day(session.began),
+        f"{session.first_level}→{session.last_level}",
+        tr.figures(progress_words.mean(line, session)),
+        f"{session.right / session.trials:.0%}" if session.trials else "",
+        f"{session.reached}/{session.attempts}",
+        progress_words.band(line, session, tr) or tr(progress_words.SIDES[session.side]),
+        progress_words.felt_marks(session, tr),
+    ]
+
+
+def _window(count: int, rows: int, chosen: int) -> range:
+    """Return the numbers of the rows to show, with the chosen one among them."""
+    first = max(0, min(chosen - rows // 2, count - rows))
+    return range(first, min(count, first + rows))
+
+
+def _chart_height(room: int) -> int:
+    return max(_FEWEST_OF_A_CHART, min(_MOST_OF_A_CHART, room))
+
+
+def _wrapped(sentences: Sequence[str], width: int) -> list[str]:
+    """Return sentences on lines, each sentence beginning a line."""
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, max(20, width))]

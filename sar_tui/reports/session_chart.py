@@ -1,0 +1,222 @@
+"""Text chart of sessions, first to last: a value with its band in each column, and rows of figures below them.
+
+Characters alone carry the meaning; colours may be added by character.
+"""
+
+import math
+import statistics
+from collections.abc import Callable, Iterator, Sequence
+from datetime import date
+
+import msgspec
+
+POINT, BAND, AREA, RULE, CHOSEN = "●", "│", "░", "╌", "▲"
+TEN = "X"
+"""Stands for 10 where there is room for one character."""
+ABOVE, BELOW, UNKNOWN = "^", "v", "?"
+"""Stand for a session without a value: it lies above or below what could be measured, or is not known."""
+BARS = "▁▂▃▄▅▆▇█"
+_WIDEST = 10
+"""Most columns that a session has, so that a few sessions stay together."""
+_GAP = 2
+"""Least number of blanks between two dates."""
+_LONG_DAYS = 300
+"""From this time on, dates below the axis have years instead of days."""
+_ROOM = 1.2
+"""Room beyond the outermost values, in bands: one session with a very wide band must not flatten all others."""
+
+
+class Value(msgspec.Struct, frozen=True):
+    """A session's value and its band, or the character that stands for one without a value."""
+
+    value: float | None = None
+    low: float | None = None
+    high: float | None = None
+    without: str = ""
+
+
+class Columns(msgspec.Struct, frozen=True):
+    """Columns of sessions in a chart; a column holds several sessions if there are more sessions than columns."""
+
+    count: int
+    width: int
+
+    @property
+    def step(self) -> float:
+        """Columns from one session to the next."""
+        return min(_WIDEST, self.width / max(1, self.count))
+
+    @property
+    def most(self) -> int:
+        """Largest number of sessions in a column."""
+        return max(1, math.ceil(1 / self.step))
+
+    def column(self, session: int) -> int:
+        """Return the column of a session (0, 1, …)."""
+        return min(self.width - 1, int((session + 0.5) * self.step))
+
+    def groups(self) -> Iterator[tuple[int, range]]:
+        """Yield each column that has sessions, with them."""
+        first = 0
+        for session in range(1, self.count + 1):
+            if session == self.count or self.column(session) != self.column(first):
+                yield self.column(first), range(first, session)
+                first = session
+
+    def figures(self, values: Sequence[int | None]) -> str:
+        """Return a row with the greatest number of each column, or ``·``; `TEN` is 10 where there is no room."""
+        line = [" "] * self.width
+        for column, sessions in self.groups():
+            known = [value for session in sessions if (value := values[session]) is not None]
+            text = str(max(known)) if known else "·"
+            if len(text) > 1 and self.step < len(text) + 1:
+                text = TEN
+            line[column : column + len(text)] = text
+        return "".join(line).rstrip()
+
+    def numbers(self, values: Sequence[float | None], form: str) -> str:
+        """Return a row of numbers, formatted by ``form``, where they have room; else of bars."""
+        texts = [form.format(value) if value is not None else "·" for value in values]
+        if max(map(len, texts), default=0) >= self.step:
+            return self.bars(values)
+        line = [" "] * self.width
+        for session, text in enumerate(texts):
+            begin = min(self.column(session), self.width - len(text))
+            line[begin : begin + len(text)] = text
+        return "".join(line).rstrip()
+
+    def bars(self, values: Sequence[float | None]) -> str:
+        """Return a row of bars between the least and the greatest value; ``·`` where there is none."""
+        line = [" "] * self.width
+        means = [(column, _mean([values[session] for session in sessions])) for column, sessions in self.groups()]
+        known = [mean for _, mean in means if mean is not None]
+        for column, mean in means:
+            line[column] = "·" if mean is None else BARS[_part(mean, min(known), max(known), len(BARS) - 1)]
+        return "".join(line).rstrip()
+
+    def dates(self, days: Sequence[str]) -> str:
+        """Return a row of dates ("2026-03-02") as far as there is room, shortened; the last one is always there."""
+        months = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
+        is_long = bool(days) and _days(days[0], days[-1]) > _LONG_DAYS
+        line = [" "] * self.width
+
+        def text(day: str) -> str:
+            return day[:7] if is_long else f"{int(day[8:10])} {months[int(day[5:7]) - 1]}"
+
+        def put(session: int, before: int) -> int:
+            shown = text(days[session])
+            begin = min(self.column(session), self.width - len(shown))
+            if begin + len(shown) > before or begin < 0:
+                return -1
+            line[begin : begin + len(shown)] = shown
+            return begin
+
+        last = put(len(days) - 1, self.width) if days else 0
+        free = 0
+        for column, sessions in self.groups():
+            shown = text(days[sessions[0]])
+            if column >= free and column + len(shown) + _GAP <= last and (not free or shown != text(days[0])):
+                line[column : column + len(shown)] = shown
+                free = column + len(shown) + _GAP
+        return "".join(line).rstrip()
+
+
+def limits(values: Sequence[Value], more: Sequence[float] = ()) -> tuple[float, float]:
+    """Return the lowest and the highest value of an axis, with room for most of the bands.
+
+    Args:
+        values: at least one has a value.
+        more: values that must be on the axis as well.
+    """
+    known = [*(each.value for each in values if each.value is not None), *more]
+    halves = [(each.high - each.low) / 2 for each in values if each.high is not None and each.low is not None]
+    room = _ROOM * statistics.median(halves) if halves else 0.0
+    low, high = min(known) - room, max(known) + room
+    if low == high:
+        room = 0.1 * abs(high) or 1.0
+        return low - room, high + room
+    return low, high
+
+
+def session_chart(
+    values: Sequence[Value],
+    columns: Columns,
+    *,
+    axis: tuple[float, float],
+    ticks: Sequence[tuple[float, str]],
+    rows: int,
+    margin: int,
+    area: tuple[float, float] | None = None,
+    rule: float | None = None,
+    chosen: int | None = None,
+) -> list[str]:
+    """Draw values over sessions.
+
+    Args:
+        values: of each session; of several in a column, the means are drawn.
+        columns: where the sessions are.
+        axis: lowest and highest value.
+        ticks: values with their labels.
+        rows: number of rows above the axis.
+        margin: columns for the labels and the axis.
+        area: values between which all is shaded.
+        rule: value at which a dashed line is drawn.
+        chosen: session that is marked on the axis.
+
+    Returns:
+        ``rows`` + 1 lines.
+    """
+    low, high = axis
+
+    def row(value: float) -> int:
+        return rows - 1 - _part(value, low, high, rows - 1)
+
+    grid = [[" "] * columns.width for _ in range(rows)]
+    if area and area[0] <= high and area[1] >= low:
+        for line in range(row(min(area[1], high)), row(max(area[0], low)) + 1):
+            grid[line] = [AREA] * columns.width
+    if rule is not None and low <= rule <= high:
+        grid[row(rule)] = [RULE] * columns.width
+    for column, sessions in columns.groups():
+        _draw([values[session] for session in sessions], column, grid, row)
+    labels: dict[int, str] = {}
+    for value, label in ticks:
+        if low <= value <= high:
+            labels.setdefault(row(value), label)
+    lines = [
+        f"{labels.get(number, ''):>{margin - 1}}{'┤' if number in labels else '│'}{''.join(cells)}".rstrip()
+        for number, cells in enumerate(grid)
+    ]
+    foot = ["─"] * columns.width
+    if chosen is not None:
+        foot[columns.column(chosen)] = CHOSEN
+    return [*lines, f"{'└':>{margin}}{''.join(foot)}"]
+
+
+def _draw(values: Sequence[Value], column: int, grid: list[list[str]], row: Callable[[float], int]) -> None:
+    value, low, high = (_mean([getattr(each, name) for each in values]) for name in ("value", "low", "high"))
+    if value is None:
+        sign = next((each.without for each in values if each.without), "")
+        if sign:
+            grid[0 if sign == ABOVE else -1][column] = sign
+        return
+    if low is not None and high is not None:
+        for line in range(row(high), row(low) + 1):
+            grid[line][column] = BAND
+    grid[row(value)][column] = POINT
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return statistics.fmean(known) if known else None
+
+
+def _part(value: float, low: float, high: float, steps: int) -> int:
+    """Return the step of a value between two others, 0 to ``steps``; those beyond are at the ends."""
+    if high <= low:
+        return steps // 2
+    return max(0, min(steps, round((value - low) / (high - low) * steps)))
+
+
+def _days(first: str, last: str) -> int:
+    return (date.fromisoformat(last) - date.fromisoformat(first)).days

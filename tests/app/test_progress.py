@@ -1,0 +1,93 @@
+"""The therapist's progress screen: of nobody's sessions, of several, and what its keys do."""
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.app.screens.progress import NONE_YET, ProgressScreen
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store.database import connect
+from tests.app.app_driver import AppDriver, open_app
+
+
+async def open_progress(driver: AppDriver, catalogue: Catalogue) -> None:
+    driver.app.push_screen(ProgressScreen("P01", catalogue.task("keyboard")))
+    await driver.settle()
+
+
+def trained(data: Path, catalogue: Catalogue, *thresholds: float) -> None:
+    """Store a live session for each goal, with pain of 0, 1, … before it."""
+    for number, threshold in enumerate(thresholds):
+        settings = {"prompts_per_attempt": 5, "attempts": 12, "threshold": threshold}
+        plan = make_plan(catalogue, "keyboard", ["P01"], settings, seed=number, mode="simulated")
+        session = simulate(plan, PEOPLE["average"], data, catalogue)
+        began = f"2026-03-0{number + 1}T10:00:00+00:00"
+        with closing(connect(data)) as database:
+            database.execute("UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session))
+            database.execute(
+                "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at)"
+                " VALUES (?, 'A', 'P01', 'before', 'pain', ?, ?)",
+                (session, str(number), began),
+            )
+
+
+async def test_without_sessions_every_part_says_so(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await open_progress(driver, catalogue)
+        assert driver.sees(NONE_YET)
+        for key in ("right", "right", "right", "right", "c", "n", "h", "up", "end", "left", "resize"):
+            await driver.press(key)
+        assert driver.sees("No live session yet.")
+        await driver.press("escape")
+        assert driver.screen_name == "HomeScreen"
+
+
+async def test_sessions_are_charted_chosen_and_compared(data: Path, catalogue: Catalogue) -> None:
+    trained(data, catalogue, 1000, 1000, 900)
+    async with open_app(data, catalogue) as driver:
+        await open_progress(driver, catalogue)
+        assert driver.sees("P01 · 1 of 2 · Keyboard reaction · goal 900 ms")
+        await driver.press("s")
+        assert driver.sees("P01 · 2 of 2 · Keyboard reaction · goal 1000 ms")
+        assert any(row.split() == ["pain", "0", "1"] for row in driver.rows)
+        assert driver.sees("▸ 2026-03-02 10:00")
+        assert driver.sees("pain 1 before")
+        await driver.press("right")
+        assert driver.sees("SD between the sessions' means")
+        await driver.press("right", "c", "up")
+        assert driver.sees("◆ 2026-03-02")
+        assert driver.sees("▸ 2026-03-01 10:00")
+        assert driver.sees("How much is noise is not yet known")
+        await driver.press("escape", "right")
+        assert driver.sees("2026-03 ■■■")
+        await driver.resize(160, 50)
+        assert driver.sees("■ 2026-03-03")
+        assert driver.sees("▸ 2026-03-01")
+
+
+async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained(data, catalogue, 1000)
+    monkeypatch.setattr("sar_tui.reports.progress_page._drawn", lambda spec: "<svg ></svg>")
+    async with open_app(data, catalogue) as driver:
+        copied: list[str] = []
+        monkeypatch.setattr(driver.app, "copy_to_clipboard", copied.append)
+        await open_progress(driver, catalogue)
+        await driver.press("n", "tab")
+        assert driver.sees("P01, Reacción con el teclado · meta 1000 ms")
+        assert copied[0].startswith("P01, Keyboard reaction · goal 1000 ms")
+        assert copied[1].startswith("P01, Reacción con el teclado")
+        await driver.press("escape")
+        for _ in range(2):
+            await driver.press("h")
+            await driver.app.workers.wait_for_complete()
+            await driver.settle()
+        assert driver.sees("is written. Open it in a browser")
+    written = sorted(data.glob("*.html"))
+    assert [path.name for path in written] == ["progress-P01-keyboard-2.html", "progress-P01-keyboard.html"]
+    assert "Keyboard reaction" in written[0].read_text(encoding="utf-8")

@@ -1,0 +1,55 @@
+"""Text charts of sessions: of one, of more than there are columns, and of those without a value."""
+
+from sar_tui.reports.session_chart import ABOVE, BELOW, POINT, UNKNOWN, Columns, Value, limits, session_chart
+
+
+def draw(values: list[Value], width: int = 40, rows: int = 7, **more: object) -> list[str]:
+    columns = Columns(len(values), width)
+    axis = limits(values)
+    ticks = [(axis[0], "low"), (axis[1], "high")]
+    return session_chart(values, columns, axis=axis, ticks=ticks, rows=rows, margin=6, **more)  # type: ignore[arg-type]
+
+
+def test_a_better_session_is_higher_and_later_ones_are_further_right() -> None:
+    lines = draw([Value(1.0), Value(2.0), Value(3.0)])
+    places = [(line.index(POINT), row) for row, line in enumerate(lines) if POINT in line]
+    assert places == [(31, 0), (21, 3), (11, 6)]
+    assert lines[0].startswith(" high┤")
+
+
+def test_bands_are_drawn_and_a_very_wide_one_does_not_flatten_the_others() -> None:
+    steady = [Value(value, value - 1, value + 1) for value in (1.0, 2.0, 3.0)]
+    low, high = limits([*steady, Value(2.0, -50.0, 50.0)])
+    assert -1 < low < high < 5
+
+
+def test_sessions_without_a_value_have_a_sign_at_the_edge() -> None:
+    lines = draw([Value(1.0), Value(2.0), Value(without=ABOVE), Value(without=BELOW), Value(without=UNKNOWN)])
+    assert ABOVE in lines[0]
+    assert lines[-2].index(BELOW) < lines[-2].index(UNKNOWN)
+
+
+def test_one_session_and_alike_ones_have_an_axis() -> None:
+    for values in ([Value(0.0)], [Value(5.0), Value(5.0)]):
+        assert sum(line.count(POINT) for line in draw(values)) == len(values)
+
+
+def test_a_thousand_sessions_share_columns_and_all_fit() -> None:
+    columns = Columns(1000, 70)
+    assert columns.most == 15
+    assert [session for _, group in columns.groups() for session in group] == list(range(1000))
+    assert max(map(len, draw([Value(float(number)) for number in range(1000)], 70))) <= 76
+    assert len(columns.figures([number % 11 for number in range(1000)])) == 70
+
+
+def test_figures_say_ten_and_show_where_nothing_is_known() -> None:
+    assert Columns(3, 40).figures([0, None, 10]).split() == ["0", "·", "10"]
+    assert Columns(4, 4).figures([0, None, 10, 3]) == "0·X3"
+
+
+def test_dates_are_shortened_and_the_last_one_is_there() -> None:
+    days = [f"2026-03-{day:02}" for day in range(1, 31)]
+    shown = Columns(30, 60).dates(days)
+    assert shown.strip().startswith("1 Mar")
+    assert shown.endswith("30 Mar")
+    assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"]).split() == ["2026-03", "2027-03"]
