@@ -164,7 +164,8 @@ class PatientModeApp(OpeningApp):
     def signalled(self, number: int) -> None:
         """End the app on a signal; in the mode, only if it is not one that the terminal's keys send."""
         is_hang_up = number == getattr(signal, "SIGHUP", None)
-        if self.patient and (number == signal.SIGINT or (is_hang_up and _has_terminal())):
+        is_key = number in (signal.SIGINT, getattr(signal, "SIGQUIT", None))
+        if self.patient and (is_key or (is_hang_up and _has_terminal())):
             return
         super().signalled(number)
 

@@ -81,7 +81,7 @@ class BaseApp(App[int]):
         """Let signals end the app in order; called by the driver before it changes the terminal."""
         if os.name == "posix":
             loop = asyncio.get_running_loop()
-            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP):
                 loop.add_signal_handler(number, self.signalled, number)
 
     def signalled(self, number: int) -> None:
