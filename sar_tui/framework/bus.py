@@ -135,6 +135,10 @@ class Bus:
         if topic.keep and topic.name in self._kept:
             handler(self._kept[topic.name])  # type: ignore[arg-type]
 
+    def receivers(self, topic: Topic[Any]) -> list[object]:
+        """Return the objects whose methods handle a topic, or the functions that do, in the order of delivery."""
+        return [getattr(handler, "__self__", handler) for _, handler in self._handlers.get(topic.name, ())]
+
     def serve(self, service: Service[Q, A], handler: Callable[[Q], A]) -> None:
         """Answer ``service`` with ``handler``. Raises ValueError if it is served already."""
         if service.name in self._services:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 from urllib.parse import parse_qsl
 
 import msgspec
@@ -12,6 +12,9 @@ from sar_tui.framework.clock import Clock
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import ImuSource, SourceError
+
+if TYPE_CHECKING:
+    from sar_tui.motion.synthesis import SimulatedHand
 
 GROUP = "sar_tui.inputs"
 SIMULATED_RATE_HZ = 250.0
@@ -69,13 +72,19 @@ def _phidget(address: str, _seed: int, _clock: Clock | None) -> ImuSource:
     return PhidgetSource(address)
 
 
-def _simulated(profile: str, seed: int, clock: Clock | None) -> ImuSource:
-    from sar_tui.inputs.simulated import SimulatedSource
+def simulated_hand(profile: str, seed: int) -> "SimulatedHand":
+    """Make a simulated hand by the name of its profile. Raises SourceError if there is none of that name."""
     from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 
     if (profile or "clean") not in PROFILES:
         raise SourceError(f'There is no simulated hand "{profile}". Choose one of: {", ".join(PROFILES)}.')
-    return SimulatedSource(SimulatedHand(PROFILES[profile or "clean"], SIMULATED_RATE_HZ, seed), clock)
+    return SimulatedHand(PROFILES[profile or "clean"], SIMULATED_RATE_HZ, seed)
+
+
+def _simulated(profile: str, seed: int, clock: Clock | None) -> ImuSource:
+    from sar_tui.inputs.simulated import SimulatedSource
+
+    return SimulatedSource(simulated_hand(profile, seed), clock)
 
 
 def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:

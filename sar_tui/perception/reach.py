@@ -1,6 +1,8 @@
 """Perception of reaches: turns the samples of the hand's sensor into one reach, out and back (thesis 4.2.2)."""
 
 from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -20,7 +22,7 @@ from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
-from sar_tui.motion.samples import Samples, unpack
+from sar_tui.motion.samples import Samples, join, unpack
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 
@@ -77,8 +79,15 @@ class ReachPerception(TimedNode):
         self._ended: int | None = None
         self._flags: list[str] = []
         self._segmenter: Segmenter | None = None
+        self._foreseen = EVER
+        """The stamp of the newest sample that the segmenter has seen beforehand."""
         self._dismissed: float | None = None
         self.cancel_timers()
+
+    @property
+    def seat(self) -> str:
+        """The participant whose hand it watches."""
+        return self._seat
 
     # --- the sensor ----------------------------------------------------------------------------------------
 
@@ -104,18 +113,45 @@ class ReachPerception(TimedNode):
         if self._prompt is None:
             self._forget_before(newest - REST)
             return
-        rested, reached = self._watch(samples)
-        if not self._is_prompted:
-            if reached:
+        if newest > self._foreseen:
+            self._watch(samples)
+        match self._reaction(newest):
+            case "unprompted":
                 self._report_unprompted(newest)
-        elif self._ended is not None:
-            if newest >= self._ended and rested >= self._settled_s:
-                self._report("key")
-            elif newest >= self._ended + TAIL:
+            case "moving":
                 self._flags.append("moving")
                 self._report("key")
-        elif reached and rested >= self._still_s and self._began_s != self._dismissed:
-            self._report("stillness")
+            case "key" | "stillness" as closed:
+                self._report(closed)
+
+    def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
+        """Return the first of ``ends`` at which the node will report a reach (see `inputs.simulated_sensor.Foresight`).
+
+        The segmenter then has seen the samples up to there.
+        """
+        if self._prompt is None:
+            return None
+        for first, end in pairwise((0, *ends)):
+            self._watch(samples[first:end], kept=False)
+            self._foreseen = int(samples["at"][end - 1])
+            if self._reaction(self._foreseen):
+                return end
+        return None
+
+    def _reaction(self, newest: int) -> Literal["unprompted", "key", "moving", "stillness"] | None:
+        """Return what the node does after the samples up to ``newest`` (ns): report a reach, and why; or nothing."""
+        segmenter = self._segmenter
+        rested = segmenter.still_for_s if segmenter else 0.0
+        reached = segmenter is not None and segmenter.has_reached(self._started / 1e9)
+        if not self._is_prompted:
+            return "unprompted" if reached else None
+        if self._ended is not None:
+            if newest >= self._ended and rested >= self._settled_s:
+                return "key"
+            return "moving" if newest >= self._ended + TAIL else None
+        if reached and rested >= self._still_s and self._began_s != self._dismissed:
+            return "stillness"
+        return None
 
     def _forget_before(self, stamp: int) -> None:
         """Drop blocks before a stamp. ``_samples`` cuts the oldest, as those of a replay may be divided differently."""
@@ -123,18 +159,18 @@ class ReachPerception(TimedNode):
         while self._blocks and self._blocks[0][0] < stamp:
             self._blocks.popleft()
 
-    def _watch(self, samples: Samples) -> tuple[float, bool]:
-        """Return the time at rest, in s, and True if the hand has been out and back since the start.
+    def _watch(self, samples: Samples, *, kept: bool = True) -> None:
+        """Let the segmenter see the next samples, which are ``kept`` in a block already, or not yet.
 
         A sensor too slow for this is reported by the analysis when the reach is over.
         """
         if self._rate_hz < LEAST_RATE_HZ:
-            return 0.0, False
+            return
         if self._segmenter is None:
             self._segmenter = Segmenter(self._rate_hz, self._analysis.single_axis)
-            samples = self._samples()
+            before = self._samples()
+            samples = before if kept else join((before, samples))
         self._segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
-        return self._segmenter.still_for_s, self._segmenter.has_reached(self._started / 1e9)
 
     def _samples(self) -> Samples:
         samples = unpack(b"".join([block for _, block in self._blocks]))

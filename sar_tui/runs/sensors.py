@@ -13,7 +13,8 @@ from sar_tui.inputs.imu import ImuSource, SourceError
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.sensor import Imu
-from sar_tui.inputs.sources import open_source, source_names
+from sar_tui.inputs.simulated_sensor import SimulatedSensor
+from sar_tui.inputs.sources import open_source, simulated_hand, source_names
 from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import imu, sessions
@@ -126,6 +127,9 @@ def sensor_nodes(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
 
 def simulated_nodes(person: Person, task: Task, seed: int, clock: Clock, partner: Person) -> list[Node]:
     """Make a simulated participant with a simulated sensor on the hand; in a task for two, also a partner."""
+    if type(clock) is VirtualClock and not task.seats[1:]:
+        sensor = SimulatedSensor(simulated_hand(person.hand, seed))
+        return [SimulatedParticipant(person, task, seed, sensor.move), sensor]
     hand = open_source(f"simulated:{person.hand}", seed=seed, clock=clock)
     nodes: list[Node] = [SimulatedParticipant(person, task, seed, _mover(hand)), Imu(ImuFeed(hand, clock.now))]
     for seat in task.seats[1:]:

@@ -1,0 +1,175 @@
+"""A simulated sensor on the bus of a session on a virtual clock: all samples until something may happen as one block.
+
+`sensor.Imu` publishes what has arrived every 10 ms. On a virtual clock nothing else happens between two callbacks, so
+this node publishes the samples of many such intervals at once: up to the next callback, to a gap, or to the samples at
+which a node that watches the hand would react. All messages and their times are the same as those of `sensor.Imu`.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+from sar_tui.framework.bus import Bus
+from sar_tui.framework.clock import SECOND, Handle, VirtualClock
+from sar_tui.framework.messages import ImuBlock, SessionEnded
+from sar_tui.framework.node import Node, on
+from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED
+from sar_tui.inputs.imu import Info, Status
+from sar_tui.inputs.imu_feed import GAP_STEPS
+from sar_tui.inputs.sensor import DRAIN, changed
+from sar_tui.motion.samples import SAMPLE, Samples, join, pack
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import SimulatedHand
+
+LONGEST = 4 * SECOND
+"""Longest stretch of samples in one block, and the time for which samples are calculated at once: about a reach."""
+LATE = DRAIN
+"""Time from the delivery of a sample, within an interval of the sensor, to its publication at the end of the next."""
+
+
+@runtime_checkable
+class Foresight(Protocol):
+    """A node that receives samples, and can tell beforehand at which it will react."""
+
+    @property
+    def seat(self) -> str:
+        """The participant whose samples it watches."""
+        ...
+
+    def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
+        """Return the first of ``ends`` at which the node reacts if nothing but samples comes; None if at none of them.
+
+        The samples up to there, or all, must then come as one block.
+
+        Args:
+            samples: the samples that come next, dtype SAMPLE.
+            ends: numbers of samples, rising: where blocks would end.
+        """
+        ...
+
+
+class SimulatedSensor(Node):
+    """Publishes the samples and statuses of a simulated hand, from the beginning of the session to its end.
+
+    Args:
+        hand: the hand and its sensor. The sensor's range must not be limited.
+        seat: the participant with the sensor.
+    """
+
+    name = "imu"
+    emits = (IMU, SENSOR)
+
+    def __init__(self, hand: SimulatedHand, seat: str = "A") -> None:
+        super().__init__()
+        self.seat = seat
+        self._hand = hand
+        self._info = Info(source="simulated", model="Simulated hand", rate_hz=hand.rate_hz)
+        self._stopped = False
+        self._next: Handle | None = None
+        self._ahead: Samples = np.empty(0, SAMPLE)
+        """Samples that are calculated and not published, up to ``_calculated``."""
+        self._calculated = 0
+        self._last_ms = math.inf
+        self._leaps = False
+        self._watcher: Foresight | None = None
+
+    def attach(self, bus: Bus) -> None:
+        """Join a bus, and start when the session does."""
+        super().attach(bus)
+        assert isinstance(bus.clock, VirtualClock)
+        self._clock = bus.clock
+        self._clock.call_soon(self._begin)
+
+    def move(self, at_ns: int, shape: ReachShape) -> None:
+        """Make a reach with its onset at ``at_ns``, which is to come."""
+        self._hand.move(at_ns, shape)
+        now = self._clock.now()
+        if self._calculated > now:
+            self._ahead = self._ahead[: np.searchsorted(self._ahead["at"], now)]
+            self._calculated = now
+
+    @on(SESSION_ENDED)
+    def session_ended(self, _: SessionEnded) -> None:
+        """Stop publishing."""
+        self.detach()
+
+    def detach(self) -> None:
+        """Stop publishing."""
+        self._stopped = True
+        if self._next:
+            self._next.cancel()
+
+    def _begin(self) -> None:
+        if self._stopped:
+            return
+        receivers = self.bus.receivers(IMU)
+        watchers = [node for node in receivers if isinstance(node, Foresight) and node.seat == self.seat]
+        self._leaps = len(watchers) < 2 and all(isinstance(node, Foresight) for node in receivers)
+        self._watcher = watchers[0] if watchers and self._leaps else None
+        self._calculated = now = self._clock.now()
+        attached = Status(state="attached", at=now)
+        self._next = self._clock.call_at(now + DRAIN, lambda: self._publish(0, [attached]))
+
+    def _publish(self, count: int, statuses: Sequence[Status]) -> None:
+        """Publish the next ``count`` samples, then statuses, and schedule those that follow."""
+        if count:
+            block, self._ahead = self._ahead[:count], self._ahead[count:]
+            self._last_ms = float(block["device_ms"][-1])
+            self.emit(IMU, ImuBlock(seat=self.seat, samples=pack(block)))
+        for status in statuses:
+            self.emit(SENSOR, changed(status, self._info, self.seat))
+        if not self._stopped:
+            self._schedule()
+
+    def _schedule(self) -> None:
+        """Schedule the next block: as late as nothing happens before."""
+        now = self._clock.now()
+        due = now + DRAIN * np.arange(1, self._quiet_intervals(now) + 1)
+        self._calculate(int(due[-1]) - LATE)
+        ends = np.searchsorted(self._ahead["at"], due - LATE)
+        gaps = self._gaps(int(ends[-1]))
+        if gaps:
+            ends = ends[: np.searchsorted(ends, gaps[0].before, "right") + 1]
+        if self._watcher and (end := self._watcher.foresee(self._ahead, np.unique(ends[ends > 0]).tolist())):
+            ends = ends[: np.searchsorted(ends, end) + 1]
+        count = int(ends[-1])
+        statuses = [gap.status for gap in gaps if gap.before < count]
+        self._next = self._clock.call_at(int(due[len(ends) - 1]), lambda: self._publish(count, statuses))
+
+    def _quiet_intervals(self, now: int) -> int:
+        """Return the number of intervals that end before the next callback; at least 1, which it may divide."""
+        until = self._clock.next_at()
+        if not self._leaps:
+            return 1
+        if until is None:
+            return LONGEST // DRAIN
+        return max(1, min(LONGEST, until - now - 1) // DRAIN)
+
+    def _calculate(self, until: int) -> None:
+        """Calculate the samples before ``until`` (ns), and more if any are missing."""
+        if until > self._calculated:
+            until = max(until, self._calculated + LONGEST)
+            self._ahead = join((self._ahead, self._hand.samples(self._calculated, until)))
+            self._calculated = until
+
+    def _gaps(self, count: int) -> list["_Gap"]:
+        """Return the gaps between the next ``count`` samples, which ImuFeed would report."""
+        interval_ms = 1000 / self._hand.rate_hz
+        device_ms = self._ahead["device_ms"][:count]
+        steps = np.diff(device_ms, prepend=self._last_ms)
+        gaps = []
+        for index in np.flatnonzero(steps > GAP_STEPS * interval_ms).tolist():
+            step = float(steps[index])
+            missing = round(step / interval_ms) - 1
+            at = int(self._ahead["at"][index])
+            gaps.append(_Gap(index, Status(state="gap", at=at, count=missing, duration_ms=step)))
+        return gaps
+
+
+class _Gap(NamedTuple):
+    """Missing samples ``before`` a number of samples, and the status that reports them."""
+
+    before: int
+    status: Status
