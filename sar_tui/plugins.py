@@ -29,6 +29,7 @@ _installed: dict[str, str] = {}
 DEFAULT_THEME = "calm"
 CURRENT_NAMES = "The names of this version are in docs/write-your-own-task.md."
 """Hint for a task that uses a name that sar-tui does not have."""
+_EMPTY = "with an empty name"
 _FORMER = {"sensed": "sensor_seats"}
 """Former names of methods that a task overrides, which would have no effect now."""
 
@@ -66,7 +67,7 @@ class Catalogue:
         for entry in _installed_tasks():
             if entry.name == name:
                 return _from_entry_point(entry)
-        raise PluginError(f"There is no task {name}. Choose one of: {', '.join(self.task_names())}.")
+        raise PluginError(f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}.")
 
     def theme_names(self) -> list[str]:
         """Return the names of all themes."""
@@ -77,7 +78,7 @@ class Catalogue:
         for path in _children(self._themes, "theme.toml"):
             if path.parent.name == name:
                 return path.parent
-        raise PluginError(f"There is no theme {name}. Choose one of: {', '.join(self.theme_names())}.")
+        raise PluginError(f"There is no theme {name or _EMPTY}. Choose one of: {', '.join(self.theme_names())}.")
 
     def theme(self, name: str, language: str = ENGLISH) -> Theme:
         """Load a theme by name. Raises PluginError."""

@@ -115,7 +115,7 @@ def list_events(
     """List the adverse events, as they are known now, by onset."""
     from sar_tui.store import adverse_events, participants
 
-    code = participants.check_code(participant) if participant else None
+    code = participants.check_code(participant) if participant is not None else None
     with Home.of(context, data, tasks).database() as database:
         found = adverse_events.listing(database, code)
     if as_json:

@@ -164,7 +164,9 @@ def revoke(
 
 @app.command()
 def check(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The invitation.", show_default=False)],
+    file: Annotated[
+        Path, typer.Argument(parser=named_path, metavar="FILE", help="The invitation.", show_default=False)
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,

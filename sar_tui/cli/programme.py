@@ -314,7 +314,7 @@ def _tasks(database: Any, participant: str, task: str | None) -> tuple[str, list
     code = participants.check_code(participant)
     if code not in participants.codes(database):
         raise Refused(f"There is no participant {code}.")
-    return code, [task] if task else programmes.tasks(database, code)
+    return code, [task] if task is not None else programmes.tasks(database, code)
 
 
 def _facts(kind: "type[Task]", code: str, saved: "Programme") -> dict[str, Any]:

@@ -64,7 +64,8 @@ def progress(
     from sar_tui.store.results import sessions_of
 
     if language not in LANGUAGES:
-        raise Refused(f"There are no sentences in {language}. Choose one of: {', '.join(LANGUAGES)}.")
+        named = language or "an empty language"
+        raise Refused(f"There are no sentences in {named}. Choose one of: {', '.join(LANGUAGES)}.")
     watch_plugins(context)
     home = Home.of(context, data, tasks)
     code = check_code(participant)
@@ -72,7 +73,7 @@ def progress(
     with home.database() as database:
         found = make_progress(code, sessions_of(database, code, task), find, scores_of(database, code))
     if not (found.lines or found.instruments) and not as_json and html is None:
-        of_task = f" of the task {task}" if task else ""
+        of_task = "" if task is None else f" of the task {task}"
         raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
     if html is not None:
         _write_page(found, html, find, language)

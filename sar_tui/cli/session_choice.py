@@ -44,6 +44,8 @@ def session_to_join(session: str | None, link: Path | None) -> "JoinableSession 
 
 
 def _one(live: "Sequence[JoinableSession]", session: str | None) -> "JoinableSession":
+    if session == "":
+        raise Refused("The session's id is missing: it is empty.")
     meant = [each for each in live if each.session.startswith(session or "")]
     if not live:
         raise Refused(

@@ -40,7 +40,7 @@ def sessions(
     from sar_tui.store.sessions import listing, operators
 
     home = Home.of(context, data, tasks)
-    code = participants.check_code(participant) if participant else None
+    code = participants.check_code(participant) if participant is not None else None
     with home.database() as database:
         known = operators(database)
         listed = listing(database, home.folder, participant=code)

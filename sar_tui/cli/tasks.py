@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json, watch_plugins
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, watch_plugins
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed
 from sar_tui.tui.exit_codes import FAILED
@@ -105,7 +105,9 @@ def new_task(
 
 @app.command("check")
 def check_task(
-    path: Annotated[Path, typer.Argument(metavar="PATH", help="The task's folder.", show_default=False)],
+    path: Annotated[
+        Path, typer.Argument(parser=named_path, metavar="PATH", help="The task's folder.", show_default=False)
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,

@@ -123,7 +123,7 @@ def check_theme(
 
 def _folder(theme: str, home: Home) -> Path:
     """Return the folder of a theme, given that or its name. Raises Refused."""
-    path = Path(theme).resolve()
+    path = named_path(theme).resolve()
     if (path / "theme.toml").is_file():
         return path
     catalogue = home.catalogue()

@@ -89,7 +89,7 @@ def make_plan(
     if "start_level" in settings:
         settings = {"start_from": "fixed", **settings}
     parameters = _parameters(kind, {**kept, **settings}, speech)
-    name = theme or saved.theme
+    name = saved.theme if theme is None else theme
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
     set_up(kind, parameters)

@@ -54,8 +54,8 @@ def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = Non
     felt: dict[tuple[str, str], list[wellbeing.Row]] = {}
     for said in wellbeing.of_participant(db, participant):
         felt.setdefault((said["session"], said["seat"]), []).append(said)
-    query = _SESSIONS.format(of_task="AND sessions.task=?" if task else "")
-    for row in db.execute(query, (participant, task) if task else (participant,)):
+    query = _SESSIONS.format(of_task="AND sessions.task=?" if task is not None else "")
+    for row in db.execute(query, (participant, task) if task is not None else (participant,)):
         found, began, of_task, mode, status, seat, parameters, software = row
         attempts = stored.get((found, seat), [])
         made_by = msgspec.json.decode(software)

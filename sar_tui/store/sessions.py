@@ -246,7 +246,9 @@ def find(db: sqlite3.Connection, folder: Path, name: str) -> Row:
         rows = _query(db, f"{_LISTED} WHERE substr(sessions.id, 1, length(:name))=:name LIMIT 2", {"name": name})
         found = [_with_status(_typed("sessions", row), folder) for row in rows]
     if not name or not found:
-        raise StoreError(f"There is no session {name}. `sar-tui sessions` lists them.", bad_input=True)
+        raise StoreError(
+            f"There is no session {name or 'with an empty name'}. `sar-tui sessions` lists them.", bad_input=True
+        )
     if len(found) > 1:
         raise StoreError(f"More than one session begins with {name}. Give more of the id.", bad_input=True)
     return found[0]

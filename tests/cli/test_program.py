@@ -112,6 +112,30 @@ def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call,
 
 
 @pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["sessions", "-p", ""], "A participant code has 1 to 32 letters"),
+        (["adverse", "list", "-p", ""], "A participant code has 1 to 32 letters"),
+        (["progress", ""], "A participant code has 1 to 32 letters"),
+        (["show", ""], "There is no session with an empty name."),
+        (["wizard", ""], "The session's id is missing: it is empty."),
+        (["simulate", "keyboard", "--user", "average", "--theme", ""], "There is no theme with an empty name."),
+        (["simulate", "", "--user", "average"], "There is no task with an empty name."),
+        (["tasks", "check", ""], "a name is missing: it is empty."),
+        (["themes", "check", ""], "a name is missing: it is empty."),
+        (["link", "check", ""], "a name is missing: it is empty."),
+    ],
+)
+def test_an_empty_value_as_of_a_variable_that_is_not_set_is_bad_input(
+    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: str
+) -> None:
+    monkeypatch.setattr("sar_tui.link.discovery.live_sessions", list)
+    called = call(*arguments)
+    assert (called.code, called.out) == (2, "")
+    assert says in called.err
+
+
+@pytest.mark.parametrize(
     "arguments",
     [["nonsense"], ["--nonsense"], ["simulate"], ["tasks", "nonsense"], ["run", "keyboard"], ["show"], ["graph"]],
     ids=" ".join,
