@@ -136,7 +136,8 @@ class SimulatedSensor(Node):
             ends = ends[: np.searchsorted(ends, end) + 1]
         count = int(ends[-1])
         statuses = [gap.status for gap in gaps if gap.before < count]
-        self._next = self._clock.call_at(int(due[len(ends) - 1]), lambda: self._publish(count, statuses))
+        last = np.searchsorted(ends, count) if count else len(ends) - 1  # without intervals that bring no samples
+        self._next = self._clock.call_at(int(due[last]), lambda: self._publish(count, statuses))
 
     def _quiet_intervals(self, now: int) -> int:
         """Return the number of intervals that end before the next callback; at least 1, which it may divide."""
