@@ -201,6 +201,7 @@ class SarTui(PatientModeApp):
             self._cannot_begin(str(explain(error)))
             return
         self.live, self.feeds = live, ()
+        self._note_theme(live.run.theme_notice)
         if self._asked_since:
             from sar_tui.store import wellbeing
 
@@ -210,6 +211,13 @@ class SarTui(PatientModeApp):
         session = live.run.session
         self._use(session.theme, session.task.parameters.language)
         self.push_screen(screen, self._session_left)
+
+    def _note_theme(self, notice: str) -> None:
+        """Keep a notice on the session's theme for the therapist, until the participant has left."""
+        if self.patient and notice:
+            self.note_trouble(notice)
+        elif notice:
+            self.pending_notice = notice
 
     def _cannot_begin(self, why: str, *, resumed: bool = False) -> None:
         self._stop_feeds()

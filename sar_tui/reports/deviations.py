@@ -17,9 +17,10 @@ class Deviation(msgspec.Struct, frozen=True):
 
     Attributes:
         at_s: from the start of its run.
-        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``baton`` (stored
-            spelling: another operator took control); ``lost``, ``left``, ``unproven`` (an operator, whose terminal
-            nothing proves to be there); ``refused`` (a request), ``missed`` (a late decision).
+        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``theme`` (that of the
+            first run was not there any more); ``baton`` (stored spelling: another operator took control); ``lost``,
+            ``left``, ``unproven`` (an operator, whose terminal nothing proves to be there); ``refused`` (a request),
+            ``missed`` (a late decision).
         actor: who caused it.
         count: number of refused requests that one message reports.
         duration_s: of a pause.
@@ -39,6 +40,7 @@ def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) ->
     known = spans(messages)
     holder = ""
     found = []
+    themes = [message.theme for _, _, message in messages if isinstance(message, m.SessionStarted)]
     for index, (run, at, message) in enumerate(messages):
         if run not in known:
             continue
@@ -46,7 +48,7 @@ def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) ->
             holder, before = message.actor, holder
             if before in ("", holder):
                 continue
-        for what, detail in _deviation(message, operators):
+        for what, detail in _deviation(message, operators, themes[0]):
             count = message.count if isinstance(message, m.PeerRequestRefused) else 1
             duration = _pause_s(messages, index) if what == "pause" else None
             at_s = seconds(at - known[run].began)
@@ -54,8 +56,10 @@ def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) ->
     return found
 
 
-def _deviation(message: m.Message, operators: Collection[str]) -> Iterator[tuple[str, str]]:
+def _deviation(message: m.Message, operators: Collection[str], theme: str) -> Iterator[tuple[str, str]]:
     match message:
+        case m.SessionStarted() if message.theme != theme:
+            yield "theme", f"{message.theme} instead of {theme}"
         case m.ModeChanged():
             yield "mode", f"{message.kind}: {message.mode}"
         case m.SessionCommand(command=what) if message.actor in operators and what in _COMMANDS:

@@ -18,7 +18,7 @@ from sar_tui.framework.policies.limits import Dose, limits_day, reached_of_day
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_folder
 from sar_tui.runs.checkpoints import Checkpoints, program
 from sar_tui.runs.plan import Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
@@ -39,7 +39,11 @@ NodeFactory = Callable[[Task, Theme, int], Sequence[Node]]
 
 
 class Run:
-    """A session in progress in this program. Made by ``start`` or ``resume``; always call ``close`` at its end."""
+    """A session in progress in this program. Made by ``start`` or ``resume``; always call ``close`` at its end.
+
+    Attributes:
+        theme_notice: text that says why the session goes on with another theme than it began with; else empty.
+    """
 
     def __init__(
         self,
@@ -53,6 +57,7 @@ class Run:
     ) -> None:
         self.id = session_id
         self._folder = folder
+        self.theme_notice = ""
         self.number = number
         self.session = session
         self.recorder = recorder
@@ -160,7 +165,7 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
-        PluginError: its task or theme does not exist any more.
+        PluginError: its task does not exist any more. In place of its theme, it can go on with the default one.
         Failed: its replay differs from the record.
     """
     database = connect(folder)
@@ -176,11 +181,11 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
         kind = catalogue.task(row["task"])
         try:
             parameters = build(kind.Parameters, row["parameters"])
-            theme = catalogue.theme(row["theme"], parameters.language)
+            theme = _theme_of(row, catalogue, parameters.language)
             task = set_up(kind, parameters)
             facts = _participant_facts(database, task, codes, "live", without=row["id"])
             nodes = make_nodes(task, theme, row["seed"])
-            provenance = _provenance(kind, row["theme"], folder, catalogue)
+            provenance = _provenance(kind, theme.name, folder, catalogue)
 
             def new_session() -> Session:
                 return Session(task, theme, clock, row["seed"], nodes, **facts)
@@ -190,8 +195,21 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
         number = sessions.begin_run(database, row["id"], **provenance)
         run = _with_recorder(row["id"], number, session, folder, database, held)
+        if theme.name != row["theme"]:
+            run.theme_notice = (
+                f"The theme {row['theme']} of session {row['id']} cannot be loaded any more: it went on with "
+                f"{theme.name}, whose words and looks differ."
+            )
         Checkpoints(session, run.recorder, provenance["software"])
         return run
+
+
+def _theme_of(row: sessions.Row, catalogue: Catalogue, language: str) -> Theme:
+    """Load the theme of a stored session, or the default one if it is not there any more. Raises PluginError."""
+    try:
+        return catalogue.theme(row["theme"], language)
+    except PluginError:
+        return catalogue.theme(DEFAULT_THEME, language)
 
 
 def _replayed(

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.topics import SESSION, WAITING
 from sar_tui.plugins import Catalogue
+from sar_tui.reports.deviations import deviations
+from sar_tui.reports.logged_messages import read
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.runs.simulate import simulate
@@ -196,6 +198,27 @@ def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_i
     play(again, clock)
     names = [r.message.attempt_name for r in sessions.history(connect(data), run.id) if r.topic is WAITING]
     assert (names[0], names[-1]) == ("round 1 of 3", "turn 3 of 3")
+
+
+def test_a_session_whose_theme_was_removed_goes_on_with_the_default_one_and_says_so(data: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "themes" / "mine"
+    shutil.copytree(CATALOGUE.theme_folder("playful"), folder)
+    catalogue = Catalogue(themes=(tmp_path / "themes",))
+    clock = VirtualClock()
+    run = start(msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants)
+    assert run.theme_notice == ""
+    play(run, clock, 12)
+    shutil.rmtree(folder)
+    clock = VirtualClock(1000 * SECOND)
+    again = resume(run.id, data, catalogue, clock, make_participants)
+    play(again, clock)
+    assert again.session.ended
+    assert again.theme_notice == (
+        f"The theme mine of session {run.id} cannot be loaded any more: it went on with calm, whose words and looks "
+        "differ."
+    )
+    (deviation,) = deviations(read(connect(data), run.id), [])
+    assert (deviation.run, deviation.what, deviation.detail) == (2, "theme", "calm instead of mine")
 
 
 def test_a_simulation_that_is_interrupted_keeps_what_it_has_done(data: Path) -> None:
