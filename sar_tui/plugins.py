@@ -69,6 +69,18 @@ class Catalogue:
                 return _from_entry_point(entry)
         raise PluginError(f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}.")
 
+    def replaced_tasks(self) -> dict[str, Path]:
+        """Return the folders of the user's own tasks that replace a built-in one, by name."""
+        used: dict[str, Path] = {}
+        for path in _children(self._tasks, "task.py"):
+            used.setdefault(path.parent.name, path.parent)
+        built_in = _shipped("tasks")
+        return {
+            name: folder
+            for name, folder in used.items()
+            if (built_in / name / "task.py").is_file() and not _is_built_in(folder)
+        }
+
     def theme_names(self) -> list[str]:
         """Return the names of all themes."""
         return sorted({path.parent.name for path in _children(self._themes, "theme.toml")})
@@ -106,6 +118,17 @@ def _children(folders: tuple[Path, ...], file: str) -> Iterator[Path]:
 def task_folder(task: "type[Task]") -> Path:
     """Return the folder that a task was loaded from."""
     return Path(inspect.getfile(task)).parent
+
+
+def task_source(task: "type[Task]") -> str:
+    """Return where a task comes from: ``built-in``, ``own`` (a folder), or ``installed`` (a package's entry point)."""
+    if not task.__module__.startswith(f"{_PACKAGE}."):
+        return "installed"
+    return "built-in" if _is_built_in(task_folder(task)) else "own"
+
+
+def _is_built_in(folder: Path) -> bool:
+    return folder.resolve().parent == _shipped("tasks").resolve()
 
 
 def load_task(folder: Path) -> "type[Task]":

@@ -11,7 +11,7 @@ from sar_tui.framework.bus import FAULT
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.trial_types import Metric
-from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, user_folder
+from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, task_source, user_folder
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
@@ -141,6 +141,16 @@ def test_a_named_folder_takes_precedence_over_shipped_tasks(own: Path) -> None:
     write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
     assert Catalogue(tasks=(own,)).task("keyboard").title == "Minimal"
     assert Catalogue().task("keyboard").title == "Keyboard reaction"
+
+
+def test_own_tasks_that_replace_a_built_in_one_are_known(own: Path) -> None:
+    write(own, "keyboard", MINIMAL.replace('"minimal"', '"keyboard"'))
+    write(own, "minimal", MINIMAL)
+    assert Catalogue(tasks=(own,)).replaced_tasks() == {"keyboard": own / "keyboard"}
+    built_in = task_folder(Catalogue().task("keyboard")).parent
+    assert Catalogue(tasks=(built_in,)).replaced_tasks() == {}
+    sources = [task_source(Catalogue(tasks=(own,)).task(name)) for name in ("keyboard", "minimal", "pairs")]
+    assert sources == ["own", "own", "built-in"]
 
 
 def test_folders_without_a_task_are_skipped(own: Path) -> None:

@@ -1,6 +1,7 @@
 """Lists what is installed: tasks or themes."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -19,3 +20,8 @@ def installed(names: Iterable[str], load: Callable[[str], T], facts: Callable[[T
         except PluginError as error:
             broken.append({"name": name, "error": str(error)})
     return rows, broken
+
+
+def replaced_lines(replaced: Mapping[str, Path]) -> list[str]:
+    """Return a sentence for each of the user's own tasks that replaces a built-in one, given their folders by name."""
+    return [f"{name}: your own in {folder} replaces the built-in one." for name, folder in replaced.items()]

@@ -7,7 +7,7 @@ import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, watch_plugins
 from sar_tui.cli.errors import Refused
-from sar_tui.cli.installed import installed
+from sar_tui.cli.installed import installed, replaced_lines
 from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None)
@@ -26,8 +26,10 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
         catalogue.task,
         lambda task: {"title": task.title, "summary": task.summary, "metric": task.metric},
     )
+    replaced = catalogue.replaced_tasks()
     if as_json:
-        print_json({"tasks": [*rows, *broken]})
+        marked = ({**row, "replaces": "built-in"} if row["name"] in replaced else row for row in [*rows, *broken])
+        print_json({"tasks": list(marked)})
         return
 
     from sar_tui.cli.tables import add, table
@@ -40,6 +42,8 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
         add(made, row["name"], row["title"], row["summary"], words)
     out = console()
     out.print(made)
+    for text in replaced_lines(replaced):
+        out.print(f"! {text}", markup=False, soft_wrap=True)
     for problem in broken:
         out.print(f"✗ {problem['name']}: {problem['error']}", markup=False, soft_wrap=True)
 

@@ -18,8 +18,11 @@ from sar_tui.store import connection
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
 
 
-def software(task: type[Task], task_folder: Path, theme_folder: Path) -> dict[str, Any]:
-    """Describe the software: versions, the task's declaration, and hashes of the task's and the theme's folder."""
+def software(task: type[Task], source: str, task_folder: Path, theme_folder: Path) -> dict[str, Any]:
+    """Describe the software: versions, the task's declaration, and hashes of the task's and the theme's folder.
+
+    ``source``: where the task comes from, as its own one may have the name of a built-in one.
+    """
     return {
         "sar_tui": sar_tui.__version__,
         "python": platform.python_version(),
@@ -28,6 +31,7 @@ def software(task: type[Task], task_folder: Path, theme_folder: Path) -> dict[st
             "title": task.title,
             "version": task.version,
             "metric": msgspec.to_builtins(task.metric),
+            "source": source,
             "hash": folder_hash(task_folder),
         },
         "theme": {"hash": folder_hash(theme_folder)},

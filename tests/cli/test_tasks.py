@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 
 from sar_tui.checks.task import check
+from sar_tui.cli.common import Home
+from sar_tui.cli.doctor.installation import tasks
+from sar_tui.plugins import Catalogue, task_folder
 from tests.edit import edit
 from tests.program import Call
 
@@ -48,6 +51,19 @@ def test_tasks_json(call: Call) -> None:
     assert row["metric"]["better"] == "lower"
     assert (pairs["name"], pairs["metric"]["name"]) == ("pairs", "reaction_time")
     assert (reaching["name"], reaching["metric"]["name"]) == ("reaching", "reach_time")
+
+
+def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(call: Call, tmp_path: Path) -> None:
+    own = tmp_path / "own" / "keyboard"
+    shutil.copytree(task_folder(Catalogue().task("keyboard")), own)
+    says = f"keyboard: your own in {own} replaces the built-in one."
+    assert f"! {says}" in call("tasks", "--tasks", own.parent).out
+    assert says not in call("tasks").out
+    found = tasks(Home(tmp_path, (own.parent,)))
+    assert (found.state, found.found) == ("care", says)
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "--tasks", own.parent)
+    session = call("sessions", "--json").json["sessions"][0]
+    assert session["software"]["task"]["source"] == "own"
 
 
 def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change: Change) -> None:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json, watch_plugins
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ def doctor(context: typer.Context, as_json: AsJson = False, data: Data = None, t
     """Check what works on this machine, and how to fix what does not."""
     from sar_tui.cli.doctor.examination import examine
 
+    watch_plugins(context)
     findings = list(examine(Home.of(context, data, tasks)))
     if as_json:
         print_json({"checks": findings})

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.finding import Finding
+from sar_tui.cli.installed import replaced_lines
 
 
 def python() -> Finding:
@@ -25,7 +26,10 @@ def tasks(home: Home) -> Finding:
         catalogue = home.catalogue()
     except PluginError as error:
         return Finding("Tasks", "bad", str(error), "Name a folder that exists with --tasks.")
-    return _loaded("Tasks", catalogue.task_names(), catalogue.task, "`sar-tui tasks check FOLDER` says more.")
+    found = _loaded("Tasks", catalogue.task_names(), catalogue.task, "`sar-tui tasks check FOLDER` says more.")
+    if found.state == "ok" and (lines := replaced_lines(catalogue.replaced_tasks())):
+        return Finding("Tasks", "care", " ".join(lines), "Give it a name of its own if this is not meant.")
+    return found
 
 
 def themes(home: Home) -> Finding:
