@@ -1,6 +1,7 @@
 """``sar-tui progress``: a participant over sessions."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from datetime import date
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
     from sar_tui.framework.language import Language
     from sar_tui.framework.task import Task
-    from sar_tui.reports.progress import Day, LineProgress, Progress
+    from sar_tui.reports.progress import LineProgress, Progress
 
     Find = Callable[[str], type[Task] | None]
 
@@ -23,6 +24,8 @@ LANGUAGES = ("en", "es")
 _LISTED = 20
 """Sessions of a line that are printed; JSON has all."""
 _MONTHS = 3
+_CHART = 90, 14
+"""Columns and rows of a chart."""
 _ID = 6
 """Characters of a session's id that are printed."""
 
@@ -128,12 +131,27 @@ def _print(out: "Console", found: "Progress", find: "Find", language: str) -> No
     for line in found.lines:
         tr = progress_words.words(language, find(line.task))
         out.print(f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n")
+        _print_chart(out, line, tr)
         _print_sessions(out, line, tr)
         for sentence in progress_words.sentences(line, tr):
             out.print(sentence, soft_wrap=True)
         out.print()
     _print_instruments(out, found, language)
-    _print_dose(out, found.days, progress_words.words(language, None))
+    _print_dose(out, found, progress_words.words(language, None))
+
+
+def _print_chart(out: "Console", line: "LineProgress", tr: "Language") -> None:
+    """Print the level at goal over sessions, or their results where no level is known; nothing of a single session."""
+    from rich.text import Text
+
+    from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, result_figure
+
+    if len(line.sessions) < 2 or not has_results(line):
+        return
+    draw = level_figure if has_levels(line) else result_figure
+    for row in draw(line, min(out.width, _CHART[0]), _CHART[1], tr):
+        out.print(Text(row), soft_wrap=True)
+    out.print()
 
 
 def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> None:
@@ -171,16 +189,17 @@ def _print_instruments(out: "Console", found: "Progress", language: str) -> None
         out.print(progress_words.instrument_change(each, tr), soft_wrap=True, end="\n\n")
 
 
-def _print_dose(out: "Console", days: "Sequence[Day]", tr: "Language") -> None:
-    from sar_tui.reports import progress_words
+def _print_dose(out: "Console", found: "Progress", tr: "Language") -> None:
+    from sar_tui.reports import dose_words
 
-    if not days:
+    if not found.days:
         return
     out.print(tr("Dose"))
-    for month, marks in progress_words.calendar(days)[-_MONTHS:]:
+    for month, marks in dose_words.calendar(found.days, date.fromisoformat(found.today))[-_MONTHS:]:
         out.print(f"{month}  {marks}")
-    out.print(progress_words.legend(tr), end="\n\n")
-    last = days[-1]
+    out.print(dose_words.legend(tr), end="\n\n")
+    out.print(dose_words.recent_text(found.recent, tr), soft_wrap=True)
+    last = found.days[-1]
     out.print(
         tr(
             "{date}: {done} of {planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",

@@ -1,11 +1,13 @@
-"""Progress of a participant over sessions: lines of comparable sessions, and the dose of each day."""
+"""Progress of a participant over sessions: lines of comparable sessions, the dose, and other instruments."""
 
 from collections.abc import Callable, Iterable, Sequence
+from datetime import date
 from statistics import stdev
 from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.framework.parameters import fields
 from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Axis, Metric
@@ -15,6 +17,7 @@ from sar_tui.progress.instruments import InstrumentChange, Score, changes
 from sar_tui.progress.level_estimate import Estimate
 from sar_tui.progress.lines import Line, Point, SessionResults, Side, lines
 from sar_tui.progress.task_level import compared_settings, places, to_level
+from sar_tui.reports.dose import Day, Dose, days_of, planned_attempts, recent
 
 
 class AtGoal(msgspec.Struct, frozen=True):
@@ -67,6 +70,7 @@ class LineProgress(msgspec.Struct, frozen=True):
         goal: of all levels; None if it differs between levels.
         measure: ``level`` (level at goal), ``result`` (mean result, where the level never changed), or empty.
         settings: what the sessions have in common, where it differs from the defaults.
+        titles: of these settings, for people.
         places: of the levels on the axis of difficulty; empty if they do not rise from level to level.
         between_sd: SD of the sessions' means.
         baseline: None before it has enough sessions.
@@ -83,29 +87,26 @@ class LineProgress(msgspec.Struct, frozen=True):
     goal: float | None
     measure: Literal["level", "result", ""]
     settings: dict[str, Any]
+    titles: dict[str, str]
     sessions: list[SessionProgress]
     between_sd: float | None
     baseline: Baseline | None
     verdict: Verdict
 
 
-class Day(msgspec.Struct, frozen=True):
-    """The dose of a day: attempts planned in the sessions begun, and done; repetitions; time on task."""
-
-    date: str
-    sessions: int
-    planned: int
-    done: int
-    repetitions: int
-    time_on_task_s: float
-
-
 class Progress(msgspec.Struct, frozen=True):
-    """Progress of a participant. ``lines``: the one with the newest session last. ``days``: only live sessions."""
+    """Progress of a participant until a day.
+
+    Args:
+        lines: the one with the newest session last.
+        days: with live sessions; ``recent`` is their sum over the last four weeks.
+    """
 
     participant: str
+    today: str
     lines: list[LineProgress]
     days: list[Day]
+    recent: Dose
     instruments: list[InstrumentChange]
 
 
@@ -114,34 +115,19 @@ def progress(
     sessions: Iterable[SessionResults],
     find_task: Callable[[str], type[Task] | None],
     scores: Sequence[Score] = (),
+    today: date | None = None,
 ) -> Progress:
     """Return the progress of a participant, from the results of their sessions in the order they were played."""
-    played = list(sessions)
-    return Progress(participant, [_line(line) for line in lines(played, find_task)], dose(played), changes(scores))
-
-
-def dose(sessions: Iterable[SessionResults]) -> list[Day]:
-    """Return the days with live sessions, first to last."""
-    days: dict[str, list[SessionResults]] = {}
-    for each in sessions:
-        if each.mode == "live":
-            days.setdefault(each.began.date().isoformat(), []).append(each)
-    return [
-        Day(
-            date=date,
-            sessions=len(found),
-            planned=sum(_planned(each) for each in found),
-            done=sum(len(each.results) for each in found),
-            repetitions=sum(each.trials for each in found),
-            time_on_task_s=sum(each.seconds for each in found),
-        )
-        for date, found in sorted(days.items())
-    ]
-
-
-def _planned(session: SessionResults) -> int:
-    planned = session.parameters.get("attempts")
-    return planned if isinstance(planned, int) else len(session.results)
+    played, day = list(sessions), today or date.today()
+    days = days_of(played)
+    return Progress(
+        participant=participant,
+        today=day.isoformat(),
+        lines=[_line(line) for line in lines(played, find_task)],
+        days=days,
+        recent=recent(days, day),
+        instruments=changes(scores),
+    )
 
 
 def known_values(line: Line) -> list[float]:
@@ -164,7 +150,8 @@ def _line(line: Line) -> LineProgress:
         places=rising,
         goal=_goal(line.task) if line.task else last.parameters.get("threshold"),
         measure=line.measure,
-        settings=_differing(line),
+        settings=(settings := _differing(line)),
+        titles=_titles(line.task, settings) if line.task else {},
         sessions=[_session(line, point, rising) for point in line.points],
         between_sd=stdev(means) if len(means) > 1 else None,
         baseline=found,
@@ -185,6 +172,11 @@ def _differing(line: Line) -> dict[str, Any]:
     return {name: value for name, value in line.settings.items() if value != defaults[name]}
 
 
+def _titles(task: Task, names: Iterable[str]) -> dict[str, str]:
+    titles = {field.name: field.title for field in fields(type(task.parameters))}
+    return {name: titles[name] for name in names}
+
+
 def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgress:
     results = point.results
     levels = [result.level for result in results.results]
@@ -193,7 +185,7 @@ def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgre
         began=results.began.isoformat(timespec="seconds"),
         status=results.status,
         attempts=len(results.results),
-        planned=_planned(results),
+        planned=planned_attempts(results),
         reached=results.reached,
         trials=results.trials,
         right=results.right,
@@ -254,8 +246,3 @@ def compare(found: Progress, one: str, other: str) -> Comparison | None:
         later.value - earlier.value,
         change.difference(later.value, earlier.value, line.baseline),
     )
-
-
-def month(days: Sequence[Day], year: int, number: int) -> dict[int, Day]:
-    """Return the days of a month that have sessions, by their number."""
-    return {int(day.date[-2:]): day for day in days if day.date.startswith(f"{year:04}-{number:02}-")}

@@ -4,17 +4,21 @@ from collections.abc import Sequence
 from typing import Any
 
 from sar_tui.framework.language import Language
-from sar_tui.reports.progress import Day, LineProgress, SessionProgress
+from sar_tui.reports import progress_words
+from sar_tui.reports.dose import Day
+from sar_tui.reports.progress import LineProgress, SessionProgress
 
 Spec = dict[str, Any]
 
 _WIDTH, _HEIGHT, _LOW = 620, 200, 110
-_INK, _SOFT = "#1f4e79", "#b9c7d6"
+_EDGE = 8
+"""Pixels between the ends of the time axis and the first and last session."""
+_INK, _SOFT, _OTHER = "#1f4e79", "#b9c7d6", "#8a4b08"
 _CONFIG: Spec = {
     "aria": False,  # the page names each chart as a whole
     "font": "sans-serif",
     "axis": {"labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"},
-    "axisY": {"format": ".6~r"},
+    "axisY": {"format": ".6~r", "minExtent": 40},
     "view": {"stroke": "#ccc"},
 }
 _MOST_QUALITIES = 4
@@ -31,11 +35,15 @@ def _chart(values: Sequence[Spec], layers: Sequence[Spec], height: int) -> Spec:
     }
 
 
-def _x(values: Sequence[Spec]) -> Spec:
-    """Return the time axis; the days themselves where there are few."""
+def _x(values: Sequence[Spec], sessions: Sequence[SessionProgress] = ()) -> Spec:
+    """Return the time axis, the same for all charts of the sessions; the days themselves where there are few."""
     few = len({value["date"] for value in values}) <= 8
     shown: Spec = {"format": "%Y-%m-%d", "labelOverlap": True, "title": None}
-    return {"field": "at", "type": "temporal", "axis": {**shown, "values": [v["at"] for v in values]} if few else shown}
+    axis = {**shown, "values": [v["at"] for v in values]} if few else shown
+    found: Spec = {"field": "at", "type": "temporal", "axis": axis}
+    if sessions and (first := sessions[0].began[:19]) != (last := sessions[-1].began[:19]):
+        found["scale"] = {"domain": [first, last], "nice": False, "padding": _EDGE}
+    return found
 
 
 def _row(session: SessionProgress, **more: float | None) -> Spec:
@@ -66,7 +74,7 @@ def measure_chart(line: LineProgress, tr: Language) -> Spec | None:
         noise = {"low": place(found.mean - found.mdc95), "high": place(found.mean + found.mdc95 + found.rise)}
         area = {"y": {"field": "low", **y}, "y2": {"field": "high"}}
         layers.append({"data": {"values": [noise]}, "mark": {"type": "rect", "color": "#eee"}, "encoding": area})
-    x = _x(values)
+    x = _x(values, line.sessions)
     layers += [
         {"mark": {"type": "line", "color": _INK}, "encoding": {"x": x, "y": {"field": "value", **y}}},
         {
@@ -91,7 +99,7 @@ def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     if not values:
         return None
     y = {"type": "quantitative", "scale": {"zero": False}, "title": tr(line.metric.label)}
-    x = _x(values)
+    x = _x(values, line.sessions)
     layers: list[Spec] = [
         {
             "mark": {"type": "rule", "color": _SOFT, "strokeWidth": 3},
@@ -109,16 +117,68 @@ def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     return _chart(values, layers, _HEIGHT)
 
 
-def quality_charts(line: LineProgress) -> dict[str, Spec]:
+def quality_charts(line: LineProgress, tr: Language) -> dict[str, Spec]:
     """Chart the mean of each measure of how the sessions' movements were done, such as smoothness, by its name."""
     names = list(dict.fromkeys(name for each in line.sessions for name in each.qualities))[:_MOST_QUALITIES]
     charts = {}
     for name in names:
         values = [_row(each, value=each.qualities[name]) for each in line.sessions if name in each.qualities]
-        y = {"field": "value", "type": "quantitative", "scale": {"zero": False}, "title": name.replace("_", " ")}
+        y = {
+            "field": "value",
+            "type": "quantitative",
+            "scale": {"zero": False},
+            "title": progress_words.quality(name, tr),
+        }
         mark = {"type": "line", "color": _INK, "point": {"color": _INK}}
-        charts[name] = _chart(values, [{"mark": mark, "encoding": {"x": _x(values), "y": y}}], _LOW)
+        charts[name] = _chart(values, [{"mark": mark, "encoding": {"x": _x(values, line.sessions), "y": y}}], _LOW)
     return charts
+
+
+def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
+    """Chart the worst pain and tiredness of each session; None if nothing was said of either."""
+    layers: list[Spec] = []
+    every: list[Spec] = []
+    for name, shape, dash in (("pain", "circle", []), ("tiredness", "square", [4, 3])):
+        values = [_row(each, value=given) for each in line.sessions if (given := getattr(each, name)) is not None]
+        if not values:
+            continue
+        every += values
+        y: Spec = {
+            "field": "value",
+            "type": "quantitative",
+            "scale": {"domain": [0, 10]},
+            "title": f"{tr('pain')}, {tr('tiredness')}",
+        }
+        ink = _INK if name == "pain" else _OTHER
+        point = {"color": ink, "shape": shape, "filled": name == "pain", "size": 40}
+        mark = {"type": "line", "color": ink, "strokeDash": dash, "point": point}
+        layers.append({"data": {"values": values}, "mark": mark, "encoding": {"y": y}})
+    for layer in layers:
+        layer["encoding"]["x"] = _x(every, line.sessions)
+    return _chart(every, layers, _LOW) if layers else None
+
+
+def attempts_chart(days: Sequence[Day], tr: Language) -> Spec | None:
+    """Chart the attempts done on each day as bars, and those planned as a line across them."""
+    if not days:
+        return None
+    values = [
+        {"at": f"{day.date}T00:00:00", "date": day.date, "value": day.done, "planned": day.planned} for day in days
+    ]
+    title = tr("attempts")
+    width = max(1, min(12, _WIDTH // (2 * len(days))))
+    x = _x(values)
+    layers: list[Spec] = [
+        {
+            "mark": {"type": "bar", "color": _SOFT, "width": width},
+            "encoding": {"x": x, "y": {"field": "value", "type": "quantitative", "title": title}},
+        },
+        {
+            "mark": {"type": "tick", "color": "#111", "thickness": 2, "width": width + 4},
+            "encoding": {"x": x, "y": {"field": "planned", "type": "quantitative", "title": title}},
+        },
+    ]
+    return _chart(values, layers, _LOW)
 
 
 def dose_chart(days: Sequence[Day], tr: Language) -> Spec | None:

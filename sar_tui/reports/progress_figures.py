@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from sar_tui.framework.language import Language
-from sar_tui.reports import session_chart
+from sar_tui.reports import progress_words, session_chart
 from sar_tui.reports.attempts_plot import round_numbers
 from sar_tui.reports.progress import LineProgress, SessionProgress
 from sar_tui.reports.session_chart import ABOVE, AREA, BAND, BELOW, POINT, RULE, TEN, UNKNOWN, Columns, Value
@@ -88,7 +88,8 @@ def qualities(line: LineProgress, tr: Language) -> list[tuple[str, list[float | 
     rows = [(tr("right"), [each.right / each.trials if each.trials else None for each in line.sessions], "{:.0%}")]
     names = dict.fromkeys(name for each in line.sessions for name in each.qualities)
     return rows + [
-        (tr(name.replace("_", " ")), [each.qualities.get(name) for each in line.sessions], "{:.3g}") for name in names
+        (progress_words.quality(name, tr), [each.qualities.get(name) for each in line.sessions], "{:.3g}")
+        for name in names
     ]
 
 

@@ -2,16 +2,19 @@
 
 import os
 from collections.abc import Callable, Iterator
+from datetime import date
 from html import escape
 from pathlib import Path
 
 from sar_tui.framework.language import Language
 from sar_tui.framework.task import Task
-from sar_tui.reports import progress_charts, progress_words
-from sar_tui.reports.progress import Day, LineProgress, Progress
+from sar_tui.reports import dose_words, progress_charts, progress_words
+from sar_tui.reports.progress import LineProgress, Progress
 
 _LISTED = 60
 """Sessions in the table of a line; the charts have all."""
+_MONTHS = 12
+"""Months of the calendar."""
 NO_PACKAGE = (
     "The charts need the Python package vl-convert-python. Install it with: pip install 'sar-tui[report]'. "
     "`sar-tui progress` without --html works as it is."
@@ -53,7 +56,7 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     if found.instruments:
         body.append(f"<h2>{escape(own('Other instruments'))}</h2>")
         body += [f"<p>{escape(progress_words.instrument_change(each, own))}</p>" for each in found.instruments]
-    body += _dose(found.days, own)
+    body += _dose(found, own)
     foot = own(
         "A training measure of this program; no diagnosis, and no published important difference (MCID) applies."
     )
@@ -78,8 +81,14 @@ def _line(line: LineProgress, tr: Language) -> Iterator[str]:
     if spec := progress_charts.result_chart(line, tr):
         caption = tr("Mean result of each session, with the SD between its attempts.")
         yield _figure(spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", "")
-    for name, chart in progress_charts.quality_charts(line).items():
-        yield _figure(chart, tr("Mean of each session: {name}.", name=name.replace("_", " ")), "")
+    if spec := progress_charts.felt_chart(line, tr):
+        yield _figure(
+            spec,
+            tr("The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10."),
+            progress_words.felt_range(line, tr),
+        )
+    for name, chart in progress_charts.quality_charts(line, tr).items():
+        yield _figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(name, tr)), "")
     yield _table(line, tr)
 
 
@@ -125,10 +134,19 @@ def _table(line: LineProgress, tr: Language) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in rows)}</tbody></table>"
 
 
-def _dose(days: list[Day], tr: Language) -> Iterator[str]:
+def _dose(found: Progress, tr: Language) -> Iterator[str]:
+    days = found.days
     if not days:
         return
     yield f"<h2>{escape(tr('Dose'))}</h2>"
+    yield f"<p>{escape(dose_words.recent_text(found.recent, tr))}</p>"
+    if spec := progress_charts.attempts_chart(days, tr):
+        done = tr(
+            "{done} of {planned} attempts.",
+            done=str(sum(d.done for d in days)),
+            planned=str(sum(d.planned for d in days)),
+        )
+        yield _figure(spec, tr("Attempts of each day. Line: planned."), done)
     if spec := progress_charts.dose_chart(days, tr):
         total = tr(
             "{repetitions} repetitions on {days} days.",
@@ -136,5 +154,6 @@ def _dose(days: list[Day], tr: Language) -> Iterator[str]:
             days=str(len(days)),
         )
         yield _figure(spec, tr("Repetitions of each day."), total)
-    marks = "\n".join(f"{month}  {row}" for month, row in progress_words.calendar(days))
-    yield f"<pre>{escape(marks)}</pre><p>{escape(progress_words.legend(tr))}</p>"
+    months = dose_words.calendar(days, date.fromisoformat(found.today))[-_MONTHS:]
+    marks = "\n".join(f"{month}  {row}" for month, row in months)
+    yield f"<pre>{escape(marks)}</pre><p>{escape(dose_words.legend(tr))}</p>"

@@ -2,9 +2,10 @@
 
 import textwrap
 from collections.abc import Sequence
+from datetime import date
 
 from sar_tui.framework.language import Language
-from sar_tui.reports import progress_words
+from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
 from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, qualities, result_figure
 
@@ -66,11 +67,11 @@ def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
     width, height = size
     if not found.days:
         return [tr("No live session yet.")]
-    months = progress_words.calendar(found.days)[-_MONTHS:]
+    months = dose_words.calendar(found.days, date.fromisoformat(found.today))[-_MONTHS:]
     lines = [f"{'':9}1   5    10   15   20   25   30", *(f"{month}  {marks}" for month, marks in months)]
-    lines += ["", *_wrapped([progress_words.legend(tr)], width), ""]
+    lines += ["", dose_words.legend(tr), "", *_wrapped([dose_words.recent_text(found.recent, tr)], width), ""]
     room = max(1, height - len(lines) - 1)
-    return [*lines, *progress_words.days_table(found.days[-room:], tr)][:height]
+    return [*lines, *dose_words.days_table(found.days[-room:], tr)][:height]
 
 
 def instruments_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:

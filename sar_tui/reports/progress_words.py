@@ -1,15 +1,13 @@
 """Progress in words: sentences for the screen, the printed page, and a paragraph for a person's record."""
 
 import inspect
-from collections.abc import Callable, Sequence
-from datetime import date, datetime
 from pathlib import Path
 
 from sar_tui.framework.language import Language, language
 from sar_tui.framework.task import Task
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
-from sar_tui.reports.progress import AtGoal, Comparison, Day, LineProgress, SessionProgress
+from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, SessionProgress
 
 _FOLDER = Path(__file__).parent
 
@@ -93,6 +91,20 @@ def _now(line: LineProgress, tr: Language) -> str:
     )
 
 
+_QUALITIES = {
+    "sparc": "smoothness (SPARC)",
+    "time_to_peak_share": "time to peak (share)",
+    "tremor_index": "tremor index",
+    "movement_units": "movement units",
+}
+"""Names of measures; others are shown as they are stored."""
+
+
+def quality(name: str, tr: Language) -> str:
+    """Return the name of a measure of how a movement was done, for people."""
+    return tr(_QUALITIES.get(name, name.replace("_", " ")))
+
+
 def spread(line: LineProgress, tr: Language) -> str:
     """Return the SD within the last session and between the sessions' means; empty if neither is known."""
 
@@ -104,7 +116,7 @@ def spread(line: LineProgress, tr: Language) -> str:
     if within is not None:
         said.append(tr("SD within the last session, between its attempts: {sd}.", sd=shown(within)))
     if line.between_sd is not None:
-        said.append(tr("SD between the sessions' means: {sd}.", sd=shown(line.between_sd)))
+        said.append(tr("SD between the means of the sessions: {sd}.", sd=shown(line.between_sd)))
     return " ".join(said)
 
 
@@ -127,6 +139,19 @@ def felt(session: SessionProgress, tr: Language) -> list[str]:
         pain.append(tr("said in a pause"))
     named = [(tr("pain"), pain), (tr("tiredness"), tired)]
     return [f"{name} {', '.join(parts)}" for name, parts in named if parts]
+
+
+def felt_range(line: LineProgress, tr: Language) -> str:
+    """Return the first and the last rating of pain and of tiredness in words."""
+    said = []
+    for name, given in (
+        (tr("pain"), [each.pain for each in line.sessions]),
+        (tr("tiredness"), [each.tiredness for each in line.sessions]),
+    ):
+        known = [rating for rating in given if rating is not None]
+        if known:
+            said.append(f"{name} {known[0]} → {known[-1]}")
+    return ", ".join(said)
 
 
 def _ratings(before: int | None, pause: int | None, after: int | None, tr: Language) -> list[str]:
@@ -189,7 +214,9 @@ def heading(line: LineProgress, tr: Language) -> str:
     if line.mode != "live":
         parts.append(tr(line.mode))
     parts += [
-        f"{name} {_setting(value)}" for name, value in line.settings.items() if name != "threshold" or line.goal is None
+        f"{tr(line.titles.get(name, name))} {_setting(value)}"
+        for name, value in line.settings.items()
+        if name != "threshold" or line.goal is None
     ]
     return " · ".join(parts)
 
@@ -275,64 +302,3 @@ def instrument_change(found: InstrumentChange, tr: Language) -> str:
     if not found.reached:
         said.append(tr("No change of it that could be compared is published."))
     return " ".join(said)
-
-
-# --- the dose of a month ------------------------------------------------------------------------------------
-
-
-def days_table(days: Sequence[Day], tr: Language) -> list[str]:
-    """Return the dose of each day in columns, with a heading."""
-    heads = ("date", "planned", "done", "repetitions", "min on task")
-    rows = [tuple(tr(head) for head in heads)]
-    rows += [
-        (
-            f"{mark(each)} {each.date}",
-            str(each.planned),
-            str(each.done),
-            str(each.repetitions),
-            tr.figures(f"{each.time_on_task_s / 60:.1f}"),
-        )
-        for each in days
-    ]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
-    return [
-        "  ".join(f"{cell:>{width}}" if column else f"{cell:<{width}}" for column, (cell, width) in enumerate(pairs))
-        for pairs in (zip(row, widths, strict=True) for row in rows)
-    ]
-
-
-MARKS: tuple[tuple[str, str, Callable[[Day], bool]], ...] = (
-    ("■", "all planned attempts done", lambda day: day.done >= day.planned),
-    ("◧", "half or more", lambda day: 2 * day.done >= day.planned),
-    ("□", "fewer", lambda day: True),
-)
-"""Marks of a day that say its dose without colour: the first whose condition holds."""
-NO_SESSION = "·"
-
-
-def mark(found: Day | None) -> str:
-    """Return the mark of a day."""
-    if found is None:
-        return NO_SESSION
-    return next(sign for sign, _, holds in MARKS if holds(found))
-
-
-def legend(tr: Language) -> str:
-    """Return the meaning of the marks."""
-    named = [f"{sign} {tr(meaning)}" for sign, meaning, _ in MARKS]
-    return "   ".join([*named, f"{NO_SESSION} {tr('no session')}"])
-
-
-def calendar(days: Sequence[Day]) -> list[tuple[str, str]]:
-    """Return a mark for each day of the months from the first session to the last, as ("2026-03", "··■··◧")."""
-    by_date = {day.date: day for day in days}
-    months = sorted({day.date[:7] for day in days})
-    return [
-        (month, "".join(mark(by_date.get(f"{month}-{number:02}")) for number in _numbers(month))) for month in months
-    ]
-
-
-def _numbers(month: str) -> range:
-    first = datetime.fromisoformat(f"{month}-01")
-    after = date(first.year + first.month // 12, first.month % 12 + 1, 1)
-    return range(1, (after - first.date()).days + 1)

@@ -24,9 +24,10 @@ def test_progress_shows_the_sessions_and_what_can_be_said(call: Call, trained: l
     called = call("progress", "p01")
     assert called.code == 0
     assert all(session[:6] in called.out for session in trained)
-    assert "P01 · Keyboard reaction · goal 1000 ms · simulated · prompts_per_attempt 5" in called.out
+    assert "P01 · Keyboard reaction · goal 1000 ms · simulated · Prompts per attempt 5" in called.out
     assert "Level at goal in the last session: level " in called.out
     assert "not yet known" in called.out
+    assert "● " in called.out
 
 
 def test_json_has_every_line_and_session(call: Call, trained: list[str]) -> None:
@@ -78,12 +79,9 @@ def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...],
 
 
 def test_nobody_has_no_lines_in_json(call: Call) -> None:
-    assert call("progress", "P09", "--json").json == {
-        "participant": "P09",
-        "lines": [],
-        "days": [],
-        "instruments": [],
-    }
+    found = call("progress", "P09", "--json").json
+    assert (found["participant"], found["lines"], found["days"], found["instruments"]) == ("P09", [], [], [])
+    assert (found["recent"]["days"], found["recent"]["done"]) == (0, 0)
 
 
 @pytest.mark.usefixtures("trained")

@@ -2,15 +2,18 @@
 
 import re
 import tomllib
+from datetime import date
 from pathlib import Path
 
 import pytest
 
+from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.progress.lines import SessionResults
-from sar_tui.reports import progress_words
-from sar_tui.reports.progress import Progress, compare, dose, progress
+from sar_tui.reports import dose_words, progress_words
+from sar_tui.reports.dose import days_of, recent
+from sar_tui.reports.progress import Progress, compare, progress
 from sar_tui.reports.progress_figures import level_figure, result_figure
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
@@ -118,7 +121,7 @@ def test_an_unknown_session_is_not_compared(keyboard: type[Task]) -> None:
 
 
 def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
-    (day,) = dose(
+    (day,) = days_of(
         [
             session(0, adapted(0), on_day=0),
             session(1, adapted(1, attempts=5), on_day=0),
@@ -131,12 +134,36 @@ def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
 
 def test_a_calendar_marks_each_day_without_colour() -> None:
     done = {0: 20, 1: 12, 2: 3}
-    days = dose([session(number, adapted(number, attempts=count)) for number, count in done.items()])
-    assert progress_words.calendar(days) == [("2026-02", "·" * 26 + "■◧"), ("2026-03", "□" + "·" * 30)]
+    days = days_of([session(number, adapted(number, attempts=count)) for number, count in done.items()])
+    months = [("2026-02", "·" * 26 + "■◧"), ("2026-03", "□" + "·" * 30), ("2026-04", "··")]
+    assert dose_words.calendar(days, date(2026, 4, 2)) == months
 
 
 def test_no_dose_has_no_calendar() -> None:
-    assert progress_words.calendar(dose([])) == []
+    assert dose_words.calendar(days_of([]), date(2026, 4, 2)) == []
+
+
+def test_a_day_is_measured_against_the_programme_where_it_plans_days() -> None:
+    plan = {"planned_attempts_a_day": 30}
+    days = days_of(
+        [
+            session(0, adapted(0), plan, on_day=0),
+            session(1, adapted(1, attempts=10), plan, on_day=0),
+            session(2, adapted(2), plan, on_day=1),
+            session(3, adapted(3, attempts=12), task="other", on_day=1),
+        ]
+    )
+    assert [(day.planned, day.done) for day in days] == [(30, 30), (50, 32)]
+    assert [dose_words.mark(day) for day in days] == ["■", "◧"]
+
+
+def test_the_dose_of_the_last_four_weeks_includes_today_and_not_the_day_before_them() -> None:
+    days = days_of([session(number, adapted(number), on_day=number) for number in (0, 1, 28)])
+    assert [day.date for day in days] == ["2026-02-27", "2026-02-28", "2026-03-27"]
+    found = recent(days, date(2026, 3, 27))
+    assert (found.first, found.days, found.as_planned, found.done) == ("2026-02-28", 2, 2, 40)
+    said = dose_words.recent_text(found, progress_words.words("en", None))
+    assert "sessions on 2 days, on 2 of them all that was planned; 40 of 40 attempts, 800 repetitions" in said
 
 
 # --- words -------------------------------------------------------------------------------------------------------
@@ -159,8 +186,15 @@ def test_every_sentence_is_spoken_in_spanish(keyboard: type[Task], sessions: lis
     found = of(keyboard, *sessions)
     tr = progress_words.words("es", keyboard)
     shown = [progress_words.note("P01", line, tr) for line in found.lines]
-    assert english_in([*shown, progress_words.legend(tr)], SPANISH) == []
+    assert english_in([*shown, dose_words.legend(tr)], SPANISH) == []
     assert "ms" not in shown[0] or not re.search(r"\d\.\d", shown[0])
+
+
+def test_every_text_of_charts_parts_and_dose_has_a_translation() -> None:
+    folder = Path(progress_words.__file__).parent
+    names = ("progress_figures", "progress_parts", "progress_words", "progress_page", "progress_charts", "dose_words")
+    texts = set().union(*(texts_in((folder / f"{name}.py").read_text(encoding="utf-8")) for name in names))
+    assert {text for text in texts if re.search("[a-z]", text)} - set(SPANISH) == set()
 
 
 def test_every_translation_is_of_a_text_of_the_reports() -> None:
@@ -189,7 +223,7 @@ def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type
     found = of(keyboard, *(session(number, adapted(number), qualities={"sparc": -1.5 - number}) for number in (0, 1)))
     drawn = result_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard))
     assert drawn[-2].split() == ["right", "95%", "95%"]
-    assert drawn[-1].split() == ["sparc", "-1.5", "-2.5"]
+    assert drawn[-1].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
 
 
 def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: type[Task]) -> None:

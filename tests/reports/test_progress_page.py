@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import SessionResults
@@ -44,8 +45,8 @@ def test_nobody_has_a_page_that_says_so(keyboard: type[Task]) -> None:
 
 def test_one_session_has_its_charts(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
     made = page(keyboard, steady(1))
-    assert made.count("<svg") == len(specs) == 3  # level at goal, result, dose
-    assert made.count("<figcaption>") == 3
+    assert made.count("<svg") == len(specs) == 4  # level at goal, result, attempts and repetitions of each day
+    assert made.count("<figcaption>") == 4
 
 
 def test_a_thousand_sessions_are_charted_and_the_newest_listed(
@@ -60,9 +61,9 @@ def test_a_thousand_sessions_are_charted_and_the_newest_listed(
 def test_each_chart_has_a_text_alternative(keyboard: type[Task]) -> None:
     made = page(keyboard, steady(5))
     labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
-    assert len(labels) == 3
+    assert len(labels) == 4
     assert re.search(r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3", labels[0])
-    assert "2000 repetitions on 5 days." in labels[2]
+    assert "2000 repetitions on 5 days." in labels[3]
 
 
 @pytest.mark.usefixtures("specs")
@@ -82,20 +83,35 @@ def test_texts_are_escaped(keyboard: type[Task]) -> None:
 def test_the_page_is_in_spanish(keyboard: type[Task]) -> None:
     made = page(keyboard, steady(5), "es")
     assert '<html lang="es">' in made
-    assert english_in([re.sub(r"<[^>]+>", "\n", made)], SPANISH) == []
+    assert english_in([re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)], SPANISH) == []
     assert "aciertos" in made
 
 
 def test_a_line_at_one_level_has_no_chart_of_levels(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
     made = page(keyboard, [session(number, at_one_level(number, 950.0)) for number in range(4)])
-    assert len(specs) == 2
+    assert len(specs) == 3
     assert "Level at goal of each session" not in made
 
 
 def test_smoothness_has_a_chart_of_its_own(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
     made = page(keyboard, [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)])
-    assert len(specs) == 4
-    assert "Mean of each session: sparc." in made
+    assert len(specs) == 5
+    assert "Mean of each session: smoothness (SPARC)." in made
+
+
+def test_pain_and_tiredness_are_charted_on_the_time_axis_of_the_sessions(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
+    said = [
+        SessionRatings(),
+        SessionRatings(pain_before=2, pain_after=5, fatigue_after=4),
+        SessionRatings(pain_after=3),
+    ]
+    made = page(keyboard, [session(n, adapted(n), felt=felt) for n, felt in enumerate(said)])
+    assert "pain 5 → 3, tiredness 4 → 4" in made
+    felt = next(spec for spec in specs if len(spec["layer"]) == 2 and "data" in spec["layer"][0])
+    domains = {str(layer["encoding"]["x"]["scale"]["domain"]) for spec in (specs[0], felt) for layer in spec["layer"]}
+    assert domains == {"['2026-02-27T10:00:00', '2026-03-01T10:02:00']"}
 
 
 def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
@@ -118,14 +134,17 @@ def test_without_the_package_one_sentence_says_so(keyboard: type[Task], monkeypa
 def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
     converter = pytest.importorskip("vl_convert", reason="the extra `report` is not installed")
     find = {"keyboard": keyboard}.get
-    sessions = [session(n, adapted(n), qualities={"sparc": -1.6}) for n in range(5)]
+    felt = SessionRatings(pain_before=2, fatigue_after=4)
+    sessions = [session(n, adapted(n), qualities={"sparc": -1.6}, felt=felt) for n in range(5)]
     found = progress("P01", sessions, find)
     tr = progress_words.words("es", keyboard)
     (line,) = found.lines
     charts = [
         progress_charts.measure_chart(line, tr),
         progress_charts.result_chart(line, tr),
-        *progress_charts.quality_charts(line).values(),
+        *progress_charts.quality_charts(line, tr).values(),
+        progress_charts.felt_chart(line, tr),
+        progress_charts.attempts_chart(found.days, tr),
         progress_charts.dose_chart(found.days, tr),
     ]
     for chart in charts:

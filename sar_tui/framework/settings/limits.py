@@ -1,4 +1,4 @@
-"""Settings that limit how much is done in a session and in a day."""
+"""Settings that plan and limit how much is done in a session and in a day."""
 
 from typing import Annotated
 
@@ -6,7 +6,7 @@ from sar_tui.framework.declaration import Settings, meta
 
 
 class LimitSettings(Settings, frozen=True, kw_only=True):
-    """Limits of a session and of a day. An attempt that has begun is always finished."""
+    """The plan of a day, and limits of a session and of a day. An attempt that has begun is always finished."""
 
     session_minutes: Annotated[
         int,
@@ -47,6 +47,17 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             help="Prompts or reaches of this task on a day, with practice. 0: no limit.",
             ge=0,
             le=10_000,
+            group="Limits",
+        ),
+    ] = 0
+    planned_attempts_a_day: Annotated[
+        int,
+        meta(
+            "Planned a day",
+            help="Attempts of this task planned for a day, in one session or several: progress compares what was done "
+            "with it. 0: the attempts of the sessions begun.",
+            ge=0,
+            le=1000,
             group="Limits",
         ),
     ] = 0

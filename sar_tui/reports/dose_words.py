@@ -1,0 +1,80 @@
+"""The dose in words: marks of days that say it without colour, a table, and the last weeks in a sentence."""
+
+from collections.abc import Callable, Sequence
+from datetime import date, timedelta
+
+from sar_tui.framework.language import Language
+from sar_tui.reports.dose import Day, Dose
+
+MARKS: tuple[tuple[str, str, Callable[[Day], bool]], ...] = (
+    ("■", "all planned attempts done", lambda day: day.done >= day.planned),
+    ("◧", "half or more", lambda day: 2 * day.done >= day.planned),
+    ("□", "fewer", lambda day: True),
+)
+"""Marks of a day that say its dose without colour: the first whose condition holds."""
+NO_SESSION = "·"
+
+
+def mark(found: Day | None) -> str:
+    """Return the mark of a day."""
+    if found is None:
+        return NO_SESSION
+    return next(sign for sign, _, holds in MARKS if holds(found))
+
+
+def legend(tr: Language) -> str:
+    """Return the meaning of the marks."""
+    named = [f"{sign} {tr(meaning)}" for sign, meaning, _ in MARKS]
+    return "   ".join([*named, f"{NO_SESSION} {tr('no session')}"])
+
+
+def calendar(days: Sequence[Day], today: date) -> list[tuple[str, str]]:
+    """Return a mark for each day of the months from the first session until today, as ("2026-03", "··■··◧")."""
+    if not days:
+        return []
+    by_date = {day.date: day for day in days}
+    at = date.fromisoformat(days[0].date).replace(day=1)
+    last = max(today, date.fromisoformat(days[-1].date))
+    months: dict[str, str] = {}
+    while at <= last:
+        day = at.isoformat()
+        months[day[:7]] = months.get(day[:7], "") + mark(by_date.get(day))
+        at += timedelta(days=1)
+    return list(months.items())
+
+
+def days_table(days: Sequence[Day], tr: Language) -> list[str]:
+    """Return the dose of each day in columns, with a heading."""
+    heads = ("date", "planned", "done", "repetitions", "min on task")
+    rows = [tuple(tr(head) for head in heads)]
+    rows += [
+        (
+            f"{mark(each)} {each.date}",
+            str(each.planned),
+            str(each.done),
+            str(each.repetitions),
+            tr.figures(f"{each.time_on_task_s / 60:.1f}"),
+        )
+        for each in days
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
+    return [
+        "  ".join(f"{cell:>{width}}" if column else f"{cell:<{width}}" for column, (cell, width) in enumerate(pairs))
+        for pairs in (zip(row, widths, strict=True) for row in rows)
+    ]
+
+
+def recent_text(found: Dose, tr: Language) -> str:
+    """Return the dose of the last weeks in a sentence."""
+    return tr(
+        "From {first} to {last}: sessions on {days} days, on {as_planned} of them all that was planned; {done} of "
+        "{planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",
+        first=found.first,
+        last=found.last,
+        days=str(found.days),
+        as_planned=str(found.as_planned),
+        done=str(found.done),
+        planned=str(found.planned),
+        repetitions=str(found.repetitions),
+        minutes=f"{found.time_on_task_s / 60:.0f}",
+    )
