@@ -9,6 +9,7 @@ import msgspec
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
+from sar_tui.store.sessions import FINITE_METRIC
 
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
@@ -16,7 +17,7 @@ _SESSIONS = (
     " WHERE participant=? AND json_extract(software, '$.task.metric') IS NOT NULL {of_task} ORDER BY sessions.rowid"
 )
 _ATTEMPTS = (
-    "SELECT attempts.session, attempts.seat, level, metric, correct, trials, outcome='success',"
+    f"SELECT attempts.session, attempts.seat, level, {FINITE_METRIC}, correct, trials, outcome='success',"
     " max(0, ended_ns - started_ns)"
     " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
     " WHERE participant=? AND NOT practice ORDER BY attempts.session, attempt"

@@ -1,5 +1,6 @@
 """Sessions in the database: creates, continues and reads them."""
 
+import math
 import os
 import secrets
 import sqlite3
@@ -34,6 +35,10 @@ _JSON = {
     "trials": ("timing", "details"),
     "actions": ("proposed", "final"),
 }
+_RESULTS = {"attempts": ("metric",), "trials": ("reaction_time_ms",)}
+"""Columns in which earlier versions stored infinite numbers, too: they are read as no result."""
+FINITE_METRIC = "CASE WHEN abs(metric) < 9e999 THEN metric END"
+"""The same in SQL, for a query of attempts."""
 _BOOLEAN = {"attempts": ("practice",), "trials": ("correct",)}
 
 
@@ -116,9 +121,9 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     comparable = [row["id"] for row in live if is_comparable(row)]
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
-        f"SELECT level, {best_of}(metric) FROM attempts JOIN sessions ON sessions.id = attempts.session"
+        f"SELECT level, {best_of}({FINITE_METRIC}) FROM attempts JOIN sessions ON sessions.id = attempts.session"
         " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND participant=?"
-        " WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND metric IS NOT NULL"
+        f" WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND {FINITE_METRIC} IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
         " GROUP BY level",
         (participant, _dump(comparable), metric.unit),
@@ -163,10 +168,11 @@ def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[
 
 
 def _typed(table: str, row: Row) -> Row:
-    """Return a row with its JSON columns decoded and its boolean columns as bool."""
+    """Return a row with its JSON columns decoded, its boolean columns as bool, and results that are finite or None."""
     decoded = {name: read_json(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
     booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
-    return row | decoded | booleans
+    endless = {name: None for name in _RESULTS.get(table, ()) if row[name] is not None and not math.isfinite(row[name])}
+    return row | decoded | booleans | endless
 
 
 _LISTED = (
