@@ -10,6 +10,7 @@ from sar_tui.framework.messages import (
     AttemptEnded,
     AttemptStarted,
     CueGiven,
+    Feedback,
     OutputReport,
     Prompt,
     PromptVoided,
@@ -27,6 +28,7 @@ from sar_tui.framework.topics import (
     ATTEMPT_ENDED,
     ATTEMPT_STARTED,
     CUE,
+    FEEDBACK,
     MARKED,
     PROMPT,
     REPORT,
@@ -60,6 +62,12 @@ class Stage(AgentStage, Protocol):
     def end_attempt(self, ended: AttemptEnded) -> None:
         """End an attempt, which is scored."""
 
+    def feedback_given(self, feedback: Feedback) -> None:
+        """Show the result of an attempt, while the agent gives feedback on it."""
+
+    def feedback_over(self) -> None:
+        """Remove the results, because the agent says something else."""
+
     def wait(self, waiting: Waiting) -> None:
         """Show what the session waits for: Enter, a response, or a person."""
 
@@ -77,6 +85,7 @@ class ScreenOutput(OutputNode):
         self._agent = DrawnAgent(stage, is_shown=shows_agent)
         super().__init__(self._agent, "screen", theme)
         self._stage = stage
+        self._feedback: dict[str, Feedback] = {}
 
     @on(CUE)
     def cued(self, cue: CueGiven) -> None:
@@ -114,8 +123,18 @@ class ScreenOutput(OutputNode):
         super().attempt_ended(ended)
         self._stage.end_attempt(ended)
 
+    @on(FEEDBACK)
+    def feedback_due(self, feedback: Feedback) -> None:
+        """Keep the feedback until it is said: an operator may decide on it."""
+        self._feedback[feedback.seat] = feedback
+
     @on(ACTION)
     def act(self, action: Action) -> None:
+        feedback = self._feedback.get(action.seat)
+        if action.kind == "feedback" and feedback and feedback.attempt == action.attempt:
+            self._stage.feedback_given(feedback)
+        elif action.text and not action.joins:
+            self._stage.feedback_over()
         self._agent.action = action
         self._agent.update(action)
         super().act(action)

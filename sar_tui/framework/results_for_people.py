@@ -57,6 +57,26 @@ def beside_text(metric: Metric, now: float, then: float, when: str, tr: Language
     )
 
 
+def comparison_text(metric: Metric, now: float, then: float, tr: Language) -> str:
+    """Return a kind sentence on two results of the same level, whichever is better; empty if they are equal."""
+    if now == then:
+        return ""
+    if metric.is_better(now, then):
+        return tr("Well done.")
+    return tr("Some times go better than others, and that is all right.")
+
+
+def duration_text(seconds: int, tr: Language) -> str:
+    """Return a time for people: "45 seconds", "2 minutes 5 seconds"."""
+    minutes, left = divmod(seconds, 60)
+    texts = []
+    if minutes:
+        texts.append(tr("1 minute") if minutes == 1 else tr("{count} minutes", count=minutes))
+    if left or not minutes:
+        texts.append(_seconds(str(left), tr))
+    return " ".join(texts)
+
+
 def day_text(day: date, today: date, tr: Language) -> str:
     """Return an earlier day: "earlier today", "yesterday", "Tuesday", "12 days ago"."""
     days = (today - day).days

@@ -95,6 +95,11 @@ class Session:
         return next(node.next_attempt for node in self.core if isinstance(node, EventHandler))
 
     @property
+    def is_resting(self) -> bool:
+        """True in a rest that must be taken, also while the session is paused."""
+        return self._event_handler.is_resting
+
+    @property
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
         return next((fault for fault in self.faults if fault.node in self._vital), None) if self.faults else None

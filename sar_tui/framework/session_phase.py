@@ -23,6 +23,7 @@ class Phase(Enum):
     ONSET = auto()  # the prompt is on its way to the screen
     RESPONSE = auto()
     FEEDBACK = auto()  # the attempt is over; its feedback comes after a delay
+    REST = auto()  # a rest that must be taken, before the next attempt
     PAUSED = auto()
     REVIEW = auto()  # every attempt is done; waits for Enter
     CLOSING = auto()  # the session is over, but the last trial is not on disk yet
@@ -38,8 +39,10 @@ PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor":
 """Events that end a pause, by its reason; a pause for any other reason ends with a command to resume."""
 LEFT = "left"
 """Reason of a pause in which the session was left on purpose: a later run begins as after an interruption."""
-MARKABLE = {Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.READY, Phase.REVIEW}
+MARKABLE = {Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.REST, Phase.READY, Phase.REVIEW}
 """Phases in which a mark applies to the last trial."""
+REQUESTABLE = {Phase.REST, Phase.READY, Phase.REVIEW}
+"""Phases in which a participant may request feedback on the last attempt."""
 WAITS: dict[Phase, tuple[str, str]] = {
     Phase.INSTRUCTIONS: ("enter", "instructions"),
     Phase.READY: ("enter", "attempt"),
@@ -50,6 +53,7 @@ WAITS: dict[Phase, tuple[str, str]] = {
     Phase.STORING: ("storage", "trial"),
     Phase.ONSET: ("response", "trial"),
     Phase.FEEDBACK: ("answer", "answer"),
+    Phase.REST: ("rest", "rest"),
     Phase.REVIEW: ("enter", "review"),
     Phase.CLOSING: ("storage", "ended"),
     Phase.ENDED: ("nothing", "ended"),
@@ -59,7 +63,15 @@ WAITS: dict[Phase, tuple[str, str]] = {
 
 
 def waiting_message(
-    phase: Phase, attempts: Attempts, task: Task, *, notice: str, reason: str, detail: str, seat: str = "A"
+    phase: Phase,
+    attempts: Attempts,
+    task: Task,
+    *,
+    notice: str,
+    reason: str,
+    detail: str,
+    seat: str = "A",
+    until: int = 0,
 ) -> Waiting:
     """Return the message that a session publishes when it enters ``phase``.
 
@@ -68,7 +80,7 @@ def waiting_message(
         attempts: gives the attempt, the trial, and the level.
         task: gives the texts.
         notice: shown to the participant first.
-        reason, detail, seat: as in `messages.Waiting`.
+        reason, detail, seat, until: as in `messages.Waiting`.
     """
     what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
     goal, trials = "", 0
@@ -91,7 +103,8 @@ def waiting_message(
         notice=notice,
         reason=reason,
         detail=detail,
-        ask=REQUEST_KEY if phase in (Phase.READY, Phase.REVIEW) and attempts.can_request_feedback else "",
+        ask=REQUEST_KEY if phase in REQUESTABLE and attempts.can_request_feedback else "",
+        until=until,
     )
 
 

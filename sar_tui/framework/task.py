@@ -190,8 +190,8 @@ class Task(ABC):
         return self.tr("Your goal: more than {goal}, with all right.", goal=goal)
 
     def notice(self, level: int, before: int) -> str:
-        """Return what the participant must know after a change of level; empty for nothing."""
-        return ""
+        """Return what the participant must know after a change of level; empty for nothing, as without one before."""
+        return self.tr("Now level {level}.", level=level) if before else ""
 
     def start(self, level: int) -> str:
         """Return the text shown before the participant starts a trial, in a task with a ``start_key``."""

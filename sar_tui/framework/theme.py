@@ -77,6 +77,7 @@ MANNERS: dict[str, Manner] = {
     "instruction": Manner("speaking", "", "up"),
     "encouragement": Manner("encouraging", "lean_in"),
     "rest": Manner("sleeping", "rest"),
+    "rested": Manner("happy"),
     "filler": Manner("thinking", "", "up"),
     "remark": Manner(),
     "goodbye": Manner("happy", "wave"),

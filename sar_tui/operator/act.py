@@ -237,7 +237,8 @@ def _is_done(act: Any, frame: Frame) -> bool:  # noqa: PLR0911
         case "end":
             return isinstance(message, SessionEnded) or (isinstance(message, Waiting) and message.stage == "ended")
         case "skip":
-            return isinstance(message, TrialEnded)
+            is_rest_over = isinstance(message, Waiting) and message.stage == "attempt"
+            return isinstance(message, TrialEnded) or (act.reason == "rest" and is_rest_over)
         case "repeat":
             return isinstance(message, PromptVoided) and message.reason == "repeat"
         case "mark":

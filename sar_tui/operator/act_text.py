@@ -55,6 +55,8 @@ def act_text(message: Message, me: Welcome, kinds: KindsOfAction) -> str:  # noq
             return f"{message.kind.capitalize()}: {message.mode}"
         case NoteAdded():
             return f"Event: {message.label}" if message.label else f"Noted “{message.text}”"
+        case SessionCommand(command="skip", reason="rest"):
+            return "Ended the rest"
         case SessionCommand(command="level"):
             return f"Level {message.value}"
         case SessionCommand(command="mark"):

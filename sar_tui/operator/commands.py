@@ -178,8 +178,10 @@ class Commands:
         return self.send(text, COMMAND, SessionCommand(command=command, **more), at)
 
     def prompt_command(self, text: str, command: Literal["skip", "repeat"], at: int) -> bool:
-        """Skip or repeat the prompt that is shown or about to appear."""
+        """Skip or repeat the prompt that is shown or about to appear; skip a rest that the participant must take."""
         waiting = self.state.waiting
+        if waiting and waiting.stage == "rest" and command == "skip":
+            return self.command("Ended the rest", command, at, reason="rest")
         if waiting and waiting.stage != "trial" and not self.refusal():
             self.log.report(at, "No prompt is shown. Nothing was sent.")
             return False

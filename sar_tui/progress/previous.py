@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from datetime import date
 
 from sar_tui.framework.language import Language
-from sar_tui.framework.results_for_people import beside_text, day_text
+from sar_tui.framework.results_for_people import beside_text, comparison_text, day_text
 from sar_tui.framework.task import Task
 from sar_tui.progress.lines import SessionResults, is_comparable, settings_of
 from sar_tui.progress.task_level import AttemptResult
@@ -41,6 +41,14 @@ def beside_previous(results: Sequence[AttemptResult], previous: SessionResults, 
         return ""
     levels = _level(results), _level(previous.results)
     return beside_text(previous.metric, now, then, day_text(previous.began.date(), today, tr), tr, levels)
+
+
+def kind_word(results: Sequence[AttemptResult], previous: SessionResults, tr: Language) -> str:
+    """Return a kind sentence on the comparison, whatever it shows; empty if the levels or the figures say nothing."""
+    now, then = _mean(results), _mean(previous.results)
+    if now is None or then is None or _level(results) != _level(previous.results):
+        return ""
+    return comparison_text(previous.metric, now, then, tr)
 
 
 def _mean(results: Sequence[AttemptResult]) -> float | None:

@@ -161,6 +161,22 @@ class KeyboardTask(Task):
             prompts=prompts,
         )
 
+    def notice(self, level: int, before: int) -> str:
+        if not before:
+            return ""
+        more = len(self._levels[level - 1].keys) - len(self._levels[before - 1].keys)
+        if not more:
+            return super().notice(level, before)
+        how = {
+            1: self.tr("one more key"),
+            2: self.tr("two more keys"),
+            -1: self.tr("one key fewer"),
+            -2: self.tr("two keys fewer"),
+        }.get(more)
+        if how is None:
+            how = self.tr("{count} more keys" if more > 0 else "{count} keys fewer", count=abs(more))
+        return self.tr("Now level {level}: {how}.", level=level, how=how)
+
     def when_to_respond(self) -> str:
         return self.tr("Press the key as soon as you see it.")
 

@@ -49,11 +49,11 @@ async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
         first = await driver.to_first_prompt()
         await open_changes(driver)
         assert driver.sees("Changes apply from the next attempt on.")
-        await choose(driver, "Goal: 1000 ms")
-        await type_over(driver, "700")
+        await choose(driver, "Goal: 1 second")
+        await type_over(driver, "0.7")
         await choose(driver, "Feedback: after every attempt")
         await type_over(driver, "2")
-        assert driver.sees("Goal: 700 ms")
+        assert driver.sees("Goal: 0.7 seconds")
         assert driver.sees("Feedback: after every 2 attempts")
         await driver.press("escape", "enter")
         await driver.do_attempt(await driver.to_prompt())
@@ -111,9 +111,9 @@ async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await open_changes(driver)
         await choose(driver, "Goal")
-        for bad in ("5", "much", "nan"):
+        for bad in ("700", "much", "nan"):
             await type_over(driver, bad)
-            assert driver.sees("Goal is a number, 100 to 60000, not"), bad
+            assert driver.sees("The goal is a number of seconds, 0.1 to 60."), bad
         await driver.press("escape", "escape")
         assert driver.sees("Paused")
         assert driver.messages("operator/setting") == []
@@ -124,7 +124,7 @@ async def test_feedback_that_has_no_frequency_is_not_offered(
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, feedback_schedule="request")) as driver:
         await open_changes(driver)
-        assert driver.sees("Goal: 1000 ms")
+        assert driver.sees("Goal: 1 second")
         assert not driver.sees("Feedback:")
 
 
@@ -184,7 +184,7 @@ async def test_when_an_operator_goes_on_the_participant_sees_the_session(
 async def test_all_of_it_is_in_the_sessions_language(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
         await open_changes(driver)
-        for words in ("Para el terapeuta", "Nivel 1", "Subir el nivel", "Mantener el nivel", "Objetivo: 1000 ms"):
+        for words in ("Para el terapeuta", "Nivel 1", "Subir el nivel", "Mantener el nivel", "Objetivo: 1 segundo"):
             assert driver.sees(words), words
 
 
@@ -195,12 +195,12 @@ async def test_the_list_and_its_field_fit(
     async with open_app(data, catalogue, plan(catalogue, keyboard), size=size) as driver:
         await open_changes(driver)
         await choose(driver, "Goal")
-        await type_over(driver, "5")
+        await type_over(driver, "700")
         for words in (
             "For the therapist",
             "Level 1",
             "Back",
-            "The new goal (ms)",
-            "Goal is a number, 100 to 60000, not",
+            "The new goal (s)",
+            "The goal is a number of seconds, 0.1 to 60.",
         ):
             assert driver.sees(words), words

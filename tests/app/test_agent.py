@@ -218,7 +218,7 @@ async def test_delayed_feedback_is_awaited_with_a_thinking_face(
         assert driver.said == ""
         await driver.wait(200)
         assert "0.40 seconds" in driver.said
-        assert driver.sees("Press Enter to begin attempt 2 of 2.")
+        assert driver.sees("Press Enter for attempt 2 of 2.")
         assert mouth(calm, "thinking") not in robot(driver)
 
 
@@ -229,7 +229,7 @@ async def test_the_agent_listens_again_if_it_has_nothing_to_say(
     async with open_app(data, catalogue, plan(catalogue, keyboard, **settings)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(3100)
-        assert driver.sees("Press Enter to begin attempt 2 of 3.")
+        assert driver.sees("Press Enter for attempt 2 of 3.")
         assert mouth(calm, "thinking") not in robot(driver)
         assert driver.said == ""
 
@@ -242,7 +242,7 @@ async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard:
         assert "Tab" not in driver.text
         await driver.do_attempt(await driver.begin())
         assert driver.said == ""
-        assert driver.sees("Press Enter to begin attempt 2 of 2. Press Tab to hear how it went.")
+        assert driver.sees("Press Enter for attempt 2 of 2. Press Tab to hear how it went.")
         await driver.press("tab")
         assert "0.40 seconds" in driver.said
         assert "Tab" not in driver.text

@@ -40,7 +40,7 @@ async def test_a_filler_disappears_after_the_wait_and_only_the_decision_is_shown
         assert "Press Enter" not in driver.text
         await decide(driver, pending, verdict)
         assert driver.said == (pending.proposal.text if verdict == "accept" else "")
-        assert "Press Enter to begin attempt 2 of 2." in driver.text
+        assert "Press Enter for attempt 2 of 2." in driver.text
 
 
 async def test_edited_feedback_is_shown_in_the_operators_words_only(

@@ -27,9 +27,9 @@ async def test_a_session_from_the_instructions_to_the_summary(
         assert driver.sees("Prompts 2 of 2")
         assert driver.sees("Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
-        assert "1 second" in driver.said
+        assert "you ━━━━━━━━━━━━━━━───────────────────────┊ goal: less than 1 second" in driver.text
         assert driver.sees("Attempt 2 of 2 · level 2")
-        assert driver.sees("Press Enter to begin attempt 2 of 2.")
+        assert driver.sees("Press Enter for attempt 2 of 2.")
 
         await driver.do_attempt(await driver.begin())
         assert driver.waiting.stage == "review"
@@ -119,7 +119,7 @@ async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Ca
         assert driver.sees("Press Enter to begin practice 1 of 1.")
         assert driver.sees("Practice 0 of 1")
         await driver.do_attempt(await driver.begin())
-        assert driver.sees("Press Enter to begin attempt 1 of 2.")
+        assert driver.sees("Press Enter for attempt 1 of 2.")
         assert driver.sees("Attempts 0 of 2")
         assert driver.sees("Attempt 1 of 2 · level 1")
         await driver.do_attempt(await driver.begin())

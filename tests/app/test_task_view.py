@@ -84,7 +84,7 @@ async def test_a_view_that_fails_is_recorded_and_the_session_goes_on(
         assert "Press: f" in prompt
         if topic in ("load", "prompt_lines"):
             assert "█" in prompt
-        assert "Press Enter to begin attempt 2 of 2." in between
+        assert "Press Enter for attempt 2 of 2." in between
         assert "You did 2 attempts" in summary
         faults = driver.messages("framework/fault")
         assert {fault["topic"] for fault in faults} == {topic}

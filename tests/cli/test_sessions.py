@@ -203,6 +203,13 @@ def test_by_default_no_reasons_are_listed(call: Call) -> None:
     assert "After attempt" not in call("show", "last").out
 
 
+def test_rests_that_had_to_be_taken_are_listed(call: Call) -> None:
+    settings = ["--set", "prompts_per_attempt=1", "--set", "rest_after_attempts=2", "--set", "rest_seconds=30"]
+    call("simulate", "keyboard", "--user", "competent", "--attempts", "5", "--seed", "1", *settings)
+    rests = [line for line in call("show", "last").out.splitlines() if "a rest of" in line]
+    assert rests == ["After attempt 2: a rest of 30 s.", "After attempt 4: a rest of 30 s."]
+
+
 @pytest.mark.parametrize("damage", ["substr(parameters, 1, 100)", "CAST(parameters || x'ff' AS TEXT)", "''"])
 @pytest.mark.parametrize("command", [["sessions"], ["show", "last"], ["report", "wizard", "last"]])
 def test_a_damaged_text_in_the_database_is_reported_as_damage(

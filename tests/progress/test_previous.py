@@ -7,7 +7,7 @@ import pytest
 from sar_tui.framework.language import Language
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
-from sar_tui.progress.previous import beside_previous, previous_session
+from sar_tui.progress.previous import beside_previous, kind_word, previous_session
 from sar_tui.progress.task_level import AttemptResult
 from tests.progress.session_results import START, adapted, session
 
@@ -57,3 +57,14 @@ def test_the_words_are_also_spanish(task: Task) -> None:
     earlier = session(0, [AttemptResult(1, 540.0, 20)])
     said = beside_previous([AttemptResult(1, 480.0, 20)], earlier, date(2026, 3, 3), spanish)
     assert said == "Hoy 0,48 segundos; el viernes, 0,54 segundos."
+
+
+def test_the_comparison_is_kind_in_both_directions() -> None:
+    earlier = session(0, [AttemptResult(1, 540.0, 20)])
+
+    def kind(level: int, metric: float | None) -> str:
+        return kind_word([AttemptResult(level, metric, 20)], earlier, Language())
+
+    assert kind(1, 480.0) == "Well done."
+    assert kind(1, 700.0) == "Some times go better than others, and that is all right."
+    assert kind(1, 540.0) == kind(2, 700.0) == kind(1, None) == ""

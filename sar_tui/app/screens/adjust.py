@@ -12,10 +12,11 @@ from textual.widgets.option_list import Option
 
 from sar_tui.app.live import LiveSession
 from sar_tui.framework.bus import Record
-from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.declaration import Field, ParameterError
 from sar_tui.framework.live_settings import FEEDBACK_EVERY, GOAL, adjustable, with_setting
 from sar_tui.framework.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
 from sar_tui.framework.parameters import fields
+from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.topics import COMMAND, NOTE_ADDED, SETTING
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
@@ -77,9 +78,11 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         choices.border_title = tr("level {level}", level=next_.level).capitalize()
         if next_.is_level_held:
             choices.border_title += f" · {tr('held')}"
+        rest = [Option(tr("End the rest"), id="end rest")] if self._live.run.session.is_resting else []
         choices.clear_options()
         choices.add_options(
             [
+                *rest,
                 Option(tr("Level up"), id="up", disabled=next_.level >= next_.highest),
                 Option(tr("Level down"), id="down", disabled=next_.level <= next_.lowest),
                 Option(tr("Let the level change again"), id="release")
@@ -98,7 +101,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
 
     def _setting(self, name: str, value: float) -> str:
         if name == GOAL:
-            return self.tr("Goal: {goal}", goal=f"{value:g} {self._goal_unit}".rstrip())
+            return self.tr("Goal: {goal}", goal=self._goal_text(value))
         if value == 1:
             return self.tr("Feedback: after every attempt")
         return self.tr("Feedback: after every {count} attempts", count=int(value))
@@ -110,6 +113,9 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         match event.option.id:
             case "up" | "down" as way:
                 self._command("level", level + (1 if way == "up" else -1))
+            case "end rest":
+                self._command("skip", reason="rest")
+                self._command("resume")
             case "hold":
                 self._command("hold")
             case "release":
@@ -119,13 +125,48 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
             case asked:
                 self._ask(asked or "")
 
+    # --- the goal, whose times are in seconds here ------------------------------------------------------------
+
+    @property
+    def _goal(self) -> Field:
+        return next(field for field in fields(self._live.run.session.task.Parameters) if field.name == GOAL)
+
+    @property
+    def _is_goal_time(self) -> bool:
+        return (self._goal.unit or self._live.run.session.task.metric.unit) == "ms"
+
     @property
     def _goal_unit(self) -> str:
-        task = self._live.run.session.task
-        return next(field.unit for field in fields(task.Parameters) if field.name == GOAL) or task.metric.unit
+        return "s" if self._is_goal_time else self._goal.unit or self._live.run.session.task.metric.unit
 
-    def _command(self, command: str, value: int | None = None) -> None:
-        self._live.operate(SessionCommand(command=command, actor=ACTOR, value=value))  # type: ignore[arg-type]
+    def _goal_text(self, value: float) -> str:
+        metric = self._live.run.session.task.metric
+        if self._is_goal_time and metric.unit == "ms":
+            return goal_text(metric, value, self.tr)
+        return self.tr.figures(f"{value / self._stored_size(GOAL):g} {self._goal_unit}".rstrip())
+
+    def _stored_size(self, name: str) -> int:
+        """Return the stored value of 1 in the field."""
+        return 1000 if name == GOAL and self._is_goal_time else 1
+
+    def _stored(self, text: str) -> str:
+        """Return a typed value as it is stored."""
+        try:
+            number = float(text.replace(",", "."))
+        except ValueError:
+            return text
+        return text if self._stored_size(self._asked) == 1 else f"{number * self._stored_size(self._asked):.10g}"
+
+    def _problem(self, error: str) -> str:
+        """Return why a value is refused, in the unit of the field."""
+        if self._stored_size(self._asked) == 1:
+            return error
+        low, high = ((bound or 0) / self._stored_size(GOAL) for bound in (self._goal.ge, self._goal.le))
+        return self.tr("The goal is a number of seconds, {low} to {high}.", low=f"{low:g}", high=f"{high:g}")
+
+    def _command(self, command: str, value: int | None = None, reason: str = "") -> None:
+        act = SessionCommand(command=command, actor=ACTOR, value=value, reason=reason)  # type: ignore[arg-type]
+        self._live.operate(act)
 
     # --- a value or a note ---------------------------------------------------------------------------------
 
@@ -137,7 +178,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         self.query_one("#asked", Static).update(f"{self.tr(texts[what])}{unit}")
         now = self._live.run.session.next_attempt.settings
         value = self.query_one(Input)
-        value.value = f"{now[what]:g}" if what in now else ""
+        value.value = f"{now[what] / self._stored_size(what):g}" if what in now else ""
         value.display = True
         value.focus()
 
@@ -149,9 +190,9 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
             bus.post(NOTE_ADDED, NoteAdded(text=text, actor=ACTOR, at=self._live.clock.now()))
         elif text:
             try:
-                changed = with_setting(self._live.run.session.task.parameters, self._asked, text)
+                changed = with_setting(self._live.run.session.task.parameters, self._asked, self._stored(text))
             except ParameterError as error:
-                self.query_one("#problem", Static).update(str(error))
+                self.query_one("#problem", Static).update(self._problem(str(error)))
                 return
             value = getattr(changed, self._asked)
             bus.post(SETTING, SettingChanged(name=self._asked, value=value, actor=ACTOR, at=self._live.clock.now()))

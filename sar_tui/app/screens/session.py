@@ -1,26 +1,29 @@
 """The session's screen, from the instructions to the summary."""
 
 import functools
+from collections.abc import Sequence
 from typing import ClassVar
 
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal
 from textual.widgets import ContentSwitcher, Static
 
 from sar_tui.app.agent.screen_base import AgentScreen
 from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import report_onset
 from sar_tui.app.screens.mark_keys import MarkKeys
+from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
 from sar_tui.app.screens.waiting_text import WaitingText, help_text, key_name, waiting_text
 from sar_tui.framework.agent_state import AWAITED
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.clock import MS, SECOND, Handle
 from sar_tui.framework.messages import (
     AttemptEnded,
     AttemptStarted,
+    Feedback,
     Prompt,
     Recall,
     SessionCommand,
@@ -31,12 +34,15 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.topics import RECALL
 from sar_tui.tui.gc_control import GcControl
 from sar_tui.widgets.big_prompt import BigPrompt
-from sar_tui.widgets.drawing import DrawingArea
+from sar_tui.widgets.goal_bar import GoalBar, bar_of
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.progress_line import ProgressLine
 
 _MARKABLE = ("trial", "answer", "review")
 """Stages in which there is a trial to mark; and before an attempt, except the first."""
+
+_BETWEEN = ("attempt", "answer", "rest", "review")
+"""Stages between two attempts, and after the last."""
 
 _PAUSED_FACES = {"tired": "sleeping", "pain": "encouraging"}
 """Expressions in pauses, by their reasons; what the agent said before would not fit."""
@@ -57,8 +63,11 @@ class SessionScreen(AgentScreen):
         self._waiting: Waiting | None = None
         self._last_key = ("", 0.0)
         self._shown: str | None = "message"
-        self._press = ""
         self._position = ""
+        self._bars: dict[str, GoalBar] = {}
+        self._goal = ""
+        self._agent_seat = ""
+        self._countdown: Handle | None = None
 
     @functools.cached_property
     def _marks(self) -> MarkKeys:
@@ -78,13 +87,9 @@ class SessionScreen(AgentScreen):
             yield Static(f"{self.tr(session.task.title)} · {codes}", id="task", markup=False)
             yield from self.compose_voice()
             yield Static("", id="where", markup=False)
+        yield Static("", id="above")
         with ContentSwitcher(initial="message", id="stage"):
-            with Vertical(id="message"):
-                yield Static("", id="headline", markup=False)
-                yield Static("", id="text", markup=False)
-                yield DrawingArea(id="drawing")
-                yield Static("", id="enter", markup=False)
-                yield Static("", id="ask", markup=False)
+            yield MessagePanel(id="message")
             yield BigPrompt(id="prompt", draw=self._live.view.prompt_lines)
             yield PauseMenu(id="menu")
             yield Summary(session.task.metric, self._live.view.facts, id="summary")
@@ -99,6 +104,7 @@ class SessionScreen(AgentScreen):
         self._live.begin(self.app, self._broken)
 
     def on_unmount(self) -> None:
+        self._stop_countdown()
         self._gc.end_attempt()
 
     # --- the keyboard ------------------------------------------------------------------------------------
@@ -143,7 +149,7 @@ class SessionScreen(AgentScreen):
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
         if start and wanted and key in ("enter", start) and key != wanted:
             later = self.tr("({key} comes later.)", key=key_name(key, self.tr))
-            self.query_one("#enter", Static).update(f"{self._press} {later}")
+            self.query_one(MessagePanel).correct(later)
 
     def _is_repeat(self, event: events.Key) -> bool:
         """True if a key is held or bounces, as perception judges it: the Enter before the summary must not close it."""
@@ -230,7 +236,24 @@ class SessionScreen(AgentScreen):
         self.query_one(BigPrompt).clear()
 
     def begin_attempt(self, started: AttemptStarted) -> None:
+        self._bars = {}
+        self._goal = self._waiting.goal if self._waiting else ""
         self._gc.begin_attempt()
+
+    def feedback_given(self, feedback: Feedback) -> None:
+        """Show the result beside its goal, with the words that tell it."""
+        task = self._live.run.session.task
+        who = task.display_name(feedback.seat) if len(task.seats) > 1 else ""
+        if bar := bar_of(feedback, task.metric, who):
+            self._bars[feedback.seat] = bar
+        else:
+            self._bars.pop(feedback.seat, None)
+        self._show_again()
+
+    def feedback_over(self) -> None:
+        """Remove the result: the agent speaks of something else."""
+        self._bars = {}
+        self._show_again()
 
     def marked(self, marked: TrialMarked) -> None:
         self._marks.marked()
@@ -246,6 +269,7 @@ class SessionScreen(AgentScreen):
 
     def wait(self, waiting: Waiting) -> None:
         before, self._waiting = self._waiting, waiting
+        self._stop_countdown()
         entered = before is None or before.stage != waiting.stage
         if before is None:
             self._show_trials(0)
@@ -258,8 +282,7 @@ class SessionScreen(AgentScreen):
             if waiting.what == "response":
                 self._gc.begin_trial()
             return
-        session = self._live.run.session
-        text = waiting_text(waiting, session.task, is_recording_over=session.is_recording_over)
+        text = self._waiting_text(waiting)
         if waiting.stage == "trial" and waiting.what == "quiet":
             self.query_one(BigPrompt).redraw()
         if waiting.reason == "held":
@@ -289,6 +312,18 @@ class SessionScreen(AgentScreen):
         names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
         self.query_one(Summary).show(*attempts.values(), status=ended.status, names=names)
         self._stage("summary")
+        if ended.status == "completed" and len(task.seats) == 1 and not self._live.run.rescue_file:
+            counted = [attempt for attempt in attempts[task.seats[0]] if not attempt.practice]
+            compare = functools.partial(self._compare, counted)
+            self.run_worker(compare, name="comparison", thread=True, exit_on_error=False)
+
+    def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
+        """Add the last comparable session to the summary. Runs in a thread: it reads all of the person's sessions."""
+        from sar_tui.runs.previous import beside_last_session
+
+        run = self._live.run
+        if words := beside_last_session(self.app.folder, run.session.task, run.id, attempts, self.tr):
+            self.app.call_from_thread(self.query_one(Summary).compare, words)
 
     # --- contents ------------------------------------------------------------------------------------
 
@@ -308,17 +343,55 @@ class SessionScreen(AgentScreen):
         if waiting.stage == "trial" and waiting.what != "agent":
             self.clear_agent("listening")
         ask = self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr)) if waiting.ask else ""
-        texts = {"#headline": text.headline, "#text": text.text, "#enter": text.press, "#ask": ask}
-        for name, line in texts.items():
-            self.query_one(name, Static).update(line)
-        self._press = text.press
-        is_between = waiting.stage in ("attempt", "review")
-        self.query_one(DrawingArea).show(self._live.view.between_attempts() if is_between else None)
+        drawing = self._live.view.between_attempts() if waiting.stage in ("attempt", "review") else None
+        is_between = waiting.stage in _BETWEEN and waiting.attempt > 1
+        bars = [bar for _, bar in sorted(self._bars.items())] if is_between else []
+        self.query_one(MessagePanel).show(text, bars, drawing, ask)
+        self._seat_agent("" if not (is_between and self.agent.display) else "drawn" if drawing else "between")
         self._stage("message")
+        if waiting.stage == "rest":
+            self._count_down(waiting)
+
+    def _waiting_text(self, waiting: Waiting) -> WaitingText | None:
+        left = max(0, waiting.until - self._live.clock.now())
+        is_goal_shown = bool(self._bars) and waiting.goal == self._goal
+        session = self._live.run.session
+        over = session.is_recording_over
+        return waiting_text(waiting, session.task, left=left, is_goal_shown=is_goal_shown, is_recording_over=over)
+
+    def _show_again(self) -> None:
+        """Show the text for the same wait, because the result beside it has changed."""
+        waiting = self._waiting
+        if waiting and waiting.stage in _BETWEEN and self._shown == "message" and (text := self._waiting_text(waiting)):
+            self._show_text(waiting, text)
+
+    def _count_down(self, waiting: Waiting) -> None:
+        """Show the time that is left of a rest, each second."""
+        left = waiting.until - self._live.clock.now()
+        if left > 0:
+            due = self._live.clock.now() + (left % SECOND or SECOND)
+            self._countdown = self._live.clock.call_at(due, self._show_again)
+
+    def _stop_countdown(self) -> None:
+        if self._countdown:
+            self._countdown.cancel()
+            self._countdown = None
+
+    def _seat_agent(self, where: str) -> None:
+        """Let the agent speak from the middle between two attempts, ``drawn`` above a drawing; else from below."""
+        if where != self._agent_seat:
+            self._agent_seat, stage = where, self.query_one("#stage")
+            self.set_class(where == "between", "between")
+            if where:
+                self.move_child(self.agent, before=stage)
+            else:
+                self.move_child(self.agent, after=stage)
 
     def _stage(self, name: str | None) -> None:
         """Show one widget in the middle of the screen, or none."""
         self._shown = name
+        if name != "message":
+            self._seat_agent("")
         self.query_one("#stage", ContentSwitcher).current = name
         menu = self.query_one(PauseMenu)
         self.set_focus(menu if name == "menu" else None)

@@ -51,6 +51,12 @@ class Summary(Vertical):
         self.query_one("#finish", Static).update(tr("Press Enter to finish."))
         self.call_after_refresh(self._draw)
 
+    def compare(self, words: str) -> None:
+        """Add how the session compares with an earlier one."""
+        facts = self.query_one("#facts", Static)
+        facts.update(f"{facts.content}\n{words}")
+        self.call_after_refresh(self._draw)
+
     def on_resize(self) -> None:
         self._draw()
 

@@ -2,38 +2,49 @@
 
 from typing import NamedTuple
 
+from sar_tui.framework.clock import SECOND
 from sar_tui.framework.language import Language
 from sar_tui.framework.messages import Waiting
+from sar_tui.framework.results_for_people import duration_text
 from sar_tui.framework.task import Task
 from sar_tui.tui.language import session_language
 
 
 class WaitingText(NamedTuple):
-    """Headline, text, and the key to press (empty if no key helps)."""
+    """Headline, text, and the key to press (empty if no key helps). ``key``: its name, if it stands in ``press``."""
 
     headline: str
     text: str
     press: str
+    key: str = ""
 
 
 def waiting_text(  # noqa: PLR0911
-    waiting: Waiting, task: Task, *, is_recording_over: bool = False
+    waiting: Waiting, task: Task, *, left: int = 0, is_goal_shown: bool = False, is_recording_over: bool = False
 ) -> WaitingText | None:
     """Return the text for a wait; None while the screen shows a prompt, the pause menu or the summary.
 
-    ``is_recording_over``: the sensor that is awaited is a recording at its end.
+    Args:
+        waiting: the wait.
+        task: of the session.
+        left: time that is left of a rest (ns).
+        is_goal_shown: True if the goal, which stays as it was, can be seen beside the last result.
+        is_recording_over: True if the sensor that is awaited is a recording at its end.
     """
     tr = session_language(task)
     match waiting.stage:
         case "instructions":
-            return WaitingText(tr("Welcome"), task.instructions(), tr("Press Enter to go on."))
+            return WaitingText(tr("Welcome"), task.instructions(), tr("Press Enter to go on."), tr("Enter"))
         case "attempt":
-            headline = waiting.notice or waiting.attempt_name.capitalize()
-            text = f"{waiting.why}\n\n{waiting.goal}" if waiting.why else waiting.goal
-            return WaitingText(headline, text, tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name))
+            return _before_attempt(waiting, tr, is_goal_shown=is_goal_shown)
         case "review":
             press = tr("Press Enter to see how it went.")
-            return WaitingText(tr("You have done it"), waiting.notice or tr("That was the last attempt."), press)
+            text = waiting.notice or tr("That was the last attempt.")
+            return WaitingText(tr("You have done it"), text, press, tr("Enter"))
+        case "rest":
+            return WaitingText(
+                tr("A short rest"), tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)), ""
+            )
         case "answer":
             return WaitingText(tr("One moment…"), "", "")
         case "trial" if waiting.what == "agent":
@@ -70,6 +81,19 @@ def help_text(task: Task, tr: Language) -> str:
 def key_name(key: str, tr: Language) -> str:
     """Return a key's name on the keyboard: "Space"."""
     return {"space": tr("Space"), "enter": tr("Enter"), "tab": tr("Tab")}.get(key, key.capitalize())
+
+
+def _before_attempt(waiting: Waiting, tr: Language, *, is_goal_shown: bool) -> WaitingText:
+    """Return what is new, and the key; the number of the attempt and its goal where they are not seen otherwise."""
+    if waiting.attempt == 1:
+        press = tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name)
+    else:
+        press = tr("Press Enter for {attempt}.", attempt=waiting.attempt_name)
+    if is_goal_shown:
+        return WaitingText(waiting.notice, waiting.why, press, tr("Enter"))
+    headline = waiting.notice or waiting.attempt_name.capitalize()
+    text = f"{waiting.why}\n\n{waiting.goal}" if waiting.why else waiting.goal
+    return WaitingText(headline, text, press, tr("Enter"))
 
 
 def _paused(waiting: Waiting, task: Task, tr: Language, is_recording_over: bool) -> WaitingText | None:

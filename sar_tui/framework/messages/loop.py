@@ -79,17 +79,17 @@ class Waiting(Message, frozen=True, kw_only=True):
     """The session waits. A screen shows this; a simulated participant reacts to it.
 
     ``what``: ``enter`` (the Return key), ``start`` (the key that starts a trial), ``agent`` (until it is still),
-    ``answer`` (until delayed feedback is given), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the
-    disk), ``response``, ``resume`` (paused), ``sensor`` (no data), ``nothing`` (ended). ``stage``: ``instructions``,
-    ``attempt`` (before one), ``trial``, ``answer``, ``paused``, ``review`` (all attempts are done), ``ended``,
-    ``broken`` (something failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in
-    trials. ``seat``: whose turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before
-    the prompt. ``notice``: shown to the participant first: a new level, a trial to repeat, a limit. ``why``: why level
-    or goal have changed, for the participant. ``reason``, in a pause: how
+    ``answer`` (until delayed feedback is given), ``rest`` (until a rest is over), ``quiet`` (no keys for a moment),
+    ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (no data), ``nothing``
+    (ended). ``stage``: ``instructions``, ``attempt`` (before one), ``trial``, ``answer``, ``rest``, ``paused``,
+    ``review`` (all attempts are done), ``ended``, ``broken`` (something failed). ``attempt_name``: for people, "attempt
+    3 of 20". ``goal``: of the attempt; empty in trials. ``seat``: whose turn it is, or whose sensor is awaited; empty
+    for everybody's, or if it is unknown before the prompt. ``notice``: shown to the participant first: a new level, a
+    trial to repeat, a limit. ``why``: why level or goal have changed, for the participant. ``reason``, in a pause: how
     the participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also
     at the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet: ``held`` (a key is
     held down). ``detail``: the error of disk or sensor, for the experimenter. ``ask``: the key that requests feedback
-    on the last attempt, if there is some.
+    on the last attempt, if there is some. ``until``: when a rest is over (ns).
     """
 
     what: Literal[
@@ -97,6 +97,7 @@ class Waiting(Message, frozen=True, kw_only=True):
         "start",
         "agent",
         "answer",
+        "rest",
         "quiet",
         "foreperiod",
         "storage",
@@ -105,7 +106,7 @@ class Waiting(Message, frozen=True, kw_only=True):
         "sensor",
         "nothing",
     ]
-    stage: Literal["instructions", "attempt", "trial", "answer", "paused", "review", "ended", "broken"]
+    stage: Literal["instructions", "attempt", "trial", "answer", "rest", "paused", "review", "ended", "broken"]
     attempt: int = 0
     trial: int = 0
     level: int = 0
@@ -117,6 +118,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     reason: str = ""
     detail: str = ""
     ask: str = ""
+    until: int = 0
 
 
 class AttemptStarted(Message, frozen=True, kw_only=True):

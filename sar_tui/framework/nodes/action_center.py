@@ -63,6 +63,7 @@ class ActionCenter(Node):
         self._instructed = False
         self._considered = (0, 0)
         self._prepared = 0
+        self._rested = 0
         self._rules = 2
         self._last_feedback = 0
 
@@ -122,10 +123,13 @@ class ActionCenter(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Propose instructions, encouragement or a rest between attempts: once for each attempt."""
+        """Propose instructions, and between attempts encouragement or a rest: once for each attempt."""
         if waiting.stage == "instructions" and not self._instructed:
             self._instructed = True
             self._propose("instruction", "", spoken=self._task.instructions())
+        if waiting.stage == "rest" and waiting.attempt != self._rested:
+            self._rested = waiting.attempt
+            self._propose("rest", self._task.tr("Now a rest. Put your hands down for a while."), joins=True)
         if waiting.stage == "attempt" and waiting.attempt > 1 and self._is_new(waiting):
             self._considered = (waiting.attempt, waiting.level)
             self._before_attempt(waiting)
@@ -143,6 +147,10 @@ class ActionCenter(Node):
     def _before_attempt(self, waiting: Waiting) -> None:
         parameters = self._task.parameters
         attempts = self.ask(RECALL, Recall(seat=self._task.seats[0])).attempts
+        if waiting.attempt == self._rested:
+            self._prepared = waiting.attempt
+            self._propose("rest", self._task.tr("Start when you are ready."), "rested", attempt=waiting.attempt)
+            return
         if encouragement.rest_due(len(attempts), parameters.rest_every):
             kind: Kind = "rest"
         elif parameters.encouragement and encouragement.is_hard(attempts, waiting.level):

@@ -15,7 +15,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.marks import MarkedResults, TrialMark
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes.trial_flow import TrialFlow
-from sar_tui.framework.policies.limits import Dose, is_session_over, reached_of_day
+from sar_tui.framework.policies.limits import Dose, is_rest_due, is_session_over, reached_of_day
 from sar_tui.framework.session_phase import IN_TRIAL, MARKABLE, OVER, Phase
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
@@ -51,6 +51,10 @@ class AttemptFlow(TrialFlow):
         self._run_began_at = self._attempt_began_at = self._last_ended_at = 0
         self._earlier_ns = 0
         self._limit = ""
+        self._attempts_since_rest = 0
+        self._must_rest = False
+        self._rested_at = 0
+        self._rest_until = 0
         self._level_change: m.LevelChanged | None = None
         self._goal_change: m.GoalChanged | None = None
 
@@ -68,6 +72,7 @@ class AttemptFlow(TrialFlow):
         self._earlier_ns += max(self._last_ended_at - self._run_began_at, 0)
         self._run_began_at = self._attempt_began_at = self._last_ended_at = self.now
         self._done_today = done_today
+        self._rested_at = self.now
 
     def _count_attempt(self, scored: AttemptScore) -> None:
         """Add the attempt that has ended."""
@@ -77,6 +82,7 @@ class AttemptFlow(TrialFlow):
             is_practice=scored.first.ended.practice,
         )
         self._last_ended_at = self.now
+        self._attempts_since_rest += 1
 
     @property
     def _limit_text(self) -> str:
@@ -87,6 +93,40 @@ class AttemptFlow(TrialFlow):
         if is_session_over(self.task.parameters, minutes):
             return self.task.tr("The time for this session is over. Well done.")
         return ""
+
+    # --- rests that must be taken ---------------------------------------------------------------------------
+
+    def _wait_or_rest(self) -> None:
+        """Wait for what follows the feedback: a rest first, if one must be taken before the next attempt."""
+        if self._must_rest:
+            self._must_rest, self._attempts_since_rest = False, 0
+            self._rest(self.now + self.task.parameters.rest_seconds * SECOND)
+        else:
+            self._wait(self._after_feedback)
+
+    def _rest(self, until: int) -> None:
+        """Rest until a time (ns), then wait for the next attempt."""
+        self._rest_until = until
+        if until > self.now:
+            self._wait(Phase.REST)
+            self.set_timer("rest", until)
+        else:
+            self._rested_at, self._rest_until = self.now, 0
+            self.cancel_timer("rest")
+            self._wait(Phase.READY)
+            self._wait_for_decision()
+
+    @property
+    def is_resting(self) -> bool:
+        """True in a rest that must be taken, also while the session is paused."""
+        return (self._paused_from if self._phase is Phase.PAUSED else self._phase) is Phase.REST
+
+    def _end_rest(self) -> None:
+        """End a rest by hand; if the session is paused, when it goes on."""
+        if self._phase is Phase.REST:
+            self._rest(self.now)
+        else:
+            self._rest_until = self.now
 
     def _begin_attempt(self) -> None:
         self._attempt_began_at = self.now
@@ -119,6 +159,8 @@ class AttemptFlow(TrialFlow):
         self._limit = "" if self._attempts.attempt == self._attempts.total else self._limit_text
         goes_on = not self._limit and self._attempts.advance()
         self._after_feedback = Phase.READY if goes_on else Phase.REVIEW
+        minutes = (self.now - self._rested_at) / _MINUTE
+        self._must_rest = goes_on and is_rest_due(self.task.parameters, self._attempts_since_rest, minutes)
         self._feedback_due_at = max(one.feedback.due for one in scored.seats)
         self._await_feedback()
 
@@ -142,8 +184,10 @@ class AttemptFlow(TrialFlow):
         if self._feedback_due_at > self.now:
             self._wait(Phase.FEEDBACK)
             self.set_timer("answer", self._feedback_due_at)
+        elif self._is_decision_pending:
+            self._wait(Phase.FEEDBACK)
         else:
-            self._wait(Phase.FEEDBACK if self._is_decision_pending else self._after_feedback)
+            self._wait_or_rest()
 
     def agent_acted(self, agent: m.AgentActing) -> None:
         """Wait for an operator's decision in the same way as for delayed feedback."""
@@ -161,6 +205,8 @@ class AttemptFlow(TrialFlow):
     def timer(self, name: str, late: int) -> None:
         if name == "answer":
             self._await_feedback()
+        elif name == "rest":
+            self._rest(self.now)
         else:
             super().timer(name, late)
 

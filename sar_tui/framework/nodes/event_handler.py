@@ -9,6 +9,7 @@ from sar_tui.framework import marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.blockers import Blockers
 from sar_tui.framework.bus import FAULT
+from sar_tui.framework.clock import SECOND
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.attempt_flow import AttemptFlow
@@ -20,6 +21,7 @@ from sar_tui.framework.session_phase import (
     OVER,
     PAUSES,
     REQUEST_KEY,
+    REQUESTABLE,
     Phase,
     text_of,
     waiting_message,
@@ -103,6 +105,8 @@ class EventHandler(AttemptFlow):
         self._count_from_here(Dose.of(session.done_today))
         was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in (*PAUSES, LEFT)
         keeps_phase = was_paused_by_person or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED)
+        if self.is_resting:  # the clock of the last run says nothing about the time between the runs
+            self._rest_until = self.now + self.task.parameters.rest_seconds * SECOND
         if self._phase is Phase.CLOSING:
             self._end()
         elif session.run == 1 or keeps_phase:
@@ -139,11 +143,18 @@ class EventHandler(AttemptFlow):
             case "repeat" if self._phase in IN_TRIAL:
                 self._void("repeat")
                 self._begin_trial()
-            case "skip" if self._phase in IN_TRIAL:
-                self._finish(Result(correct=False, flags=("skipped",)))
+            case "skip":
+                self._skip()
             case "mark":
                 if mark := marks.find(self.task.marks, act.reason):
                     self._mark(mark)
+
+    def _skip(self) -> None:
+        """End the prompt as missed, or a rest that must be taken."""
+        if self.is_resting:
+            self._end_rest()
+        elif self._phase in IN_TRIAL:
+            self._finish(Result(correct=False, flags=("skipped",)))
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
@@ -192,6 +203,8 @@ class EventHandler(AttemptFlow):
             self._begin_trial()
         elif self._paused_from is Phase.FEEDBACK:
             self._await_feedback()
+        elif self._paused_from is Phase.REST:
+            self._rest(self._rest_until)
         else:
             self._wait(self._paused_from)
             self._wait_for_decision()
@@ -227,7 +240,7 @@ class EventHandler(AttemptFlow):
                 self._begin_attempt_or_end()
             case Phase.REVIEW, "enter" if not percept.repeat:
                 self._close("completed")
-            case Phase.READY | Phase.REVIEW, key if key == REQUEST_KEY:
+            case phase, key if phase in REQUESTABLE and key == REQUEST_KEY:
                 self._request_feedback()
             case Phase.PAUSED, "enter" if self._reason in ENTER_RESUMES:
                 self._resume()
@@ -255,7 +268,16 @@ class EventHandler(AttemptFlow):
         notice = self._notice_for(phase)
         detail = self._blockers.detail(why)
         seat = self._blockers.lost_seat if why == "sensor" else self._turn
-        message = waiting_message(phase, self._attempts, self.task, notice=notice, reason=why, detail=detail, seat=seat)
+        message = waiting_message(
+            phase,
+            self._attempts,
+            self.task,
+            notice=notice,
+            reason=why,
+            detail=detail,
+            seat=seat,
+            until=self._rest_until if phase is Phase.REST else 0,
+        )
         changed = self._why_changed if phase is Phase.READY else ""
         self.emit(WAITING, replace(message, why=changed) if changed else message)
 

@@ -1,4 +1,4 @@
-"""Limits of a session and of a day. Pure."""
+"""Limits of a session and of a day, and rests that must be taken. Pure."""
 
 from collections.abc import Mapping
 
@@ -51,3 +51,8 @@ def reached_of_day(settings: LimitSettings, done: Dose) -> str:
 def is_session_over(settings: LimitSettings, minutes: float) -> bool:
     """Return True if a session has lasted as long as it may."""
     return 0 < settings.session_minutes <= minutes
+
+
+def is_rest_due(settings: LimitSettings, attempts: int, minutes: float) -> bool:
+    """Return True if the participant must rest, after so many attempts and minutes since the last such rest."""
+    return 0 < settings.rest_after_attempts <= attempts or 0 < settings.rest_after_minutes <= minutes

@@ -6,7 +6,7 @@ from sar_tui.framework.declaration import Settings, meta
 
 
 class LimitSettings(Settings, frozen=True, kw_only=True):
-    """The plan of a day, and limits of a session and of a day. An attempt that has begun is always finished."""
+    """Plan of a day, limits of a session and of a day, and forced rests. An attempt begun is always finished."""
 
     session_minutes: Annotated[
         int,
@@ -61,3 +61,36 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             group="Limits",
         ),
     ] = 0
+    rest_after_attempts: Annotated[
+        int,
+        meta(
+            "Must rest after attempts",
+            "attempts",
+            "A rest that Enter cannot skip follows after so many attempts, practice included. 0: none.",
+            ge=0,
+            le=200,
+            group="Limits",
+        ),
+    ] = 0
+    rest_after_minutes: Annotated[
+        int,
+        meta(
+            "Must rest after minutes",
+            "min",
+            "The same rest follows the attempt in which so much time has passed since the last one. 0: none.",
+            ge=0,
+            le=480,
+            group="Limits",
+        ),
+    ] = 0
+    rest_seconds: Annotated[
+        int,
+        meta(
+            "Length of that rest",
+            "s",
+            "The participant may rest longer; a therapist can end it from the pause menu.",
+            ge=5,
+            le=3600,
+            group="Limits",
+        ),
+    ] = 60

@@ -1,0 +1,75 @@
+"""The middle of the session's screen while it waits for somebody: result, words, drawing, and the key to press."""
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.widgets import Static
+
+from sar_tui.app.screens.large_message import ROOMY, Message, large_message
+from sar_tui.app.screens.waiting_text import WaitingText
+from sar_tui.widgets.drawing import DrawingArea
+from sar_tui.widgets.goal_bar import GoalBar, draw_bars
+from sar_tui.widgets.language import language_of
+from sar_tui.widgets.task_view import Drawing
+
+
+class MessagePanel(Vertical):
+    """Shows a message, larger in a large window. It changes only by its methods, and with the window's size."""
+
+    def __init__(self, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._text = WaitingText("", "", "")
+        self._bars: list[GoalBar] = []
+        self._ask = ""
+        self._has_drawing = False
+
+    def compose(self) -> ComposeResult:
+        yield Static("", id="result")
+        yield Static("", id="headline", markup=False)
+        yield Static("", id="text", markup=False)
+        yield DrawingArea(id="drawing")
+        yield Static("", id="key", markup=False)
+        yield Static("", id="enter", markup=False)
+        yield Static("", id="ask", markup=False)
+
+    def show(self, text: WaitingText, bars: list[GoalBar], drawing: Drawing | None = None, ask: str = "") -> None:
+        """Show a message, below the bars of the last attempt. ``ask``: how to request feedback on it, or empty."""
+        self._text, self._bars, self._ask, self._has_drawing = text, bars, ask, drawing is not None
+        self.query_one(DrawingArea).show(drawing)
+        self._arrange()
+
+    def correct(self, later: str) -> None:
+        """Add to the key to press that another one comes later."""
+        self.query_one("#enter", Static).update(f"{self._text.press} {later}")
+
+    def on_resize(self) -> None:
+        self._arrange()
+
+    def _arrange(self) -> None:
+        width, height = self.content_size
+        bars = draw_bars(self._bars, width, language_of(self.app)) if self._bars else ""
+        is_roomy = all(size >= least for size, least in zip(self.app.size, ROOMY, strict=True))
+        message = Message(self._text.headline, self._text.text, "", self._text.press)
+        if is_roomy and not self._has_drawing:
+            more = len(self._bars) + bool(self._bars) + bool(self._ask)
+            message = large_message(self._text, width, height, more=more)
+        self._put("result", bars)
+        for name in ("headline", "key"):
+            words: str = getattr(message, name)
+            is_drawn = "\n" in words
+            self.query_one(f"#{name}").set_class(is_drawn, "drawn")
+            self._put(name, _centred(words, width) if is_drawn else words)
+        self._put("text", message.text)
+        self._put("enter", message.press)
+        self._put("ask", self._ask)
+
+    def _put(self, name: str, words: object) -> None:
+        part = self.query_one(f"#{name}", Static)
+        part.display = bool(words)
+        part.update(words)  # type: ignore[arg-type]
+
+
+def _centred(drawn: str, width: int) -> str:
+    """Indent large letters, whose lines are equally long."""
+    lines = drawn.split("\n")
+    indent = " " * max(0, (width - len(lines[0])) // 2)
+    return "\n".join(f"{indent}{line}" for line in lines)

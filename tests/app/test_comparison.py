@@ -1,0 +1,25 @@
+"""The summary tells a session beside the last one that can be compared with it."""
+
+from pathlib import Path
+
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, open_app, plan
+
+
+async def to_comparison(driver: AppDriver) -> None:
+    await driver.do_session()
+    await driver.app.workers.wait_for_complete([each for each in driver.app.workers if each.name == "comparison"])
+    await driver.settle()
+
+
+async def test_only_a_later_session_with_the_same_settings_has_a_comparison(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    compared = []
+    for settings in ({}, {}, {"threshold": 900.0}):
+        async with open_app(data, catalogue, plan(catalogue, keyboard, start_from="fixed", **settings)) as driver:
+            await to_comparison(driver)
+            assert driver.sees("You did 2 attempts; goal reached in 2.")
+            compared.append(driver.sees("Today 0.40 seconds, "))
+    assert compared == [False, True, False]

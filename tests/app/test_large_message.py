@@ -1,0 +1,39 @@
+"""Texts are larger where there is room, and complete everywhere."""
+
+from pathlib import Path
+
+from sar_tui.app.screens.large_message import large_message
+from sar_tui.app.screens.waiting_text import WaitingText
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import open_app, plan
+
+TEXT = WaitingText("Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter to go on.", "Enter")
+
+
+def test_the_key_comes_first_then_air_then_the_headline() -> None:
+    def larger(height: int) -> tuple[bool, bool, bool]:
+        message = large_message(TEXT, 88, height)
+        assert message.press == TEXT.press
+        return bool(message.key), message.text != TEXT.text, message.headline != TEXT.headline
+
+    assert larger(10) == (False, False, False)
+    assert larger(15) == (True, False, False)
+    assert larger(17) == (True, True, False)
+    assert larger(30) == (True, True, True)
+
+
+def test_a_headline_that_is_too_wide_or_has_no_large_letters_stays_as_it_is() -> None:
+    for headline in ("Le damos la bienvenida", "続き"):
+        assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
+
+
+async def test_only_a_large_window_draws_the_key(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        assert "█" not in driver.text
+        await driver.resize(100, 30)
+        assert "█" in driver.text
+        assert driver.sees("Press that key as fast as you can, and then wait for the next one.")
+        assert driver.sees("Press Enter to go on.")
+        await driver.resize(80, 24)
+        assert "█" not in driver.text
