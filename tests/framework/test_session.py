@@ -257,6 +257,19 @@ def test_a_session_whose_misses_were_stored_without_details_can_be_replayed() ->
     assert not is_same(miss({"choices": 2}, "j"), miss({"choices": None}, "j"))
 
 
+def test_numbers_that_another_processor_rounds_differently_do_not_stop_a_replay() -> None:
+    trial = next(record.message for record in whole().records if isinstance(record.message, TrialEnded))
+
+    def measured(smoothness: float, speeds: list[float], **changed: Any) -> TrialEnded:
+        return msgspec.structs.replace(trial, details={"ldlj_out": smoothness, "speeds": speeds}, **changed)
+
+    recorded = measured(-5.256055605931666, [0.0, 1.5])
+    assert is_same(recorded, measured(-5.256055605931665, [1e-17, 1.5000000000000002]))
+    assert not is_same(recorded, measured(-5.2560557, [0.0, 1.5]))
+    assert not is_same(recorded, measured(-5.256055605931666, [0.0]))
+    assert not is_same(recorded, measured(-5.256055605931665, [0.0, 1.5], trial=trial.trial + 1))
+
+
 @given(st.data())
 def test_a_removed_or_duplicated_message_is_noticed(data: st.DataObject) -> None:
     records = list(whole().records)
