@@ -5,6 +5,9 @@ import typer
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 from sar_tui.tui.exit_codes import FAILED
 
+_LISTED = 5
+"""Damaged messages of a session that are named; JSON has all."""
+
 
 def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
     """Bring the sessions of rescue files back into the database.
@@ -23,6 +26,9 @@ def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, t
     for each in () if as_json else sessions:
         of = f"Session {each.session} of {each.participants} ({each.task})"
         print(f"{of} stays in {each.file}: {each.problem}." if each.problem else f"{of} is in the database again.")
+        if each.damaged:
+            numbers = ", ".join(map(str, each.damaged[:_LISTED])) + (" …" if len(each.damaged) > _LISTED else "")
+            print(f"! Messages of it that are damaged are left out: {len(each.damaged)} (number {numbers}).")
     if files and not sessions and not as_json:
         print("The database has all that is in the rescue files.")
     if any(each.problem for each in sessions):

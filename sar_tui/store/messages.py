@@ -167,28 +167,59 @@ def extent(database: sqlite3.Connection, session: str) -> tuple[int, int]:
     return min(numbers, default=0), max(numbers, default=0)
 
 
-def copy(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> None:
+def copy(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> list[int]:
     """Copy the messages of a session to another database, in its transaction; replace what it has unless ``adds``.
 
     The two databases have numbers of their own for sessions and topics. What an earlier version stored is not copied.
+
+    Returns:
+        The numbers of messages that are damaged, which are not copied: no report could read the others then.
     """
     target.execute("INSERT OR IGNORE INTO session_numbers (id) VALUES (?)", (session,))
     (number,) = target.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
     if not adds:
         target.execute("DELETE FROM messages WHERE session_number=?", (number,))
-    topics = source.execute("SELECT id, name, fields FROM topics").fetchall()
+    topics = _sound_topics(source)
     target.executemany("INSERT OR IGNORE INTO topics (name, fields) VALUES (?, ?)", [row[1:] for row in topics])
     known = {row[1:]: row[0] for row in target.execute("SELECT id, name, fields FROM topics")}
     there = {id: known[name, stored] for id, name, stored in topics}
     rows = source.execute(
-        "SELECT seq, run, at_ns, topic, message FROM messages"
+        "SELECT seq, run, at_ns, topic, CAST(message AS BLOB) FROM messages"
         " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
         (session,),
     )
+    damaged: list[int] = []
+
+    def sound() -> Iterator[tuple[int, int, int, int, int, str]]:
+        for seq, run, at, topic, text in rows:
+            if topic in there and _is_json(text):
+                yield number, seq, run, at, there[topic], text.decode()
+            else:
+                damaged.append(seq)
+
     target.executemany(
         "INSERT OR IGNORE INTO messages (session_number, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
-        ((number, seq, run, at, there[topic], text) for seq, run, at, topic, text in rows),
+        sound(),
     )
+    return damaged
+
+
+def _sound_topics(source: sqlite3.Connection) -> list[tuple[int, str, str]]:
+    """Return id, name and fields of the topics that are not damaged."""
+    rows = source.execute("SELECT id, CAST(name AS BLOB), CAST(fields AS BLOB) FROM topics")
+    return [
+        (id, name.decode(), fields.decode())
+        for id, name, fields in rows
+        if name.isascii() and (not fields or _is_json(fields))
+    ]
+
+
+def _is_json(text: bytes) -> bool:
+    try:
+        msgspec.json.decode(text)
+    except (msgspec.DecodeError, UnicodeDecodeError):
+        return False
+    return True
 
 
 def read(database: sqlite3.Connection, session: str, after: int = 0) -> Iterator[StoredMessage]:

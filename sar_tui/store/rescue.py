@@ -10,10 +10,10 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 from sar_tui.drivers.private_folder import make_private
-from sar_tui.store import messages
+from sar_tui.store import messages, sessions
 from sar_tui.store.database import (
     RESCUE,
     RESCUED,
@@ -160,13 +160,18 @@ def remove(path: Path) -> None:
 
 
 class BroughtBack(NamedTuple):
-    """A session of a rescue file. ``problem``: why it was left there; empty if it is in the database now."""
+    """A session of a rescue file.
+
+    ``problem``: why it was left there; empty if it is in the database now. ``damaged``: numbers of its messages that
+    were left there, because they cannot be read.
+    """
 
     file: Path
     session: str
     participants: str
     task: str
     problem: str = ""
+    damaged: tuple[int, ...] = ()
 
 
 def bring_back(folder: Path) -> list[BroughtBack]:
@@ -192,10 +197,14 @@ def bring_back(folder: Path) -> list[BroughtBack]:
 
 def _sessions(database: sqlite3.Connection) -> list[tuple[str, str, str]]:
     """Return id, participants and task of each session, in order."""
-    return database.execute(
+    texts = database.text_factory
+    database.text_factory = lambda raw: raw.decode(errors="replace")
+    found = database.execute(
         "SELECT id, (SELECT group_concat(participant, ', ') FROM seats WHERE session=id), task"
         " FROM sessions ORDER BY sessions.rowid"
     ).fetchall()
+    database.text_factory = texts
+    return found
 
 
 def _bring(
@@ -212,8 +221,20 @@ def _bring(
         return None
     if last_run > run:
         return BroughtBack(path, *row, "it was resumed in the database since, and went on differently")
-    copy_session(source, database, session, adds=first > 1)
-    return BroughtBack(path, *row)
+    if not _is_readable(source, session):
+        return BroughtBack(path, *row, "its rows are damaged, so that no command could read the database")
+    damaged = copy_session(source, database, session, adds=first > 1)
+    return BroughtBack(path, *row, damaged=tuple(damaged))
+
+
+def _is_readable(database: sqlite3.Connection, session: str) -> bool:
+    """Return True if all rows of a session can be read, beside its messages."""
+    try:
+        for table in get_args(sessions.Table):
+            sessions.rows(database, table, session)
+        return sessions.stored(database, session) is not None
+    except (StoreError, sqlite3.Error):
+        return False
 
 
 def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:

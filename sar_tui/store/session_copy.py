@@ -9,12 +9,17 @@ _APPENDED = ("wellbeing", "adverse_events")
 """Tables whose rows people add to later: what the target has is never replaced."""
 
 
-def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> None:
+def copy_session(
+    source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False
+) -> list[int]:
     """Copy a session with its participants and their programmes.
 
     What the target has of the session is replaced; if ``adds``, it is kept, as the source has only what followed.
 
     Both databases must have the present version.
+
+    Returns:
+        The numbers of messages that are damaged, which were not copied.
 
     Raises:
         StoreError: the target cannot be written to, or the source cannot be read; nothing was copied.
@@ -25,12 +30,13 @@ def copy_session(source: sqlite3.Connection, target: sqlite3.Connection, session
             if not keeps:
                 connection.execute(f'DELETE FROM "{table}" WHERE session=?', (session,))
             copy_rows(source, connection, table, "session=?", session, or_ignore=keeps)
-        messages.copy(source, connection, session, adds=adds)
+        damaged = messages.copy(source, connection, session, adds=adds)
         connection.execute("DELETE FROM sessions WHERE id=?", (session,))
         copy_rows(source, connection, "sessions", "id=?", session)
         seated = "(SELECT participant FROM seats WHERE session=?)"
         copy_rows(source, connection, "participants", f"code IN {seated}", session, or_ignore=True)
         copy_rows(source, connection, "programmes", f"participant IN {seated}", session, or_ignore=True)
+    return damaged
 
 
 def _tables(database: sqlite3.Connection, column: str) -> list[str]:

@@ -279,6 +279,12 @@ def rows(db: sqlite3.Connection, table: Table, session: str) -> list[Row]:
     ]
 
 
+def stored(db: sqlite3.Connection, session: str) -> Row | None:
+    """Return the row of a session as it is stored; None if there is none."""
+    found = next(_query(db, "SELECT * FROM sessions WHERE id=?", (session,)), None)
+    return _typed("sessions", found) if found else None
+
+
 def attempt_ended(row: Row) -> AttemptEnded:
     """Return the message that a row of `rows(db, "attempts", session)` was stored from."""
     return AttemptEnded(

@@ -63,6 +63,47 @@ def test_a_session_that_went_on_differently_stays_in_its_file(call: Call, waitin
     )
 
 
+def damage(data: Path, change: str) -> Path:
+    """Change the rescue file, and return it."""
+    (path,) = rescue_files(data)
+    with closing(sqlite3.connect(path)) as database:
+        database.execute(change)
+        database.commit()
+    return path
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "UPDATE messages SET topic=9999 WHERE seq=7",
+        "UPDATE messages SET message='[1, ' WHERE seq=7",
+        "UPDATE messages SET message=CAST(x'5B22FF225D' AS TEXT) WHERE seq=7",
+    ],
+    ids=["topic", "text", "bytes"],
+)
+def test_damaged_messages_are_named_and_the_others_brought_back(
+    call: Call, waiting: str, tmp_path: Path, change: str
+) -> None:
+    damage(tmp_path / "data", change)
+    called = call("rescue")
+    assert (called.code, called.err) == (0, "")
+    assert "! Messages of it that are damaged are left out: 1 (number 7)." in called.out
+    with closing(connect(tmp_path / "data")) as database:
+        (count, last) = database.execute("SELECT count(*), max(seq) FROM events").fetchone()
+    assert count == last - 1
+
+
+@pytest.mark.parametrize(
+    "change", ["UPDATE sessions SET parameters='{'", "UPDATE trials SET response=CAST(x'FF' AS TEXT)"]
+)
+def test_a_session_with_a_damaged_row_stays_in_its_file(call: Call, waiting: str, tmp_path: Path, change: str) -> None:
+    path = damage(tmp_path / "data", change)
+    called = call("rescue")
+    assert (called.code, called.err) == (1, "")
+    assert f"Session {waiting} of P01 (keyboard) stays in {path}: its rows are damaged" in called.out
+    assert call("sessions").code == 0
+
+
 @pytest.mark.parametrize("command", [["sessions"], ["show", "last"]])
 def test_commands_say_that_a_rescue_file_waits(call: Call, waiting: str, tmp_path: Path, command: list[str]) -> None:
     (path,) = rescue_files(tmp_path / "data")
