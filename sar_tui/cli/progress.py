@@ -62,6 +62,7 @@ def progress(
 ) -> None:
     """Show a participant's progress over sessions: the level at goal, noise, practice and dose."""
     from sar_tui.reports.progress import progress as make_progress
+    from sar_tui.store import adverse_events, wellbeing
     from sar_tui.store.instrument_scores import scores_of
     from sar_tui.store.participants import check_code
     from sar_tui.store.results import sessions_of
@@ -74,7 +75,14 @@ def progress(
     code = check_code(participant)
     find = _finder(home)
     with home.database() as database:
-        found = make_progress(code, sessions_of(database, code, task), find, scores_of(database, code))
+        found = make_progress(
+            code,
+            sessions_of(database, code, task),
+            find,
+            scores_of(database, code),
+            ratings=wellbeing.history(database, code),
+            events=adverse_events.listing(database, code),
+        )
     if not (found.lines or found.instruments) and not as_json and html is None:
         of_task = "" if task is None else f" of the task {task}"
         raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
@@ -128,6 +136,8 @@ def _finder(home: Home) -> "Find":
 def _print(out: "Console", found: "Progress", find: "Find", language: str) -> None:
     from sar_tui.reports import progress_words
 
+    for text in progress_words.warnings(found, progress_words.words(language, None)):
+        out.print(f"! {text.removeprefix('! ')}", soft_wrap=True, end="\n\n")
     for line in found.lines:
         tr = progress_words.words(language, find(line.task))
         out.print(f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n")

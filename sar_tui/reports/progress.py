@@ -8,7 +8,7 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.framework.parameters import fields
-from sar_tui.framework.policies.wellbeing import SessionRatings
+from sar_tui.framework.policies.wellbeing import SessionRatings, TellReason, tell_therapist
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Axis, Metric
 from sar_tui.progress import change
@@ -18,6 +18,7 @@ from sar_tui.progress.level_estimate import Estimate
 from sar_tui.progress.lines import Line, Point, SessionResults, Side, lines
 from sar_tui.progress.task_level import compared_settings, places, to_level
 from sar_tui.reports.dose import Day, Dose, days_of, planned_attempts, recent
+from sar_tui.store.adverse_events import AdverseEvent
 
 
 class AtGoal(msgspec.Struct, frozen=True):
@@ -100,6 +101,8 @@ class Progress(msgspec.Struct, frozen=True):
     Args:
         lines: the one with the newest session last.
         days: with live sessions; ``recent`` is their sum over the last four weeks.
+        tell: reasons to tell the therapist of pain or tiredness, from all live sessions.
+        events: adverse events of the participant.
     """
 
     participant: str
@@ -107,6 +110,8 @@ class Progress(msgspec.Struct, frozen=True):
     lines: list[LineProgress]
     days: list[Day]
     recent: Dose
+    tell: tuple[TellReason, ...]
+    events: list[AdverseEvent]
     instruments: list[InstrumentChange]
 
 
@@ -116,8 +121,20 @@ def progress(
     find_task: Callable[[str], type[Task] | None],
     scores: Sequence[Score] = (),
     today: date | None = None,
+    ratings: Sequence[SessionRatings] = (),
+    events: Sequence[AdverseEvent] = (),
 ) -> Progress:
-    """Return the progress of a participant, from the results of their sessions in the order they were played."""
+    """Return the progress of a participant, from the results of their sessions in the order they were played.
+
+    Args:
+        participant: the code.
+        sessions: of one task, or of all.
+        find_task: returns an installed task by name.
+        scores: of other instruments.
+        today: day until which the dose is counted.
+        ratings: of pain and tiredness in all live sessions, in their order.
+        events: adverse events.
+    """
     played, day = list(sessions), today or date.today()
     days = days_of(played)
     return Progress(
@@ -126,6 +143,8 @@ def progress(
         lines=[_line(line) for line in lines(played, find_task)],
         days=days,
         recent=recent(days, day),
+        tell=tell_therapist(ratings),
+        events=list(events),
         instruments=changes(scores),
     )
 

@@ -49,6 +49,8 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     own = progress_words.words(code, None)
     title = f"{found.participant} · {own('Progress')}"
     body = [f"<h1>{escape(title)}</h1>"]
+    if said := progress_words.warnings(found, own):
+        body += [f"<p><strong>{escape(text)}</strong></p>" for text in said]
     for line in found.lines:
         body += _line(line, progress_words.words(code, find_task(line.task)))
     if not found.lines:

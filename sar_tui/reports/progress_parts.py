@@ -13,21 +13,39 @@ CURSOR, MARKED = "▸", "◆"
 _FEWEST_OF_A_CHART = 10
 """Rows below which the text has to be shortened instead of the chart."""
 _MOST_OF_A_CHART = 24
+_FOR_EACH_OF_TWO = 18
+"""Rows for each of two charts, one below the other."""
+_TALL = 26
+"""Rows from which each sentence has a line of its own."""
 _MONTHS = 3
 
 
-def level_part(line: LineProgress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
-    """Return the level at goal as a chart where it is known, and what can be said of the line."""
+def level_part(
+    line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, advice: Sequence[str] = ()
+) -> list[str]:
+    """Return the level at goal as a chart where it is known, and what can be said of the line.
+
+    The results are charted below where there is room for both, or where no level is known.
+
+    Args:
+        line: the sessions.
+        size: columns and rows.
+        chosen: number of the session that is marked.
+        tr: the language.
+        advice: sentences that come first, such as on pain.
+    """
     width, height = size
-    text = _wrapped(progress_words.sentences(line, tr), width)
+    said = [*advice, *progress_words.sentences(line, tr)]
+    text = _wrapped(said if height >= _TALL else [" ".join(said)], width)
     room = height - len(text) - 1
-    if has_levels(line):
-        chart = level_figure(line, width, _chart_height(room), tr, chosen)
-    elif has_results(line):
-        chart = result_figure(line, width, _chart_height(room), tr, chosen)
-    else:
-        chart = []
-    return [*chart, "", *text][:height] if chart else text[:height]
+    charts = [draw for has, draw in ((has_levels, level_figure), (has_results, result_figure)) if has(line)]
+    if not charts:
+        return text[:height]
+    lines: list[str] = []
+    shown = charts[: max(1, room // _FOR_EACH_OF_TWO)]
+    for draw in shown:
+        lines += [*draw(line, width, _chart_height(room // len(shown) - (len(shown) > 1)), tr, chosen), ""]
+    return [*lines, *text][:height]
 
 
 def results_part(line: LineProgress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
@@ -44,21 +62,20 @@ def sessions_part(
 ) -> list[str]:
     """Return the sessions as a table with a cursor; ``marked`` is the id of the one to compare with."""
     width, height = size
-    heads = ("date", "levels", "mean ± SD", "right", "goals", f"at goal ({line.axis.unit or line.axis.name})", "felt")
+    at_goal = f"at goal ({line.axis.unit or line.axis.name})"
+    heads = ("date", "levels", "mean ± SD", "right", "goals", at_goal, "pain", "tired")
     shown = _window(len(line.sessions), max(1, height - 1), chosen)
     rows = [[tr(head) for head in heads]]
     rows += [_cells(line, line.sessions[number], tr) for number in shown]
     widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
+    gap = " " * (2 if sum(widths) + 2 * len(widths) <= width else 1)
     lines = []
     for number, row in zip((None, *shown), rows, strict=True):
         sign = CURSOR if number == chosen else " "
         if number is not None and line.sessions[number].session == marked:
             sign = MARKED
-        cells = [
-            f"{cell:<{size}}" if column in (0, 6) else f"{cell:>{size}}"
-            for column, (cell, size) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append(f"{sign} {'  '.join(cells)}"[:width].rstrip())
+        cells = [f"{cell:>{size}}" for cell, size in zip(row, widths, strict=True)]
+        lines.append(f"{sign} {gap.join(cells)}"[:width].rstrip())
     return lines
 
 
@@ -117,7 +134,8 @@ def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[s
         f"{session.right / session.trials:.0%}" if session.trials else "",
         f"{session.reached}/{session.attempts}",
         progress_words.band(line, session, tr) or tr(progress_words.SIDES[session.side]),
-        progress_words.felt_marks(session, tr),
+        "·" if session.pain is None else str(session.pain),
+        "·" if session.tiredness is None else str(session.tiredness),
     ]
 
 

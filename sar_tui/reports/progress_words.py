@@ -7,7 +7,8 @@ from sar_tui.framework.language import Language, language
 from sar_tui.framework.task import Task
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
-from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, SessionProgress
+from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, Progress, SessionProgress
+from sar_tui.reports.wellbeing import advice, event_line
 
 _FOLDER = Path(__file__).parent
 
@@ -122,12 +123,6 @@ def spread(line: LineProgress, tr: Language) -> str:
 
 SIDES = {"": "", "easier": "all too easy", "harder": "all too hard"}
 """Short words for the side of a session whose level at goal is not known."""
-
-
-def felt_marks(session: SessionProgress, tr: Language) -> str:
-    """Return the worst pain and tiredness of a session in a few characters; empty if there is none."""
-    said = [(tr("pain"), session.pain), (tr("tired"), session.tiredness)]
-    return ", ".join(f"{name} {rating}" for name, rating in said if rating)
 
 
 def felt(session: SessionProgress, tr: Language) -> list[str]:
@@ -268,6 +263,11 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
         "not yet known": tr("How much is noise is not yet known: it needs more sessions."),
     }[found.verdict]
     return f"{change} {verdict}"
+
+
+def warnings(found: Progress, tr: Language) -> list[str]:
+    """Return what the therapist should know of pain and tiredness, and the adverse events with their onset."""
+    return [*advice(found.tell, tr), *(f"{event.onset} {event_line(event)}" for event in found.events)]
 
 
 # --- other instruments --------------------------------------------------------------------------------------

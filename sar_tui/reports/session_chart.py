@@ -180,9 +180,9 @@ def session_chart(
     for column, sessions in columns.groups():
         _draw([values[session] for session in sessions], column, grid, row)
     labels: dict[int, str] = {}
-    for value, label in ticks:
+    for value, label in sorted(ticks, key=lambda tick: -abs(low + (high - low) * _share(row(tick[0]), rows) - tick[0])):
         if low <= value <= high:
-            labels.setdefault(row(value), label)
+            labels[row(value)] = label  # of several, the one next to the middle of the row
     lines = [
         f"{labels.get(number, ''):>{margin - 1}}{'┤' if number in labels else '│'}{''.join(cells)}".rstrip()
         for number, cells in enumerate(grid)
@@ -216,6 +216,11 @@ def _part(value: float, low: float, high: float, steps: int) -> int:
     if high <= low:
         return steps // 2
     return max(0, min(steps, round((value - low) / (high - low) * steps)))
+
+
+def _share(row: int, rows: int) -> float:
+    """Return the height of the middle of a row on the axis, 0 to 1."""
+    return (rows - 1 - row) / max(1, rows - 1)
 
 
 def _days(first: str, last: str) -> int:

@@ -2,16 +2,18 @@
 
 from collections.abc import Sequence
 
+from sar_tui.framework.language import Language
 from sar_tui.framework.policies.wellbeing import SEVERE, TellReason, stop_now
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, ratings
 
+_ENGLISH = Language()
 _NAMES = {"pain": "pain", "fatigue": "tiredness"}
 _IN_PAUSES = {"pain": "in pain", "fatigue": "tired"}
 _TOLD: dict[TellReason, str] = {
     "new pain": "Pain is new: some in each of the last four sessions, and none before. Tell the therapist.",
     "worse pain": "Pain is worse: more in each of the last four sessions than before them. Tell the therapist.",
-    "tired": f"Very tired ({SEVERE} or more of 10) after each of the last two sessions. Tell the therapist.",
+    "tired": "Very tired ({severe} or more of 10) after each of the last two sessions. Tell the therapist.",
 }
 
 
@@ -46,17 +48,20 @@ def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEve
     for seat, code in (("A", session["participant"]), ("B", session["partner"])):
         if code and (said := sentences(rows, seat)):
             lines.append(f"{f'{code}: ' if session['partner'] else ''}{' '.join(said)}")
-    for event in events:
-        known = (("Action", event.action), ("Outcome", event.outcome))
-        done = "".join(f" {name}: {text}." for name, text in known if text)
-        who = f" of {event.participant}" if session["partner"] else ""
-        lines.append(f"! Adverse event {event.event}{who}, {event.severity}: {event.what}.{done}")
-    return lines
+    return lines + [event_line(event, names_person=bool(session["partner"])) for event in events]
 
 
-def advice(reasons: Sequence[TellReason]) -> list[str]:
+def event_line(event: AdverseEvent, *, names_person: bool = False) -> str:
+    """Return an adverse event in words."""
+    known = (("Action", event.action), ("Outcome", event.outcome))
+    done = "".join(f" {name}: {text}." for name, text in known if text)
+    who = f" of {event.participant}" if names_person else ""
+    return f"! Adverse event {event.event}{who}, {event.severity}: {event.what}.{done}"
+
+
+def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
     """Return a sentence for each thing that the therapist should be told."""
-    return [_TOLD[reason] for reason in reasons]
+    return [tr(_TOLD[reason], severe=SEVERE) for reason in reasons]
 
 
 def _symptom(rows: Sequence[Row], question: str) -> str:

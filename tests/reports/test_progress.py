@@ -15,6 +15,8 @@ from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
 from sar_tui.reports.progress_figures import level_figure, result_figure
+from sar_tui.reports.progress_parts import level_part
+from sar_tui.store.adverse_events import AdverseEvent
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
 
@@ -164,6 +166,31 @@ def test_the_dose_of_the_last_four_weeks_includes_today_and_not_the_day_before_t
     assert (found.first, found.days, found.as_planned, found.done) == ("2026-02-28", 2, 2, 40)
     said = dose_words.recent_text(found, progress_words.words("en", None))
     assert "sessions on 2 days, on 2 of them all that was planned; 40 of 40 attempts, 800 repetitions" in said
+
+
+# --- pain, tiredness and adverse events ---------------------------------------------------------------------------
+
+
+def test_new_pain_and_adverse_events_are_told_first_in_either_language(keyboard: type[Task]) -> None:
+    ratings = [SessionRatings(pain_after=0), *[SessionRatings(pain_after=2)] * 4]
+    event = AdverseEvent(event="A1", version=1, participant="P01", onset="2026-03-01", what="Cramp", severity="mild")
+    found = progress("P01", steady(2), {"keyboard": keyboard}.get, ratings=ratings, events=[event])
+    english, spanish = (progress_words.warnings(found, progress_words.words(code, None)) for code in ("en", "es"))
+    assert english[0].startswith("Pain is new: some in each of the last four sessions")
+    assert english[1] == "2026-03-01 ! Adverse event A1, mild: Cramp."
+    assert spanish[0].startswith("El dolor es nuevo")
+
+
+def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
+    line = of(keyboard, *steady(6)).lines[0]
+    tr = progress_words.words("en", keyboard)
+    low, tall = (level_part(line, size, 5, tr, ["! Pain is new."]) for size in ((78, 20), (78, 46)))
+    assert len(low) <= 20
+    assert "! Pain is new." in " ".join(low)
+    assert not any(row.startswith("reaction time (ms)") for row in low)
+    assert len(tall) <= 46
+    assert any(row.startswith("reaction time (ms)") for row in tall)
+    assert "no change can be shown" in " ".join(tall)
 
 
 # --- words -------------------------------------------------------------------------------------------------------

@@ -53,3 +53,10 @@ def test_dates_are_shortened_and_the_last_one_is_there() -> None:
     assert shown.strip().startswith("1 Mar")
     assert shown.endswith("30 Mar")
     assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"]).split() == ["2026-03", "2027-03"]
+
+
+def test_each_row_has_the_label_next_to_its_middle() -> None:
+    columns = Columns(2, 40)
+    ticks = [(float(place), str(place)) for place in range(11)]
+    lines = session_chart([Value(0.0), Value(10.0)], columns, axis=(0.0, 10.0), ticks=ticks, rows=3, margin=6)
+    assert [line.split("┤")[0].strip() for line in lines[:3]] == ["10", "5", "0"]

@@ -16,6 +16,8 @@ from sar_tui.reports import progress_parts as parts
 from sar_tui.reports import progress_words
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
+from sar_tui.reports.wellbeing import advice
+from sar_tui.store import adverse_events, wellbeing
 from sar_tui.store.database import StoreError, explain
 from sar_tui.store.instrument_scores import scores_of
 from sar_tui.store.results import sessions_of
@@ -27,7 +29,8 @@ _PAGE = 10
 """Sessions that Page Up and Page Down go back and on."""
 _WIDE = 130
 """Columns from which the sessions are shown beside the other parts."""
-_BESIDE = 84
+_TABLE = 86
+"""Columns of the table of sessions where it is beside another part."""
 _COLORS = {POINT: "$accent", BAND: "$text-muted", AREA: "$border", RULE: "$text-muted", CHOSEN: "$accent"}
 NONE_YET = "No session yet."
 
@@ -91,7 +94,14 @@ class ProgressScreen(DismissedOnce[None]):
         try:
             database = self.app.database
             sessions = list(sessions_of(database, self._participant, self._motor_task.name))
-            self._found = progress(self._participant, sessions, find, scores_of(database, self._participant))
+            self._found = progress(
+                self._participant,
+                sessions,
+                find,
+                scores_of(database, self._participant),
+                ratings=wellbeing.history(database, self._participant),
+                events=adverse_events.listing(database, self._participant),
+            )
         except (StoreError, sqlite3.Error) as error:
             self.query_one("#part", Static).update(
                 Content(f"The sessions cannot be read: {error if isinstance(error, StoreError) else explain(error)}")
@@ -129,15 +139,20 @@ class ProgressScreen(DismissedOnce[None]):
         self.query_one("#top", Static).update(self._title(line))
         named = [(f"[{name}]", "$accent bold") if n == self._part else f" {name} " for n, name in enumerate(_PARTS)]
         self.query_one("#parts", Static).update(Content.assemble(*named))
-        is_wide = self.size.width >= _WIDE and line is not None and _PARTS[self._part] != "Sessions"
+        is_wide = self.size.width >= _WIDE and line is not None
         beside, part = self.query_one("#beside", Static), self.query_one("#part", Static)
         beside.display = is_wide
-        height = self.query_one("#body").size.height
-        width = self.query_one("#body").size.width - (_BESIDE if is_wide else 0) - 2
+        full, height = self.query_one("#body").size
+        sides = (full - _TABLE, _TABLE) if _PARTS[self._part] != "Sessions" else (_TABLE, full - _TABLE)
+        beside.styles.width = sides[1]
+        width = (sides[0] if is_wide else full) - 2
         part.update(_colored(self._lines_of_part((width, height))))
         if is_wide and line:
-            table = parts.sessions_part(line, (_BESIDE - 2, height), self._chosen, self._tr, self._marked)
-            beside.update(_colored(table))
+            size = (sides[1] - 2, height)
+            if _PARTS[self._part] == "Sessions":
+                beside.update(_colored(parts.level_part(line, size, self._chosen, self._tr)))
+            else:
+                beside.update(_colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked)))
         self.query_one("#chosen", Static).update(self._about_chosen(line) if line else "")
 
     def _title(self, line: LineProgress | None) -> str:
@@ -158,7 +173,8 @@ class ProgressScreen(DismissedOnce[None]):
             case _ if line is None:
                 return [NONE_YET]
             case "Level":
-                return parts.level_part(line, size, self._chosen, tr)
+                said = [f"! {text}" for text in advice(self._found.tell)]
+                return parts.level_part(line, size, self._chosen, tr, said)
             case "Results":
                 return parts.results_part(line, size, self._chosen, tr)
             case _:
