@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
+import numpy.typing as npt
 
 from sar_tui.framework.bus import Bus
 from sar_tui.framework.clock import SECOND, Handle, VirtualClock
@@ -23,8 +24,8 @@ from sar_tui.motion.samples import SAMPLE, Samples, join, pack
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import SimulatedHand
 
-LONGEST = 4 * SECOND
-"""Longest stretch of samples in one block, and the time for which samples are calculated at once: about a reach."""
+AHEAD = 5 * SECOND
+"""Time for which samples are calculated at once: about a reach, with the rest after it."""
 LATE = DRAIN
 """Time from the delivery of a sample, within an interval of the sensor, to its publication at the end of the next."""
 
@@ -41,7 +42,7 @@ class Foresight(Protocol):
     def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
         """Return the first of ``ends`` at which the node reacts if nothing but samples comes; None if at none of them.
 
-        The samples up to there, or all, must then come as one block.
+        The samples up to there must then come in blocks that end at some of ``ends``.
 
         Args:
             samples: the samples that come next, dtype SAMPLE.
@@ -114,7 +115,10 @@ class SimulatedSensor(Node):
 
     def _publish(self, count: int, statuses: Sequence[Status]) -> None:
         """Publish the next ``count`` samples, then statuses, and schedule those that follow."""
+        self._calculate()
         if count:
+            if self._watcher:
+                self._watcher.foresee(self._ahead, [count])  # it may have begun to watch since this was scheduled
             block, self._ahead = self._ahead[:count], self._ahead[count:]
             self._last_ms = float(block["device_ms"][-1])
             self.emit(IMU, ImuBlock(seat=self.seat, samples=pack(block)))
@@ -125,33 +129,36 @@ class SimulatedSensor(Node):
 
     def _schedule(self) -> None:
         """Schedule the next block: as late as nothing happens before."""
-        now = self._clock.now()
-        due = now + DRAIN * np.arange(1, self._quiet_intervals(now) + 1)
-        self._calculate(int(due[-1]) - LATE)
+        self._calculate()
+        due = self._quiet_times()
         ends = np.searchsorted(self._ahead["at"], due - LATE)
+        if (
+            ends[-1]
+            and self._watcher
+            and (end := self._watcher.foresee(self._ahead, np.unique(ends[ends > 0]).tolist()))
+        ):
+            ends = ends[: np.searchsorted(ends, end) + 1]
         gaps = self._gaps(int(ends[-1]))
         if gaps:
             ends = ends[: np.searchsorted(ends, gaps[0].before, "right") + 1]
-        if self._watcher and (end := self._watcher.foresee(self._ahead, np.unique(ends[ends > 0]).tolist())):
-            ends = ends[: np.searchsorted(ends, end) + 1]
         count = int(ends[-1])
         statuses = [gap.status for gap in gaps if gap.before < count]
         last = np.searchsorted(ends, count) if count else len(ends) - 1  # without intervals that bring no samples
         self._next = self._clock.call_at(int(due[last]), lambda: self._publish(count, statuses))
 
-    def _quiet_intervals(self, now: int) -> int:
-        """Return the number of intervals that end before the next callback; at least 1, which it may divide."""
-        until = self._clock.next_at()
-        if not self._leaps:
-            return 1
-        if until is None:
-            return LONGEST // DRAIN
-        return max(1, min(LONGEST, until - now - 1) // DRAIN)
+    def _quiet_times(self) -> npt.NDArray[np.int64]:
+        """Return the times (ns) at which a block can end: the next, and those before the clock's next callback."""
+        now, until = self._clock.now(), self._clock.next_at()
+        last = self._calculated + LATE
+        if until is not None:
+            last = min(last, until - 1)
+        count = max(1, (last - now) // DRAIN) if self._leaps else 1
+        return now + DRAIN * np.arange(1, count + 1)
 
-    def _calculate(self, until: int) -> None:
-        """Calculate the samples before ``until`` (ns), and more if any are missing."""
-        if until > self._calculated:
-            until = max(until, self._calculated + LONGEST)
+    def _calculate(self) -> None:
+        """Calculate samples ahead if there are none, so that all of a reach can be foreseen at once."""
+        if self._calculated <= self._clock.now():
+            until = self._clock.now() + AHEAD
             self._ahead = join((self._ahead, self._hand.samples(self._calculated, until)))
             self._calculated = until
 

@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from sar_tui.motion.samples import Floats
 
@@ -15,6 +17,10 @@ LOW_RATE = 4.0
 """Least number of samples in a period of the cutoff frequency."""
 LEAST_RATE_HZ = 20.0
 """Lowest sample rate at which reaches are detected."""
+
+_LARGEST_EXPONENT = 500.0
+_LONGEST_STRETCH = 2048
+_Complex = npt.NDArray[np.complex128]
 
 
 def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
@@ -33,9 +39,7 @@ def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
 class Lowpass:
     """A causal second-order Butterworth low-pass of three axes.
 
-    The coefficients come from the analogue filter by the bilinear transform with its frequency pre-warped (Oppenheim &
-    Schafer, Discrete-Time Signal Processing, 7.2.2). It starts settled at its first input, so a constant bias causes no
-    transient.
+    It starts settled at its first input, so a constant bias causes no transient.
 
     Args:
         cutoff_hz: half-power frequency; below half of ``rate_hz``.
@@ -43,11 +47,7 @@ class Lowpass:
     """
 
     def __init__(self, cutoff_hz: float, rate_hz: float) -> None:
-        warped = math.tan(math.pi * cutoff_hz / rate_hz)
-        norm = 1.0 + math.sqrt(2.0) * warped + warped * warped
-        self._b = warped * warped / norm
-        self._a1 = 2.0 * (warped * warped - 1.0) / norm
-        self._a2 = (1.0 - math.sqrt(2.0) * warped + warped * warped) / norm
+        self._b, self._a1, self._a2 = _coefficients(rate_hz, cutoff_hz)
         self._state: tuple[float, ...] | None = None
 
     def filter(self, inputs: Sequence[Vector]) -> list[Vector]:
@@ -66,6 +66,49 @@ class Lowpass:
             s0, s1, s2 = b * x0 - a2 * y0, b * x1 - a2 * y1, b * x2 - a2 * y2
         self._state = r0, r1, r2, s0, s1, s2
         return outputs
+
+
+def lowpass(x: Floats, rate_hz: float, cutoff_hz: float) -> Floats:
+    """Return what `Lowpass` gives for samples of shape (n, 3), n of at least 1, except for the last digits; faster.
+
+    Its response is b·x[n] + 2 Re(c·w[n−1]) with w[n] = p·w[n−1] + x[n], p being a pole: a partial fraction expansion.
+    w is pⁿ times a cumulative sum of x[n]·p⁻ⁿ, in stretches so short that p⁻ⁿ does not overflow.
+    """
+    b, weight, powers, inverse = _expansion(rate_hz, cutoff_hz)
+    moved = x - x[0]  # it starts settled at its first input
+    state = np.empty((len(x) + 1, x.shape[1]), dtype=complex)
+    state[0] = 0.0
+    for first in range(0, len(x), len(powers)):
+        part = moved[first : first + len(powers)]
+        summed = np.cumsum(part * inverse[: len(part)], axis=0) + state[first]
+        np.multiply(summed, powers[: len(part)], out=state[first + 1 : first + 1 + len(part)])
+    filtered: Floats = (weight * state[:-1]).real
+    filtered += b * moved
+    filtered += x[0]
+    return filtered
+
+
+@lru_cache(maxsize=16)
+def _expansion(rate_hz: float, cutoff_hz: float) -> tuple[float, complex, _Complex, _Complex]:
+    """Return b and 2c of `lowpass`, and p and 1/p to the powers 1, 2, …, of shape (m, 1)."""
+    b, a1, a2 = _coefficients(rate_hz, cutoff_hz)
+    pole = complex(-a1 / 2.0, math.sqrt(a2 - a1 * a1 / 4.0))
+    weight = 2.0 * (b * (2.0 - a1) + b * (1.0 - a2) / pole) / (1.0 - pole.conjugate() / pole)
+    length = min(_LONGEST_STRETCH, max(1, int(-_LARGEST_EXPONENT / math.log(abs(pole)))))
+    exponents = np.arange(1, length + 1)[:, None] * np.log(pole)
+    return b, weight, np.exp(exponents), np.exp(-exponents)
+
+
+def _coefficients(rate_hz: float, cutoff_hz: float) -> tuple[float, float, float]:
+    """Return the coefficients of a second-order Butterworth low-pass: b₀, which is also b₁ / 2 and b₂, a₁ and a₂.
+
+    They come from the analogue filter by the bilinear transform with its frequency pre-warped (Oppenheim & Schafer,
+    Discrete-Time Signal Processing, 7.2.2).
+    """
+    warped = math.tan(math.pi * cutoff_hz / rate_hz)
+    norm = 1.0 + math.sqrt(2.0) * warped + warped * warped
+    a1 = 2.0 * (warped * warped - 1.0) / norm
+    return warped * warped / norm, a1, (1.0 - math.sqrt(2.0) * warped + warped * warped) / norm
 
 
 def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None = None) -> Floats:

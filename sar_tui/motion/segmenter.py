@@ -68,6 +68,7 @@ class Segmenter:
         still_for_s: time since it stopped; 0 while it moves.
         began_s: start of the present or last movement, pauses at the target included; None before the first.
         returned: True if that movement has gone out and come back.
+        returned_s: when a hand last came back; -inf if none has.
     """
 
     def __init__(self, rate_hz: float, parameters: SingleAxisParameters | None = None) -> None:
@@ -91,11 +92,11 @@ class Segmenter:
         self._moving_s = 0.0
         self._turned = [0.0, 0.0, 0.0]
         self._farthest = 0.0
-        self._returned_s = -math.inf
+        self.returned_s = -math.inf
 
     def has_reached(self, since_s: float) -> bool:
         """Return True if the hand has come back since then, in a movement that began at most 0.5 s before."""
-        return self.returned and self._returned_s > since_s and (self.began_s or 0.0) > since_s - EARLY_S
+        return self.returned and self.returned_s > since_s and (self.began_s or 0.0) > since_s - EARLY_S
 
     def push(self, time_s: Floats, rate: Floats) -> None:
         """Add samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). Non-finite ones are skipped."""
@@ -161,7 +162,7 @@ class Segmenter:
         angle = math.hypot(*self._turned)
         self._farthest = max(self._farthest, angle)
         if self._farthest >= self.parameters.least_rad and angle < BACK * self._farthest:
-            self.returned, self._returned_s = True, self._last_s or 0.0
+            self.returned, self.returned_s = True, self._last_s or 0.0
 
     def _collect(self, fast: Vector, slow: Vector) -> None:
         """Add a sample to the blocks, and learn bias and noise from the last ``rest_s`` when a block is full."""

@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -25,6 +24,7 @@ from sar_tui.motion.filters import LEAST_RATE_HZ
 from sar_tui.motion.samples import Samples, join, unpack
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
+from sar_tui.perception.foreseen import STILL, Foreseen, Hand
 
 REST = 3 * SECOND
 """Time before a reach from which samples are kept: the hand at rest shows the sensor's bias."""
@@ -79,8 +79,8 @@ class ReachPerception(TimedNode):
         self._ended: int | None = None
         self._flags: list[str] = []
         self._segmenter: Segmenter | None = None
-        self._foreseen = EVER
-        """The stamp of the newest sample that the segmenter has seen beforehand."""
+        self._foreseen: Foreseen | None = None
+        self._hand = STILL
         self._dismissed: float | None = None
         self.cancel_timers()
 
@@ -113,9 +113,8 @@ class ReachPerception(TimedNode):
         if self._prompt is None:
             self._forget_before(newest - REST)
             return
-        if newest > self._foreseen:
-            self._watch(samples)
-        match self._reaction(newest):
+        hand = self._look(samples)
+        match self._reaction(newest, hand):
             case "unprompted":
                 self._report_unprompted(newest)
             case "moving":
@@ -125,31 +124,27 @@ class ReachPerception(TimedNode):
                 self._report(closed)
 
     def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
-        """Return the first of ``ends`` at which the node will report a reach (see `inputs.simulated_sensor.Foresight`).
-
-        The segmenter then has seen the samples up to there.
-        """
+        """Return the first of ``ends`` at which a reach will be reported (see `inputs.simulated_sensor.Foresight`)."""
         if self._prompt is None:
             return None
-        for first, end in pairwise((0, *ends)):
-            self._watch(samples[first:end], kept=False)
-            self._foreseen = int(samples["at"][end - 1])
-            if self._reaction(self._foreseen):
+        if self._foreseen is None or not self._foreseen.continues_with(samples[: ends[-1]]):
+            self._foreseen = self._segmented(samples)
+        stamps = samples["at"][np.array(ends) - 1].tolist()
+        hands = self._foreseen.hands(ends, self._started / 1e9)
+        for end, newest, hand in zip(ends, stamps, hands, strict=True):
+            if self._reaction(newest, hand):
                 return end
         return None
 
-    def _reaction(self, newest: int) -> Literal["unprompted", "key", "moving", "stillness"] | None:
+    def _reaction(self, newest: int, hand: Hand) -> Literal["unprompted", "key", "moving", "stillness"] | None:
         """Return what the node does after the samples up to ``newest`` (ns): report a reach, and why; or nothing."""
-        segmenter = self._segmenter
-        rested = segmenter.still_for_s if segmenter else 0.0
-        reached = segmenter is not None and segmenter.has_reached(self._started / 1e9)
         if not self._is_prompted:
-            return "unprompted" if reached else None
+            return "unprompted" if hand.reached else None
         if self._ended is not None:
-            if newest >= self._ended and rested >= self._settled_s:
+            if newest >= self._ended and hand.rested_s >= self._settled_s:
                 return "key"
             return "moving" if newest >= self._ended + TAIL else None
-        if reached and rested >= self._still_s and self._began_s != self._dismissed:
+        if hand.reached and hand.rested_s >= self._still_s and hand.began_s != self._dismissed:
             return "stillness"
         return None
 
@@ -159,18 +154,30 @@ class ReachPerception(TimedNode):
         while self._blocks and self._blocks[0][0] < stamp:
             self._blocks.popleft()
 
-    def _watch(self, samples: Samples, *, kept: bool = True) -> None:
-        """Let the segmenter see the next samples, which are ``kept`` in a block already, or not yet.
+    def _look(self, samples: Samples) -> Hand:
+        """Return the state of the hand after the next samples, which are in the last block.
 
         A sensor too slow for this is reported by the analysis when the reach is over.
         """
         if self._rate_hz < LEAST_RATE_HZ:
-            return
+            return STILL
+        started_s = self._started / 1e9
+        if self._foreseen and self._foreseen.continues_with(samples):
+            self._hand = self._foreseen.take(len(samples), started_s)
+            return self._hand
+        self._foreseen = None
         if self._segmenter is None:
             self._segmenter = Segmenter(self._rate_hz, self._analysis.single_axis)
-            before = self._samples()
-            samples = before if kept else join((before, samples))
-        self._segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
+            samples = self._samples()
+        segmenter = self._segmenter
+        segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
+        self._hand = Hand(segmenter.still_for_s, segmenter.has_reached(started_s), segmenter.began_s)
+        return self._hand
+
+    def _segmented(self, samples: Samples) -> Foreseen:
+        """Segment the samples so far and those that come next."""
+        before = self._samples()
+        return Foreseen(join((before, samples)), len(before), self._rate_hz, self._analysis.single_axis)
 
     def _samples(self) -> Samples:
         samples = unpack(b"".join([block for _, block in self._blocks]))
@@ -214,7 +221,7 @@ class ReachPerception(TimedNode):
     @property
     def _began_s(self) -> float | None:
         """Start of the present or last movement, in s of the session's clock."""
-        return self._segmenter.began_s if self._segmenter else None
+        return self._hand.began_s
 
     @property
     def _has_moved(self) -> bool:
