@@ -3,13 +3,16 @@
 import asyncio
 import re
 import tempfile
-from datetime import datetime
+from contextlib import closing
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+import msgspec
 from textual.app import App
 
 from sar_tui.app.app import SarTui
+from sar_tui.app.screens.progress import ProgressScreen
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.framework.messages import Role
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSnapshot
@@ -20,6 +23,9 @@ from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store.database import connect
 
 IMAGES = Path(__file__).parent / "images"
 
@@ -53,6 +59,7 @@ async def _draw() -> None:
         await _draw_reaching(data / "reaching", catalogue)
         await _draw_pairs(data / "pairs", catalogue)
         await _draw_panel(data / "panel", catalogue)
+        await _draw_progress(data / "progress", catalogue)
 
 
 async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
@@ -197,6 +204,33 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         for _ in range(5):
             await pilot.pause()
         _save(panel, "panel")
+
+
+async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
+    """The progress of a participant who gets a little faster from session to session."""
+    person = PEOPLE["average"]
+    began = datetime(2026, 3, 2, 10, tzinfo=UTC)
+    for number in range(12):
+        learner = msgspec.structs.replace(person, per_bit_ms=person.per_bit_ms * 0.97**number)
+        plan = make_plan(catalogue, "keyboard", ["P05"], {"threshold": 850.0}, seed=number, mode="simulated")
+        session = simulate(plan, learner, data, catalogue)
+        at = began + timedelta(days=7 * number // 3)
+        with closing(connect(data)) as database:
+            database.execute("UPDATE sessions SET mode='live', started_at=? WHERE id=?", (at.isoformat(), session))
+            for question, answer in (("pain", (0, 1, 3, 2, 1, 0)[number % 6]), ("fatigue", (2, 3, 4)[number % 3])):
+                database.execute(
+                    "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at)"
+                    " VALUES (?, 'A', 'P05', 'after', ?, ?, ?)",
+                    (session, question, str(answer), (at + timedelta(hours=1)).isoformat()),
+                )
+    app = SarTui(data, catalogue, clock=VirtualClock(SECOND))
+    async with app.run_test(size=(100, 30)) as pilot:
+        app.load_themes()
+        app.use_theme("calm")
+        await app.push_screen(ProgressScreen("P05", catalogue.task("keyboard")))
+        for _ in range(10):
+            await pilot.pause()
+        _save(app, "progress")
 
 
 async def _until_asked(pilot: Any, clock: VirtualClock, app: SarTui) -> str:
