@@ -3,8 +3,12 @@
 import re
 import sqlite3
 from datetime import UTC, datetime
+from pathlib import Path
+
+import msgspec
 
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.locks import is_held
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 
@@ -37,6 +41,58 @@ def add(db: sqlite3.Connection, code: str) -> str:
 def codes(db: sqlite3.Connection) -> list[str]:
     """Return the codes of all participants of live sessions, sorted."""
     return [code for (code,) in db.execute("SELECT code FROM participants ORDER BY code")]
+
+
+class Known(msgspec.Struct, frozen=True):
+    """A participant with their newest session.
+
+    Args:
+        code: the code.
+        session: id of the newest session; None without one.
+        is_interrupted: True if one of the newest live sessions was interrupted, and was not dismissed.
+    """
+
+    code: str
+    session: str | None
+    is_interrupted: bool
+
+
+_LOOKED_AT = 5
+"""Newest sessions of a participant among which an interrupted one still waits."""
+_NEWEST_FIRST = f"""SELECT code, newest.id,
+    (SELECT group_concat(sessions.id || ' ' || status) FROM
+        (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT {_LOOKED_AT}) AS own
+        CROSS JOIN sessions ON sessions.id=own.session
+        WHERE status IN ('running', 'interrupted') AND mode='live')
+FROM participants LEFT JOIN sessions AS newest ON newest.id=
+    (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT 1)
+ORDER BY max(coalesce(newest.started_at, ''), created_at) DESC, code"""
+"""Each participant's seats are looked up from the newest on, so that only some of their sessions are read."""
+
+
+def newest_first(db: sqlite3.Connection, folder: Path) -> list[Known]:
+    """Return the participants of live sessions; first who began a session, or was added, last."""
+
+    def waits(unfinished: str | None) -> bool:
+        found = [each.split() for each in unfinished.split(",")] if unfinished else []
+        return any(status == "interrupted" or not is_held(folder, "session", session) for session, status in found)
+
+    return [Known(code, session, waits(unfinished)) for code, session, unfinished in db.execute(_NEWEST_FIRST)]
+
+
+def last_task(db: sqlite3.Connection, participant: str) -> str | None:
+    """Return the task of a participant's newest live session; without one, of their newest programme; or None."""
+    row = (
+        db.execute(
+            "SELECT task FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+            " WHERE participant=? AND mode='live' ORDER BY seats.rowid DESC LIMIT 1",
+            (participant,),
+        ).fetchone()
+        or db.execute(
+            "SELECT task FROM programmes WHERE participant=? ORDER BY created_at DESC LIMIT 1", (participant,)
+        ).fetchone()
+    )
+    return row[0] if row else None
 
 
 def last_used(db: sqlite3.Connection) -> str | None:

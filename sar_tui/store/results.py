@@ -1,8 +1,9 @@
 """A participant's results over all sessions, for reports of progress. A session's prompts are not looked at."""
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import datetime
+from itertools import chain
 
 import msgspec
 
@@ -14,25 +15,36 @@ from sar_tui.store.sessions import FINITE_METRIC
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
     " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-    " WHERE participant=? AND json_extract(software, '$.task.metric') IS NOT NULL {of_task} ORDER BY sessions.rowid"
+    " WHERE participant=:who AND json_extract(software, '$.task.metric') IS NOT NULL {of_task} {among}"
+    " ORDER BY sessions.rowid"
 )
 _ATTEMPTS = (
     f"SELECT attempts.session, attempts.seat, level, {FINITE_METRIC}, correct, trials, outcome='success',"
     " max(0, ended_ns - started_ns)"
     " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
-    " WHERE participant=? AND NOT practice ORDER BY attempts.session, attempt"
+    " WHERE participant=:who AND NOT practice {among} ORDER BY attempts.session, attempt"
 )
 _QUALITIES = (
     "SELECT attempts.session, attempts.seat, quality.key, avg(quality.value)"
     " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
     " JOIN json_each(attempts.qualities) AS quality"
-    " WHERE participant=? AND NOT practice AND qualities<>'{}' GROUP BY 1, 2, 3"
+    " WHERE participant=:who AND NOT practice AND qualities<>'{{}}' {among} GROUP BY 1, 2, 3"
 )
 """``CROSS``: a participant's seats are looked up first, and only their attempts are read."""
+_NEWEST = (
+    "SELECT session FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+    " WHERE participant=? AND sessions.task=? AND mode='live' ORDER BY seats.rowid DESC LIMIT ?"
+)
 _LONGEST_ATTEMPT_NS = 6 * 3600 * 1_000_000_000
 """An attempt that seems longer was begun before the computer was started again: its stamps cannot be compared."""
 
 _Stored = tuple[AttemptResult, int, int, int]
+
+
+def newest_of(db: sqlite3.Connection, participant: str, task: str, most: int) -> list[SessionResults]:
+    """Return the results of a participant's newest live sessions of a task, the oldest of them first."""
+    chosen = [session for (session,) in db.execute(_NEWEST, (participant, task, most))]
+    return list(_results(db, participant, task, chosen))
 
 
 def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = None) -> Iterator[SessionResults]:
@@ -43,20 +55,31 @@ def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = Non
         participant: the code.
         task: selects one task.
     """
+    return _results(db, participant, task, None)
+
+
+def _results(
+    db: sqlite3.Connection, participant: str, task: str | None, chosen: Sequence[str] | None
+) -> Iterator[SessionResults]:
+    """Yield the results of all sessions, or of those of some ids."""
+    among = "" if chosen is None else "AND seats.session IN (SELECT value FROM json_each(:chosen))"
+    values = {"who": participant, "task": task, "chosen": msgspec.json.encode(chosen).decode()}
     stored: dict[tuple[str, str], list[_Stored]] = {}
-    for session, seat, level, metric, correct, trials, reached, took in db.execute(_ATTEMPTS, (participant,)):
+    for session, seat, level, metric, correct, trials, reached, took in db.execute(
+        _ATTEMPTS.format(among=among), values
+    ):
         result = AttemptResult(level, metric, correct)
         lasted = took if took <= _LONGEST_ATTEMPT_NS else 0
         stored.setdefault((session, seat), []).append((result, trials, reached, lasted))
     qualities: dict[tuple[str, str], dict[str, float]] = {}
-    for session, seat, name, mean in db.execute(_QUALITIES, (participant,)):
+    for session, seat, name, mean in db.execute(_QUALITIES.format(among=among), values):
         if isinstance(mean, float):
             qualities.setdefault((session, seat), {})[name] = mean
     felt: dict[tuple[str, str], list[wellbeing.Row]] = {}
-    for said in wellbeing.of_participant(db, participant):
+    for said in wellbeing.of_participant(db, participant) if chosen is None else _said_in(db, chosen):
         felt.setdefault((said["session"], said["seat"]), []).append(said)
-    query = _SESSIONS.format(of_task="AND sessions.task=?" if task is not None else "")
-    for row in db.execute(query, (participant, task) if task is not None else (participant,)):
+    query = _SESSIONS.format(of_task="AND sessions.task=:task" if task is not None else "", among=among)
+    for row in db.execute(query, values):
         found, began, of_task, mode, status, seat, parameters, software = row
         attempts = stored.get((found, seat), [])
         made_by = msgspec.json.decode(software)
@@ -79,3 +102,31 @@ def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = Non
             qualities=qualities.get((found, seat), {}),
             felt=wellbeing.ratings(felt.get((found, seat), ()), seat),
         )
+
+
+def _said_in(db: sqlite3.Connection, sessions: Sequence[str]) -> Iterator[wellbeing.Row]:
+    return chain.from_iterable(wellbeing.by_session(db, sessions).values())
+
+
+class Played(msgspec.Struct, frozen=True):
+    """An attempt of a session: level, result, success, and how long it took."""
+
+    level: int
+    metric: float | None
+    reached: bool
+    seconds: float
+
+
+def attempts_of(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[tuple[str, str], list[Played]]:
+    """Return the attempts of some sessions by session and seat, in order; practice is left out."""
+    found: dict[tuple[str, str], list[Played]] = {}
+    rows = db.execute(
+        "SELECT session, seat, level, metric, outcome='success', max(0, ended_ns - started_ns)"
+        " FROM json_each(?) AS chosen CROSS JOIN attempts ON attempts.session=chosen.value"
+        " WHERE NOT practice ORDER BY session, attempt",
+        (msgspec.json.encode(list(sessions)).decode(),),
+    )
+    for session, seat, level, metric, reached, took in rows:
+        lasted = took if took <= _LONGEST_ATTEMPT_NS else 0
+        found.setdefault((session, seat), []).append(Played(level, metric, bool(reached), lasted / 1e9))
+    return found

@@ -175,14 +175,22 @@ def _typed(table: str, row: Row) -> Row:
     return row | decoded | booleans | endless
 
 
-_LISTED = (
+_COLUMNS = (
     "SELECT sessions.*, seats.participant, other.participant AS partner,"
-    " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts"
-    " FROM sessions CROSS JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
+    " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts FROM "
+)
+_SEATS = (
+    " CROSS JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
     " LEFT JOIN seats AS other ON other.session=sessions.id AND other.seat='B'"
 )
+_LISTED = f"{_COLUMNS} sessions {_SEATS}"
 """``CROSS``: sessions are visited in their own order, so that a limit ends the search."""
 _NEWEST_FIRST = " ORDER BY sessions.rowid DESC LIMIT :limit"
+_LISTED_OF_ONE = (
+    f"{_COLUMNS} seats AS own CROSS JOIN sessions ON sessions.id=own.session {_SEATS}"
+    " WHERE own.participant=:who ORDER BY own.rowid DESC LIMIT :limit"
+)
+"""The seats of one participant, which are stored with their sessions, are visited from the newest on."""
 
 
 def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
@@ -193,8 +201,8 @@ def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = N
     ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
     running and not locked by a program is ``interrupted``.
     """
-    of_participant = " WHERE sessions.id IN (SELECT session FROM seats WHERE participant=:who)" if participant else ""
-    rows = _query(db, f"{_LISTED}{of_participant}{_NEWEST_FIRST}", {"who": participant, "limit": limit})
+    query = _LISTED_OF_ONE if participant else f"{_LISTED}{_NEWEST_FIRST}"
+    rows = _query(db, query, {"who": participant, "limit": limit})
     return [_with_status(_typed("sessions", row), folder) for row in rows]
 
 

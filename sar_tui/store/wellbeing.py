@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from typing import Any, Literal
 
+import msgspec
+
 from sar_tui.framework.policies.wellbeing import Moment, SessionRatings
 from sar_tui.store.database import transaction
 
@@ -68,10 +70,9 @@ def of_session(db: sqlite3.Connection, session: str) -> list[Row]:
 def by_session(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, list[Row]]:
     """Return the rows of some sessions by session; only those of which something is known."""
     found: dict[str, list[Row]] = {}
-    wanted = set(sessions)
-    for row in _rows(db.execute(f"{_SELECT} WHERE session IS NOT NULL ORDER BY at, rowid")):
-        if row["session"] in wanted:
-            found.setdefault(row["session"], []).append(row)
+    wanted = msgspec.json.encode(list(sessions)).decode()
+    for row in _rows(db.execute(f"{_SELECT} WHERE session IN (SELECT value FROM json_each(?)) {_IN_ORDER}", (wanted,))):
+        found.setdefault(row["session"], []).append(row)
     return found
 
 
@@ -98,18 +99,22 @@ def ratings(rows: Sequence[Row], seat: str = "A") -> SessionRatings:
     return SessionRatings(**found, told_pain=told_pain)
 
 
-def history(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
-    """Return the ratings of a participant's live sessions, oldest first, also of those that did not ask."""
+def history(db: sqlite3.Connection, participant: str, newest: int = -1) -> list[SessionRatings]:
+    """Return the ratings of a participant's live sessions, oldest first, also of those that did not ask.
+
+    ``newest`` limits them to that many of the newest ones.
+    """
     sessions = db.execute(
-        "SELECT sessions.id, seats.seat FROM sessions JOIN seats ON seats.session=sessions.id"
-        " WHERE participant=? AND mode='live' ORDER BY sessions.rowid",
-        (participant,),
-    ).fetchall()
+        "SELECT sessions.id, seats.seat FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+        " WHERE participant=? AND mode='live' ORDER BY seats.rowid DESC LIMIT ?",
+        (participant, newest),
+    ).fetchall()[::-1]
     known = by_session(db, [session for session, _ in sessions])
     return [ratings(known.get(session, ()), seat) for session, seat in sessions]
 
 
 _SELECT = f"SELECT {', '.join(_COLUMNS)} FROM wellbeing"
+_IN_ORDER = "ORDER BY at, rowid"
 
 
 def _rows(cursor: sqlite3.Cursor) -> Iterator[Row]:

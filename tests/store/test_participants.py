@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.store import sessions
+from sar_tui.store import programmes, sessions
 from sar_tui.store.database import StoreError, connect
-from sar_tui.store.participants import add, check_code, codes, last_used
+from sar_tui.store.locks import hold
+from sar_tui.store.participants import add, check_code, codes, last_task, last_used, newest_first
+from sar_tui.store.programmes import Programme
 from tests.store.test_sessions import enter
 
 
@@ -66,3 +68,41 @@ def test_the_participant_used_last_is_that_of_the_last_live_run(database: sqlite
     assert last_used(database) == "P02"
     sessions.begin_run(database, first, software={}, machine={})
     assert last_used(database) == "P01"
+
+
+def test_participants_are_listed_from_the_newest_session_or_addition_on(
+    database: sqlite3.Connection, data: Path
+) -> None:
+    for code in ("P01", "P02", "P03"):
+        add(database, code)
+    second = enter(database, "P02")
+    add(database, "P04")
+    found = newest_first(database, data)
+    assert [each.code for each in found] == ["P04", "P02", "P03", "P01"]
+    assert [each.session for each in found] == [None, second, None, None]
+
+
+def test_a_participant_waits_with_an_interrupted_session_that_is_not_long_past(
+    database: sqlite3.Connection, data: Path
+) -> None:
+    for code in ("P01", "P02", "P03", "P04"):
+        add(database, code)
+    left, running, _simulated = enter(database, "P01"), enter(database, "P02"), enter(database, "P03", mode="simulated")
+    enter(database, "P04")
+    for _ in range(5):
+        database.execute("UPDATE sessions SET status='completed' WHERE id=?", (enter(database, "P04"),))
+    lock = hold(data, "session", running)
+    assert {each.code for each in newest_first(database, data) if each.is_interrupted} == {"P01"}
+    lock.release()
+    database.execute("UPDATE sessions SET status='dismissed' WHERE id=?", (left,))
+    assert {each.code for each in newest_first(database, data) if each.is_interrupted} == {"P02"}
+
+
+def test_the_last_task_is_that_of_the_newest_live_session_or_programme(database: sqlite3.Connection) -> None:
+    add(database, "P01")
+    assert last_task(database, "P01") is None
+    programmes.save(database, "P01", "reaching", Programme(), after=0)
+    assert last_task(database, "P01") == "reaching"
+    for task, mode in (("pairs", "live"), ("keyboard", "live"), ("reaching", "simulated")):
+        enter(database, "P01", task=task, mode=mode)
+    assert last_task(database, "P01") == "keyboard"

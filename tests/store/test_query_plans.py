@@ -14,10 +14,10 @@ from sar_tui.reports.output_summary import output_summaries
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import imu, results, sessions
+from sar_tui.store import imu, participants, results, sessions, wellbeing
 from sar_tui.store.database import connect
 
-LARGE = {"messages", "earlier_events", "events", "trials", "attempts", "actions", "imu_chunks", "notes"}
+LARGE = {"messages", "earlier_events", "events", "trials", "attempts", "actions", "imu_chunks", "notes", "wellbeing"}
 """Tables that grow with each trial."""
 
 Look = Callable[[sqlite3.Connection, Path, str], object]
@@ -31,8 +31,19 @@ def show(database: sqlite3.Connection, folder: Path, session: str) -> None:
     output_summaries(database, session)
 
 
+def look_at_home(database: sqlite3.Connection, folder: Path) -> None:
+    participants.newest_first(database, folder)
+    participants.last_task(database, "SIM")
+    shown = [row["id"] for row in sessions.listing(database, folder, limit=30)]
+    sessions.listing(database, folder, participant="SIM", limit=30)
+    results.attempts_of(database, shown)
+    results.newest_of(database, "SIM", "keyboard", 50)
+    wellbeing.by_session(database, shown)
+    wellbeing.history(database, "SIM", 12)
+
+
 LOOKS: dict[str, Look] = {
-    "home": lambda database, folder, _: sessions.listing(database, folder, limit=30),
+    "home": lambda database, folder, _: look_at_home(database, folder),
     "sessions": lambda database, folder, _: (sessions.operators(database), sessions.listing(database, folder)),
     "sessions of one": lambda database, folder, _: sessions.listing(database, folder, participant="SIM"),
     "progress": lambda database, *_: list(results.sessions_of(database, "SIM")),
@@ -87,6 +98,13 @@ def test_the_newest_sessions_are_found_without_sorting_all(database: sqlite3.Con
     planned = steps(database, lambda: sessions.listing(database, data, limit=30))
     assert planned[0] == "SCAN sessions"
     assert [step for step in planned if "TEMP B-TREE" in step] == []
+
+
+def test_the_newest_sessions_of_a_participant_are_found_without_sorting_all(
+    database: sqlite3.Connection, data: Path
+) -> None:
+    planned = steps(database, lambda: sessions.listing(database, data, participant="P01", limit=30))
+    assert [step for step in planned if step.startswith("SCAN") or "TEMP B-TREE" in step] == []
 
 
 def test_the_view_of_messages_looks_at_a_sessions_own(data: Path) -> None:
