@@ -111,8 +111,8 @@ def _coefficients(rate_hz: float, cutoff_hz: float) -> tuple[float, float, float
     return warped * warped / norm, a1, (1.0 - math.sqrt(2.0) * warped + warped * warped) / norm
 
 
-def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
-    """Return a recording without frequencies above ``cutoff_hz``, and without delay.
+class Spectrum:
+    """A recording's spectrum, from which it is smoothed in several ways.
 
     Equivalent to a second-order Butterworth low-pass run forwards and backwards: gain 1 / (1 + (f / cutoff)⁴), applied
     to the spectrum. The ends are padded with their mirror image, so that a bias makes no step there.
@@ -120,17 +120,43 @@ def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None =
     Args:
         x: shape (n, k), n of at least 2.
         rate_hz: samples per second.
-        cutoff_hz: half-amplitude frequency.
-        notch_hz: centre of a Gaussian notch of standard deviation ``NOTCH_HZ``; None for none.
     """
-    pad = min(len(x) - 1, math.ceil(2.0 * rate_hz))
-    mean = x.mean(axis=0)
-    mirrored = np.concatenate((x[pad:0:-1], x, x[-2 : -pad - 2 : -1])) - mean
-    size = 1 << (len(mirrored) - 1).bit_length()
+
+    def __init__(self, x: Floats, rate_hz: float) -> None:
+        self._length = len(x)
+        self._rate_hz = rate_hz
+        self._pad = pad = min(len(x) - 1, math.ceil(2.0 * rate_hz))
+        self._mean = x.mean(axis=0)
+        mirrored = np.concatenate((x[pad:0:-1], x, x[-2 : -pad - 2 : -1])) - self._mean
+        self._size = 1 << (len(mirrored) - 1).bit_length()
+        self._spectrum = np.fft.rfft(mirrored, self._size, axis=0)
+
+    def below(self, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
+        """Return the recording without frequencies above a cutoff, and without delay; arguments as for ``smooth``."""
+        gain = _gain(self._size, self._rate_hz, cutoff_hz, notch_hz)
+        filtered = np.fft.irfft(self._spectrum * gain, self._size, axis=0)
+        result: Floats = filtered[self._pad : self._pad + self._length] + self._mean
+        return result
+
+
+@lru_cache(maxsize=16)
+def _gain(size: int, rate_hz: float, cutoff_hz: float, notch_hz: float | None) -> Floats:
+    """Return the gain of each frequency of a spectrum of ``size`` samples, of shape (size / 2 + 1, 1)."""
     frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
     gain = 1.0 / (1.0 + (frequency / cutoff_hz) ** 4)
     if notch_hz is not None:
         gain *= 1.0 - np.exp(-0.5 * ((frequency - notch_hz) / NOTCH_HZ) ** 2)
-    filtered = np.fft.irfft(np.fft.rfft(mirrored, size, axis=0) * gain[:, None], size, axis=0)
-    result: Floats = filtered[pad : pad + len(x)] + mean
-    return result
+    column: Floats = gain[:, None]
+    return column
+
+
+def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
+    """Return a recording without frequencies above ``cutoff_hz``, and without delay (see ``Spectrum``).
+
+    Args:
+        x: shape (n, k), n of at least 2.
+        rate_hz: samples per second.
+        cutoff_hz: half-amplitude frequency.
+        notch_hz: centre of a Gaussian notch of standard deviation ``NOTCH_HZ``; None for none.
+    """
+    return Spectrum(x, rate_hz).below(cutoff_hz, notch_hz)

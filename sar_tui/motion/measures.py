@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sar_tui.motion.filters import smooth
+from sar_tui.motion.filters import Spectrum
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.samples import Floats
@@ -20,8 +20,10 @@ def measure(found: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:
     """
     if not found.reaches:
         return ()
-    light = smooth(found.rate, found.rate_hz, min(PEAKS_HZ, found.rate_hz / 4))
-    calm = smooth(found.rate, found.rate_hz, min(PEAKS_HZ, found.rate_hz / 4), found.tremor_hz)
+    cutoff = min(PEAKS_HZ, found.rate_hz / 4)
+    spectrum = Spectrum(found.rate, found.rate_hz)
+    light = spectrum.below(cutoff)
+    calm = light if found.tremor_hz is None else spectrum.below(cutoff, found.tremor_hz)
     return tuple(
         _measured(found, light @ np.asarray(bounds.axis), calm @ np.asarray(bounds.axis), bounds, flags)
         for bounds in found.reaches

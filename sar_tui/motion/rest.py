@@ -1,5 +1,6 @@
 """Properties of a sensor at rest: its bias, its noise, the hand's tremor."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -43,7 +44,7 @@ class Rest(NamedTuple):
     tremor_hz: float | None
 
 
-def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
+def find_rest(rate: Floats, rate_hz: float, rest_s: float, *, tremor: bool = True) -> Rest:
     """Find where the hand rests for ``rest_s`` or longer, and estimate bias and tremor there.
 
     A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Shorter
@@ -54,6 +55,7 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
         rate: angular rate on a uniform grid, shape (n, 3), rad/s.
         rate_hz: samples per second.
         rest_s: duration of a rest.
+        tremor: False to leave out the tremor's frequency.
     """
     slow = smooth(rate, rate_hz, SLOW_HZ)
     for share in (1.0, 0.5, 0.25):
@@ -63,19 +65,22 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float) -> Rest:
         steady = np.flatnonzero(spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S))
         if len(steady):
             chosen = _inner(steady[_agreeing(mean[steady])], len(begins))
-            return _rest(rate, rate_hz, begins[chosen], mean[chosen], size, share == 1.0)
+            tremor_hz = _tremor_hz(rate, begins[chosen], size, rate_hz) if tremor else None
+            still, bias = _rest(rate, begins[chosen], mean[chosen], size)
+            return Rest(bias, still, share == 1.0, tremor_hz)
     nowhere = np.zeros(len(rate), dtype=bool)
     return Rest(np.tile(rate.mean(axis=0), (len(rate), 1)), nowhere, False, None)
 
 
-def _rest(rate: Floats, rate_hz: float, begins: npt.NDArray[np.int_], levels: Floats, size: int, whole: bool) -> Rest:
-    """Return the rest in windows of ``size`` samples at ``begins``, with these ``levels``."""
+def _rest(
+    rate: Floats, begins: npt.NDArray[np.int_], levels: Floats, size: int
+) -> tuple[npt.NDArray[np.bool_], Floats]:
+    """Return where the hand is still and the bias, of windows of ``size`` samples at ``begins``, with their levels."""
     still = np.zeros(len(rate), dtype=bool)
     for begin in begins:
         still[begin : begin + size] = True
     nearby = _running_mean(levels, round(NEARBY_S / STEP_S))
-    bias = np.column_stack([np.interp(np.arange(len(rate)), begins + size / 2, axis) for axis in nearby.T])
-    return Rest(bias, still, whole, _tremor_hz(rate, begins, size, rate_hz))
+    return still, np.column_stack([np.interp(np.arange(len(rate)), begins + size / 2, axis) for axis in nearby.T])
 
 
 def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats, Floats]:
@@ -97,7 +102,8 @@ def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
     for order in (range(anchor + 1, len(levels)), range(anchor - 1, -1, -1)):
         near = levels[anchor]
         for index in order:
-            if np.linalg.norm(levels[index] - near) < STEADY_RAD_S:
+            apart = levels[index] - near
+            if math.sqrt(apart @ apart) < STEADY_RAD_S:
                 chosen.append(index)
                 near = 0.8 * near + 0.2 * levels[index]
     return np.array(sorted(chosen))
@@ -127,11 +133,12 @@ def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: f
     windows = rate[some[:, None] + np.arange(size)]
     taper = np.hanning(size)[:, None]
     windows = (windows - windows.mean(axis=1, keepdims=True)) * taper
-    amplitude = np.abs(np.fft.rfft(windows, 4 * size, axis=1)) * (2 / taper.sum())
-    spectrum = np.sqrt((amplitude**2).sum(axis=2).mean(axis=0))
     frequency = np.fft.rfftfreq(4 * size, 1 / rate_hz)
-    band = (frequency >= TREMOR_HZ[0]) & (frequency <= TREMOR_HZ[1])
-    peak = float(spectrum[band].max(initial=0.0))
-    if peak <= max(TREMOR_RAD_S, PEAKED * float(np.median(spectrum[band]))):
+    first, last = np.searchsorted(frequency, TREMOR_HZ[0]), np.searchsorted(frequency, TREMOR_HZ[1], "right")
+    band = np.fft.rfft(windows, 4 * size, axis=1)[:, first:last]
+    amplitude = np.abs(band) * (2 / taper.sum())
+    spectrum = np.sqrt((amplitude**2).sum(axis=2).mean(axis=0))
+    peak = float(spectrum.max(initial=0.0))
+    if peak <= max(TREMOR_RAD_S, PEAKED * float(np.median(spectrum))):
         return None
-    return float(frequency[band][spectrum[band].argmax()])
+    return float(frequency[first:last][spectrum.argmax()])

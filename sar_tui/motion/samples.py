@@ -1,6 +1,7 @@
 """Samples of a motion sensor as an array, in the form in which they are sent, stored and analysed."""
 
 from collections.abc import Iterable
+from functools import cached_property
 from typing import Any
 
 import msgspec
@@ -28,7 +29,7 @@ same clock. ``device_ms``: the sensor's own clock, ms. ``acceleration``: m/s². 
 """
 
 
-class Recording(msgspec.Struct, frozen=True):
+class Recording(msgspec.Struct, frozen=True, dict=True):
     """A stretch of samples for analysis.
 
     Args:
@@ -43,7 +44,7 @@ class Recording(msgspec.Struct, frozen=True):
     acceleration: Floats | None = None
     flags: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def rate_hz(self) -> float:
         """Samples per second, from the median step; 0 for fewer than two samples."""
         return 1.0 / float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0

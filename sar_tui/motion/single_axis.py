@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.boundaries import edges
-from sar_tui.motion.filters import LOW_RATE, smooth, usable_cutoff
+from sar_tui.motion.filters import LOW_RATE, Spectrum, smooth, usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.phases import pairs, phases, principal_axis
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
@@ -82,13 +82,14 @@ def find(recording: Recording, parameters: SingleAxisParameters | None = None, h
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
     rest = find_rest(grid.rate, grid.rate_hz, parameters.rest_s)
     rate = grid.rate - rest.bias
-    slow = smooth(rate, grid.rate_hz, SLOW_HZ, rest.tremor_hz)
+    spectrum = Spectrum(rate, grid.rate_hz)
+    slow = spectrum.below(SLOW_HZ, rest.tremor_hz)
     speed = np.linalg.norm(slow, axis=1)
     floor = _percentile(speed[rest.still], 99)
     motion = _Motion(
         grid=grid,
         slow=slow,
-        light=smooth(rate, grid.rate_hz, cutoff, rest.tremor_hz),
+        light=spectrum.below(cutoff, rest.tremor_hz),
         still=rest.still,
         rested=rest.whole,
         begin=max(parameters.begin_rad_s, 2.0 * floor),

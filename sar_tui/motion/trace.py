@@ -59,7 +59,7 @@ def trace_of(
         return None
     arrival_s = min(end_s, _seconds(measured["out_ms"]))
     departure_s = max(arrival_s, end_s - _seconds(measured["back_ms"]))
-    rate = grid.rate - find_rest(grid.rate, grid.rate_hz, 1.0).bias
+    rate = grid.rate - find_rest(grid.rate, grid.rate_hz, 1.0, tremor=False).bias
     shown = (time >= -BEFORE_S) & (time <= end_s + AFTER_S)
     stride = math.ceil(shown.sum() / MOST_POINTS)
     light = smooth(rate, grid.rate_hz, min(_SMOOTH_HZ, grid.rate_hz / stride / 3))
