@@ -51,7 +51,7 @@ class PanelLayout(OrderedScreen[str]):
         connect: makes the link, given the function that receives what comes over it.
         theme: applied until the session's theme is known.
         folder: holds the operator's own file.
-        clock: drives the agent's motion; given by tests.
+        clock: drives the agent's motion, and withdraws questions; given by tests.
         wall_time: returns the local date and time.
     """
 
@@ -209,7 +209,7 @@ class PanelLayout(OrderedScreen[str]):
                 self.draw()
 
         self.question = question
-        self.set_timer(seconds, withdraw)
+        self._clock.call_at(self._clock.now() + round(seconds * SECOND), withdraw)
         self.draw()
 
     @property

@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import msgspec
 from rich.console import Console
@@ -37,6 +38,8 @@ from tests.settle import settle
 START = 1000 * SECOND
 ANNA = "operator.anna"
 _NAMES = {"!": "exclamation_mark"}
+PRESSED = 50 * SECOND
+"""Host time at which every key is pressed, and handled."""
 _TYPED = {"space": " ", "plus": "+", "minus": "-", "equals_sign": "="}
 MODES: dict[m.ControlledKind, m.Mode] = {
     "feedback": "approve",
@@ -271,7 +274,10 @@ class PanelDriver:
         await settle(self.app)
 
     def _type(self, key: str) -> None:
-        self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+        """Press a key now, on the session's clock: how long this machine takes to handle it does not count."""
+        pressed = Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key))
+        pressed.time = PRESSED / SECOND
+        self.app.post_message(pressed)
 
     async def press(self, *keys: str) -> None:
         for key in keys:
@@ -337,11 +343,12 @@ async def open_panel(
     app = _App(active, folder, "anna", role, where=object())  # type: ignore[arg-type]
     app.role = role
     driver = PanelDriver(app, lambda: app.peer, active)
-    async with app.run_test(size=size) as driver.pilot:
-        await settle(app)
-        if joins:
-            await driver.join(role)
-        yield driver
+    with patch("sar_tui.operator.screen.host_now", lambda: PRESSED):
+        async with app.run_test(size=size) as driver.pilot:
+            await settle(app)
+            if joins:
+                await driver.join(role)
+            yield driver
 
 
 TRACE = MotionTrace("A", START, 50.0, tuple(abs(((n * 7) % 40) / 10 - 2) for n in range(200)))

@@ -279,6 +279,8 @@ async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_ke
             assert f"{text}. Press Space again within 3 s to resume." in driver.text
             await driver.press("space")  # a key that bounces
             await driver.advance(3200)
+            driver.panel._clock.advance(3200 * MS)  # type: ignore[attr-defined]
+            assert "Space again" not in driver.text
             await driver.press("space")
             assert driver.sent(t.COMMAND) == []
             await driver.advance(1000)

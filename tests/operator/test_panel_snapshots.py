@@ -21,10 +21,11 @@ KINDS = (("calm", SMALL), ("calm", LARGE), ("calm", LARGEST), ("high-contrast", 
 VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants", "lost", "keys")
 
 
-@pytest.mark.parametrize(("theme", "size"), first(2, reversed(KINDS)))
+@pytest.mark.parametrize("kind", first(2, reversed(KINDS)))
 async def test_the_panel_matches_its_snapshots(
-    theme: str, size: tuple[int, int], tmp_path: Path, catalogue: Catalogue
+    kind: tuple[str, tuple[int, int]], tmp_path: Path, catalogue: Catalogue
 ) -> None:
+    theme, size = kind
     album = Album(FOLDER, f"{theme}.{size[0]}x{size[1]}", size)
     async with b.open_panel(catalogue, tmp_path, theme, size, joins=False) as driver:
         album.take("joining", driver)
