@@ -168,7 +168,17 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
     from sar_tui.cli.long_table import print_table
     from sar_tui.reports import progress_words
 
-    numbers = ("level", "mean ± SD", "right", "goals", "at goal", f"{line.axis.unit or line.axis.name}, 95 %")
+    numbers: tuple[str, ...] = (
+        "level",
+        "mean ± SD",
+        "right",
+        "goals",
+        "at goal",
+        f"{line.axis.unit or line.axis.name}, 95 %",
+    )
+    has_felt = any(each.pain is not None or each.tiredness is not None for each in line.sessions)
+    if has_felt:
+        numbers += ("pain", "tired")
     rows = [
         (
             each.session[:_ID],
@@ -179,6 +189,7 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
             f"{each.reached}/{each.attempts}",
             f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "",
             progress_words.band(line, each, tr) or progress_words.SIDES[each.side],
+            *("–" if given is None else str(given) for given in (each.pain, each.tiredness) if has_felt),
         )
         for each in line.sessions[-_LISTED:]
     ]

@@ -225,6 +225,7 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
     sessions = line.sessions
     first, last = day(sessions[0].began), day(sessions[-1].began)
     trials, right = sum(each.trials for each in sessions), sum(each.right for each in sessions)
+    said_of = felt_range(line, tr)
     said = [
         f"{participant}, {heading(line, tr)}: "
         + tr(
@@ -240,6 +241,7 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
             right=f"{right / trials:.0%}" if trials else "–",
         ),
         *sentences(line, tr),
+        *([tr("Worst of each session, 0 to 10, from first to last: {felt}.", felt=said_of)] if said_of else []),
         tr("A training measure of this program; no diagnosis, and no published important difference (MCID) applies."),
     ]
     return " ".join(said)

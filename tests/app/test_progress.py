@@ -5,11 +5,13 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.app.screens.past_session import PastSessionScreen
 from sar_tui.app.screens.progress import NONE_YET, ProgressScreen
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.app.app_driver import AppDriver, open_app
 
@@ -49,7 +51,9 @@ async def test_without_sessions_every_part_says_so(data: Path, catalogue: Catalo
 async def test_sessions_are_charted_chosen_and_compared(data: Path, catalogue: Catalogue) -> None:
     trained(data, catalogue, 1000, 1000, 900)
     async with open_app(data, catalogue) as driver:
-        await open_progress(driver, catalogue)
+        (last, *_) = sessions.listing(driver.app.database, data)
+        driver.app.push_screen(PastSessionScreen(last))
+        await driver.press("f4")
         assert driver.sees("P01 · 1 of 2 · Keyboard reaction · goal 900 ms")
         await driver.press("s")
         assert driver.sees("P01 · 2 of 2 · Keyboard reaction · goal 1000 ms")

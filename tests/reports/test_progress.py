@@ -181,6 +181,16 @@ def test_new_pain_and_adverse_events_are_told_first_in_either_language(keyboard:
     assert spanish[0].startswith("El dolor es nuevo")
 
 
+def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
+    felt = [SessionRatings(pain_after=rating) for rating in (1, 4)]
+    found = of(keyboard, *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)), *steady(3)[2:])
+    said = progress_words.note("P01", found.lines[0], progress_words.words("en", keyboard))
+    assert "Worst of each session, 0 to 10, from first to last: pain 1 → 4." in said
+    assert "Worst" not in progress_words.note(
+        "P01", of(keyboard, *steady(1)).lines[0], progress_words.words("en", None)
+    )
+
+
 def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
     line = of(keyboard, *steady(6)).lines[0]
     tr = progress_words.words("en", keyboard)

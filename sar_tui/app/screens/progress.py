@@ -240,11 +240,13 @@ class ProgressScreen(DismissedOnce[None]):
         """Show a paragraph to paste into a record."""
         from sar_tui.app.screens.progress_note import ProgressNoteScreen
 
-        if line := self._shown_line:
+        if (line := self._shown_line) and self._found:
+            instruments = self._found.instruments
 
             def text(language: str) -> str:
                 tr = progress_words.words(language, self._motor_task)
-                return progress_words.note(self._participant, line, tr)
+                others = [progress_words.instrument_change(each, tr) for each in instruments]
+                return "\n\n".join([progress_words.note(self._participant, line, tr), *others])
 
             self.app.push_screen(ProgressNoteScreen(text))
 
@@ -275,7 +277,7 @@ class ProgressScreen(DismissedOnce[None]):
             self.app.call_from_thread(self.notify, said, severity="error", timeout=20)
         else:
             said = f"{path} is written. Open it in a browser, which can also print it."
-            self.app.call_from_thread(self.notify, said, timeout=30)
+            self.app.call_from_thread(self.notify, said, timeout=12)
 
 
 def _colored(lines: list[str]) -> Content:
