@@ -7,9 +7,11 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
+from datetime import date
 from pathlib import Path
 from typing import Any
 
+from sar_tui.app.home.contents import read_card, read_participants, read_sessions
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
@@ -20,7 +22,7 @@ from sar_tui.runs.run import resume, start
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import sessions
+from sar_tui.store import participants
 from sar_tui.store.database import FILE, connect
 
 FEW, MANY = 10, 1000
@@ -29,6 +31,7 @@ MOST_RATIO = 1.5
 MOST_RESUME_S = 1.0
 _TABLES = ("seats", "runs", "attempts", "trials", "actions", "notes")
 REPEATED = 7
+_WHO = "BENCH"
 
 
 def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) -> dict[str, Any]:
@@ -61,8 +64,11 @@ def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) 
 
 
 def _home(data: Path) -> None:
+    catalogue = Catalogue()
     with closing(connect(data)) as database:
-        sessions.listing(database, data, limit=30)
+        read_participants(database, data)
+        read_sessions(database, data, catalogue, _WHO)
+        read_card(database, catalogue, _WHO, catalogue.task("keyboard"), date.today())
 
 
 def _program(*words: str) -> Callable[[Path], None]:
@@ -81,14 +87,16 @@ _LOOKS: dict[str, Callable[[Path], None]] = {
 
 
 def _fill(data: Path, catalogue: Catalogue, count: int) -> None:
-    """Store a simulated session and copies of it."""
-    plan = make_plan(catalogue, "keyboard", ["BENCH"], seed=1, mode="simulated")
+    """Store a simulated session and copies of it, as sessions of one participant."""
+    plan = make_plan(catalogue, "keyboard", [_WHO], seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["average"], data, catalogue)
     with closing(connect(data)) as database:
         database.execute("BEGIN")
         for number in range(2, count + 1):
             _copy(database, session, f"c0de{number:06}")
+        database.execute("UPDATE sessions SET mode='live'")
         database.execute("COMMIT")
+        participants.add(database, _WHO)
 
 
 def _copy(database: sqlite3.Connection, session: str, copy: str) -> None:
@@ -115,7 +123,7 @@ def _resume(data: Path, catalogue: Catalogue, trials: int) -> float:
     """Return the seconds that it takes to resume a session that was interrupted after ``trials`` trials."""
     prompts = min(trials, 200)
     settings = {"attempts": trials // prompts + 1, "prompts_per_attempt": prompts}
-    plan = make_plan(catalogue, "keyboard", ["BENCH"], settings, seed=1)
+    plan = make_plan(catalogue, "keyboard", [_WHO], settings, seed=1)
 
     def nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
         return [SimulatedParticipant(PEOPLE["average"], task, seed)]

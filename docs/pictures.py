@@ -25,7 +25,9 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store.database import connect
+from sar_tui.store import participants, programmes, wellbeing
+from sar_tui.store.database import connect, transaction
+from sar_tui.store.programmes import Programme
 
 IMAGES = Path(__file__).parent / "images"
 
@@ -54,12 +56,48 @@ async def _draw() -> None:
                 if "Press:" in app.export_screenshot().replace("&#160;", " "):
                     break
             _save(app, "prompt")
+        await _draw_home(data / "home", catalogue)
         # a data folder for each: an app that ends in run_test leaves its database open
         await _draw_agent(data / "agent", catalogue)
         await _draw_reaching(data / "reaching", catalogue)
         await _draw_pairs(data / "pairs", catalogue)
         await _draw_panel(data / "panel", catalogue)
         await _draw_progress(data / "progress", catalogue)
+
+
+_HISTORY = (
+    ("P05", 30, "average", 21),
+    ("P02", 3, "poor", 22),
+    *(("P01", days, "poor", days) for days in (14, 12)),
+    *(("P01", days, "average", days) for days in (9, 7, 4, 2)),
+)
+"""Participant, days before the picture, how well they do, and the seed of a session."""
+_FELT = {22: ("after", "pain", "6"), 12: ("after", "pain", "2"), 2: ("after", "fatigue", "3")}
+_TODAY = datetime(2026, 3, 20, 10, 15, tzinfo=UTC)
+
+
+async def _draw_home(data: Path, catalogue: Catalogue) -> None:
+    """The first screen, with two weeks of sessions, at two sizes."""
+    database = connect(data)
+    for code in ("P05", "P02", "P01"):
+        participants.add(database, code)
+    settings = {"attempts": 10, "prompts_per_attempt": 10}
+    programmes.save(database, "P01", "keyboard", Programme(settings), after=0)
+    for code, days, person, seed in _HISTORY:
+        plan = make_plan(catalogue, "keyboard", [code], settings, seed=seed, mode="simulated")
+        session = simulate(plan, PEOPLE[person], data, catalogue)
+        began = (_TODAY - timedelta(days=days)).isoformat()
+        with transaction(database) as connection:
+            connection.execute("UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session))
+        if felt := _FELT.get(seed):
+            wellbeing.save(database, code, *felt, session=session)  # type: ignore[arg-type]
+    database.close()
+    for name, size in (("home", (80, 24)), ("home-large", (160, 50))):
+        app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
+        app.today = _TODAY.date
+        async with app.run_test(size=size) as pilot:
+            await _settle(pilot, clock)
+            _save(app, name)
 
 
 async def _draw_agent(data: Path, catalogue: Catalogue) -> None:

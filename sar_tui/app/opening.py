@@ -1,5 +1,6 @@
 """The opening of the app: the empty home screen is shown first, then filled. Keys pressed meanwhile are kept."""
 
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,8 @@ class OpeningApp(ThemedApp):
     """
 
     _first_patient = ""
+    today = staticmethod(date.today)
+    """The date of the people in front of the screen."""
 
     def __init__(self, folder: Path, catalogue: Catalogue, begin: "Plan | str | None") -> None:
         super().__init__(catalogue)

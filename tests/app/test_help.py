@@ -13,8 +13,8 @@ from tests.app.app_driver import known, open_app, plan
 async def test_help_describes_a_screen_and_its_keys(key: str, data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press(key)
-        assert driver.sees("Choose who takes part, the task and the theme; then Start.")
-        for words in ("F2 Settings (therapist)", "Ctrl-Q Quit", "F1 Help", "Press Enter to close this."):
+        assert driver.sees("Choose who trains; Enter, and Enter again starts.")
+        for words in ("F2 Settings", "Ctrl-Q Quit", "F1 Help", "Press Enter to close this."):
             assert driver.sees(words)
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"

@@ -8,8 +8,10 @@ from textual.widgets import Button, OptionList
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.store import programmes, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
+from sar_tui.store.programmes import Programme
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
 
@@ -20,7 +22,7 @@ async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data
         await driver.press("enter")
         await driver.write(*"p01")
         await driver.press("enter")
-        assert driver.sees("P01: Keyboard reaction")
+        assert driver.sees("P01 · Keyboard reaction")
         await driver.press("enter", "enter", "enter")
         assert driver.sees("A key appears in the middle of the screen.")
     assert stored(data, "SELECT code FROM participants") == [("P01",)]
@@ -28,12 +30,82 @@ async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data
 
 
 async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01")
     known(data, "P02")
+    known(data, "P01")
     async with open_app(data, catalogue) as driver:
-        await driver.press("down", "right", "right", "right", "enter")
+        await driver.press("down", "enter", "enter")
         assert driver.sees("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
+
+
+async def test_a_part_of_a_code_finds_a_participant_and_escape_shows_all_again(
+    data: Path, catalogue: Catalogue
+) -> None:
+    for code in ("AB-7", "P17", "P02"):
+        known(data, code)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("7")
+        assert driver.sees("P17 · Keyboard reaction"), "the newest of those with a 7"
+        assert not driver.sees("P02")
+        assert driver.sees("find: 7 (Esc)")
+        await driver.press("x")
+        assert driver.sees("find: 7 (Esc)"), "nobody has 7X"
+        await driver.press("backspace", "a")
+        assert driver.sees("AB-7 · Keyboard reaction")
+        await driver.press("escape")
+        assert driver.sees("P02")
+        assert driver.sees("AB-7 · Keyboard reaction")
+        await driver.press("enter", "enter")
+        assert driver.sees("Welcome")
+    assert stored(data, "SELECT participant FROM seats") == [("AB-7",)]
+
+
+async def test_the_card_tells_how_a_participant_does(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    known(data, "P02")
+    known(data, "P01")
+    for _ in range(2):
+        async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+            await driver.do_session()
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        session = driver.session_id
+    (first_session,), (second_session,), _ = stored(data, "SELECT id FROM sessions ORDER BY rowid")
+    database = connect(data)
+    wellbeing.save(database, "P01", "after", "pain", "6", session=first_session)
+    wellbeing.save(database, "P01", "after", "fatigue", "4", session=second_session)
+    wellbeing.save(database, "P01", "after", "pain", "3", session=second_session)
+    database.close()
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("P02 unfinished")
+        assert driver.sees("P01 pain 3")
+        assert driver.sees("Interrupted today after 0")
+        await driver.press("down")
+        assert driver.sees("Programme v1: 2 × 2 · goal 1.0 s · start level")
+        for row in ("Level 2 3", "Result (s) 0.40 0.40", "Level 3, up 1 in one day"):
+            assert driver.sees(row)
+        assert driver.sees("Today: 2 of 2 reached, pain 3, tired 4")
+        assert driver.sees("pain 6")
+        await driver.press("up", "f6", "enter")
+        assert driver.session_id == session
+
+
+async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_stays(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data, "P02")
+    known(data, "P01")
+    database = connect(data)
+    programmes.save(database, "P01", "reaching", Programme(), after=0)
+    database.close()
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("P01 · Reaching")
+        await driver.press("right", "up", "f2", "escape")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("P01 · Pairs")
+        await driver.press("left", "down")
+        assert driver.sees("P02 · Keyboard reaction")
+        await driver.press("up")
+        assert driver.sees("P01 · Reaching")
 
 
 @pytest.mark.parametrize("code", first(1, ["Peter Maier", "-1", "P/01", "Jürgen"]))
@@ -68,15 +140,21 @@ async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_ch
     broken.write_text("raise RuntimeError('not yet')")
     known(data, "P01")
     async with open_app(data, Catalogue((broken.parent.parent,))) as driver:
+        await driver.press("right")
         assert driver.sees("aaa (does not load)")
-        assert driver.sees("P01: Keyboard reaction")
+        await driver.press("left")
+        assert driver.sees("P01 · Keyboard reaction")
 
 
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
-        await driver.fail_to_start("Choose or add a participant first.")
-        await driver.press("f2")
-        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("1. Press Enter, and give the first person a code, such as P01. Never a name.")
+        assert not driver.sees("START begins")
+        for key in ("f2", "f12"):
+            await driver.press(key)
+            assert driver.screen_name == "HomeScreen"
+            assert driver.sees("Choose or add a participant first.")
+            driver.app.clear_notifications()
 
 
 async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(data: Path, catalogue: Catalogue) -> None:
@@ -126,7 +204,7 @@ async def test_settings_that_became_invalid_are_told_and_a_second_press_begins_w
         await driver.fail_to_start("Version 1 of the programme of P01 is not used in full.")
         assert driver.sees("Attempts is a whole number, 1 to 200, not 9999.")
         assert driver.sees("The setting tempo does not exist any more.")
-        assert driver.sees("Press Start again to begin without it.")
+        assert driver.sees("Press START again to begin without it.")
         assert stored(data, "SELECT id FROM sessions") == []
         driver.app.screen.query_one("#start", Button).press()  # a key has no effect while the button flashes
         await driver.settle()
@@ -168,14 +246,14 @@ async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted
     async with open_app(data, catalogue, plan(catalogue, keyboard, "P02", attempts=1)) as driver:
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
-        recent = [row for row in driver.rows if "keyboard  " in row]
+        await driver.press("up")
+        recent = [row for row in driver.rows if "Keyboard re…" in row]
         assert "P02" in recent[0]
-        assert "completed" in recent[0]
+        assert "1 of 1" in recent[0]
         assert "P01" in recent[1]
         assert "interrupted: Enter resumes" in recent[1]
 
-        driver.app.screen.query_one("#recent").focus()
-        await driver.press("down", "enter")
+        await driver.press("f6", "enter")
         assert driver.session_id == session
         assert driver.sees("Welcome back We go on with attempt 1 of 2.")
         assert driver.sees("Press Enter to go on.")
@@ -207,6 +285,7 @@ async def test_an_interrupted_session_is_dismissed_and_taken_back(
     everything = [stored(data, f"SELECT * FROM {table}") for table in tables]
     async with open_app(data, catalogue) as driver:
         assert "Dismiss" not in driver.rows[-1]
+        await driver.press("up")
         driver.app.screen.query_one("#recent").focus()
         await driver.settle()
         assert "Dismiss" not in driver.rows[-1], "a completed session is not dismissed"
@@ -271,17 +350,17 @@ async def test_home_opens_on_the_participant_of_the_last_session(
     for code in ("P01", "P02", "P03"):
         known(data, code)
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("P01: Keyboard reaction")
+        assert driver.sees("P03 · Keyboard reaction"), "nobody trained yet: the one added last"
     async with open_app(data, catalogue, plan(catalogue, keyboard, "P02")) as driver:
         resumed = driver.session_id
     async with open_app(data, catalogue, plan(catalogue, keyboard, "P03")) as driver:
         pass
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("P03: Keyboard reaction")
+        assert driver.sees("P03 · Keyboard reaction")
     async with open_app(data, catalogue, resumed) as driver:
         pass
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("P02: Keyboard reaction")
+        assert driver.sees("P02 · Keyboard reaction")
 
 
 async def test_a_completed_session_is_shown_with_its_plot(
@@ -290,7 +369,7 @@ async def test_a_completed_session_is_shown_with_its_plot(
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
-        await driver.press(*["right"] * 5, "enter")
+        await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees(f"P01 · keyboard · {datetime.now():%Y-%m-%d}")
         assert driver.sees("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
@@ -308,7 +387,7 @@ async def test_a_session_of_a_removed_task_is_still_shown(
     nothing = Catalogue()
     nothing._tasks = ()
     async with open_app(data, nothing) as driver:
-        await driver.press(*["right"] * 5, "enter")
+        await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("You did 1 attempt; goal reached in 1. Best: 0.40 seconds. Highest level: 1.")
         assert driver.sees("reaction time (s)")

@@ -57,18 +57,18 @@ async def test_the_home_screen_is_laid_out_before_its_lists_are_filled(
     monkeypatch.setattr(HomeScreen, "fill", see_and_fill)
     async with open_app(data, catalogue) as driver:
         assert len(seen) == 1
-        assert all(heading in seen[0] for heading in ("sar-tui", "Who", "Task", "Theme", "Start", "Recent sessions"))
+        assert all(heading in seen[0] for heading in ("sar-tui", "Who", "Task", "Theme", "START", "Sessions"))
         assert "P01" not in seen[0]
         assert driver.sees("P01")
         assert driver.sees("Keyboard reaction")
-        assert driver.sees("None yet.")
+        assert driver.sees("No session yet. START begins the first one.")
 
 
 async def test_keys_pressed_before_the_lists_are_filled_act_on_the_filled_lists(
     data: Path, catalogue: Catalogue
 ) -> None:
-    known(data, "P01")
     known(data, "P02")
+    known(data, "P01")
     app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
     driver = AppDriver(app, clock)
     for key in ("down", "right", "right", "right", "enter"):

@@ -151,7 +151,7 @@ async def test_a_session_of_two_in_spanish(data: Path, catalogue: Catalogue, pla
 
 async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(data: Path, catalogue: Catalogue) -> None:
     database = connect(data)
-    for code in ("P01", "P02"):
+    for code in ("P02", "P01"):
         participants.add(database, code)
     database.close()
     async with open_app(data, catalogue) as driver:
@@ -181,7 +181,8 @@ async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catal
         await driver.see_the_summary()
         await driver.press("enter")
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("P01, P02")
+        assert driver.sees("Sessions of P01")
+        assert driver.sees("with P02")
         driver.app.screen.query_one("#recent").focus()
         await driver.press("enter")
         assert driver.screen_name == "PastSessionScreen"

@@ -151,7 +151,7 @@ async def test_ended_in_a_session_the_session_goes_on_and_the_first_screen_follo
         await driver.see_the_summary()
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
-        assert driver.sees("completed")
+        assert driver.sees("2 of 2 reached")
 
 
 async def test_a_passphrase_that_is_removed_meanwhile_still_guards(data: Path, catalogue: Catalogue) -> None:

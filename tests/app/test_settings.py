@@ -257,7 +257,7 @@ async def test_the_focused_field_stays_in_view_in_a_smaller_window(
 async def test_saved_settings_apply_to_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
     known(data, "P02", attempts=2)
     async with open_app(data, catalogue) as driver:
-        await driver.press("f2")
+        await driver.press("down", "f2")
         await fill(driver, "attempts", "3")
         await go_to(driver, "choice_set")
         await driver.press("enter", "down", "enter")

@@ -219,7 +219,7 @@ async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: C
             await driver.press("0", "8")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("P01: Very tired (7 or more of 10) after each of the last two sessions.")
-        assert driver.sees("completed · tired 8")
+        assert driver.sees("tired 8")
 
 
 async def test_a_participant_is_offered_help_but_no_theme(
@@ -246,7 +246,7 @@ async def test_a_past_session_shows_what_was_said(data: Path, catalogue: Catalog
         what = {"onset": "2026-03-01", "what": "Dizzy", "severity": "mild"}
         adverse_events.report(database, "P01", session=session, **what)
     async with open_app(data, catalogue) as driver:
-        await driver.press(*["right"] * 5, "enter")
+        await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("Pain: 0 before, 2 after (left shoulder). Tiredness: 1 before, 8 after.")
         assert driver.sees("mild: Dizzy.")
@@ -259,7 +259,7 @@ async def test_an_adverse_event_is_recorded_from_its_session(
         await driver.do_session()
         session = driver.session_id
     async with open_app(data, catalogue) as driver:
-        await driver.press(*["right"] * 5, "enter", "a")
+        await driver.press("f6", "enter", "a")
         assert driver.sees("What happened")
         assert driver.sees("Enter goes on, and records after the last field.")
         await driver.press(*"Dizzy", "enter", *"awful", "enter", "enter", "enter")
@@ -276,7 +276,7 @@ async def test_an_adverse_event_can_be_cancelled(data: Path, catalogue: Catalogu
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
-        await driver.press(*["right"] * 5, "enter", "a")
+        await driver.press("f6", "enter", "a")
         await driver.write(*"Dizzy")
         await driver.press("escape")
         assert driver.screen_name == "PastSessionScreen"
@@ -292,7 +292,7 @@ async def test_an_adverse_event_of_two_names_its_participant(data: Path, catalog
     with closing(connect(data)) as database:
         dismissal.dismiss(database, data, driver.session_id)
     async with open_app(data, catalogue) as driver:
-        await driver.press(*["right"] * 5, "enter", "a")
+        await driver.press("f6", "enter", "a")
         await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", "shift+tab", "shift+tab")
         await driver.press("shift+tab", "shift+tab", "shift+tab")
         assert driver.sees("Participant"), "it scrolls to the field"

@@ -82,7 +82,7 @@ def test_random_bytes_from_a_terminal_never_show_another_screen(prepared: Path) 
                 terminal.settle(silence_ms=200)
                 shown = screen.text()
                 assert "P77" not in shown
-                assert "Recent sessions" not in shown
+                assert "Sessions of" not in shown
                 assert terminal.process.poll() is None, terminal.output[-2_000:]
         assert _LEAVE_ALTERNATE_SCREEN not in terminal.output
         terminal.hang_up()

@@ -1,0 +1,98 @@
+"""A participant's card: their task and theme, their programme, how they are doing, and START."""
+
+from typing import TYPE_CHECKING, Any
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.events import Resize
+from textual.widgets import Button, Static
+
+from sar_tui.app.home.chart import SessionChart
+from sar_tui.widgets.marked_list import PickList
+
+if TYPE_CHECKING:
+    from sar_tui.app.home.contents import CardContents
+
+_ROOMY = 80
+"""Columns from which on the programme is said in full."""
+_WELCOME = (
+    "Nobody has trained here yet.\n\n"
+    "1. Press Enter, and give the first person a code, such as P01. Never a name.\n\n"
+    "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, how hard.\n\n"
+    "3. START. From there on the screen tells the participant what to do."
+)
+_NEW = (
+    "Press Enter to add a participant: a code, such as P01. Never a name.\n\nBelow are the latest sessions of everyone."
+)
+_FIRST = "No session yet. START begins the first one."
+
+
+class ParticipantCard(Vertical):
+    """All that a therapist wants to know before a session."""
+
+    _found: "CardContents | None" = None
+
+    def compose(self) -> ComposeResult:
+        with Horizontal(id="choices"):
+            yield Static("Task", classes="label")
+            with Vertical(classes="slot"):
+                yield PickList(id="task", markup=False)
+            yield Static("Theme", classes="label second")
+            with Vertical(id="theme-slot", classes="slot"):
+                yield PickList(id="theme", markup=False)
+        with Vertical(id="facts"):
+            with Horizontal(classes="row"):
+                yield Static("Programme", classes="label", markup=False)
+                yield Static("", id="programme", classes="value", markup=False)
+            yield SessionChart(id="chart")
+            for name in ("Progress", "Last"):
+                with Horizontal(classes="row", id=f"{name.lower()}-row"):
+                    yield Static(name, classes="label", markup=False)
+                    yield Static("", id=name.lower(), classes="value", markup=False)
+            yield Static("", id="told", markup=False)
+        yield Static("", id="welcome", markup=False)
+        with Horizontal(id="go"):
+            yield Button("START", id="start", variant="primary")
+            yield Static("", id="offer", markup=False)
+
+    def show(self, participant: str, title: str, found: "CardContents", offer: str) -> None:
+        """Show the card of a participant."""
+        from sar_tui.app.home.words import progress_words
+
+        self.border_title = f"{participant} · {title}"
+        self._found = found
+        texts = {"progress": progress_words(found.past, found.others), "last": found.last}
+        self._write(texts | {"told": "\n".join(found.told), "offer": offer})
+        for name, text in texts.items():
+            self.query_one(f"#{name}-row").display = bool(text)
+        self.query_one("#told").display = bool(found.told)
+        self.query_one(SessionChart).show(found.past, "" if found.last else _FIRST)
+        self._show_programme()
+        self._shows_facts(True)
+
+    def _show_programme(self) -> None:
+        from sar_tui.app.home.words import programme_words
+
+        if self._found:
+            programme, problem = self._found.programme, self._found.problem
+            said = programme_words(programme, is_roomy=self.size.width >= _ROOMY) if programme else problem
+            self._write({"programme": said})
+
+    def on_resize(self, event: Resize) -> None:
+        """Say the programme in as many words as there is room for."""
+        self._show_programme()
+
+    def show_nobody(self, *, is_first: bool) -> None:
+        """Say what to do on the line that adds a participant."""
+        self.border_title = "Welcome" if is_first else "New participant"
+        self._write({"welcome": _WELCOME if is_first else _NEW, "offer": ""})
+        self._shows_facts(False)
+
+    def _shows_facts(self, shows: bool) -> None:
+        for name in ("#choices", "#facts", "#go"):
+            self.query_one(name).display = shows
+        self.query_one("#welcome").display = not shows
+
+    def _write(self, texts: dict[str, Any]) -> None:
+        for name, text in texts.items():
+            self.query_one(f"#{name}", Static).update(text)

@@ -1,0 +1,188 @@
+"""Reads what the first screen shows of a participant. Only their newest sessions are looked at."""
+
+import sqlite3
+from collections.abc import Sequence
+from datetime import date, datetime
+from pathlib import Path
+from statistics import fmean
+
+import msgspec
+
+from sar_tui.app.home import words
+from sar_tui.app.home.session_table import Line
+from sar_tui.app.home.words import Past, Programme
+from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.parameters import build, usable
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.policies.wellbeing import tell_therapist
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
+from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.progress.lines import Point, SessionResults, lines
+from sar_tui.reports.wellbeing import advice, marks
+from sar_tui.runs.plan import Failed, set_up
+from sar_tui.runs.start_level import LOOKED_AT, started_after
+from sar_tui.store import participants, programmes, provenance, results, sessions, wellbeing
+
+_LISTED = 30
+_RATED = 12
+"""Newest sessions in which pain and tiredness are looked at."""
+
+
+class CardContents(msgspec.Struct, frozen=True):
+    """Contents of a participant's card, for a task.
+
+    Args:
+        programme: of the next session; None if it does not fit, and ``problem`` says why.
+        past: the newest sessions that can be compared, oldest first.
+        others: number of sessions before them that had other settings.
+        last: the last session.
+        offer: of the newest session if it was interrupted.
+        told: what the therapist should know.
+    """
+
+    programme: Programme | None
+    problem: str
+    past: Sequence[Past]
+    others: int
+    last: str
+    told: Sequence[str]
+
+
+def read_card(
+    database: sqlite3.Connection, catalogue: Catalogue, participant: str, kind: type[Task], today: date
+) -> CardContents:
+    """Return what a participant's card says of a task."""
+    played = results.newest_of(database, participant, kind.name, LOOKED_AT)
+    found = lines(played, {kind.name: kind}.get)
+    points = found[-1].points if found else ()
+    felt = wellbeing.by_session(database, [each.session for each in played[-1:]])
+
+    def past(point: Point) -> Past:
+        session = point.results
+        levels = [each.level for each in session.results]
+        return Past(
+            day=session.began.date(),
+            level=words.level_played(levels) if levels else None,
+            result="" if point.mean is None else words.short(session.metric, point.mean),
+            reached=session.reached,
+            attempts=len(session.results),
+            status=session.status,
+            felt=marks([row for row in felt.get(session.session, ()) if row["participant"] == participant]),
+        )
+
+    last = past(Point(played[-1], None, None, None)) if played else None
+    programme, problem = _programme(database, participant, kind, played)
+    return CardContents(
+        programme=programme,
+        problem=problem,
+        past=[past(point) for point in points],
+        others=sum(bool(each.results) for each in played) - len(points),
+        last=words.last_words(last, today) if last else "",
+        told=advice(tell_therapist(wellbeing.history(database, participant, _RATED))),
+    )
+
+
+def _programme(
+    database: sqlite3.Connection, participant: str, kind: type[Task], played: Sequence[SessionResults]
+) -> tuple[Programme | None, str]:
+    """Return what the next session will do, or why it cannot begin."""
+    saved = programmes.newest(database, participant, kind.name)
+    try:
+        parameters = build(kind.Parameters, usable(kind.Parameters, saved.parameters)[0])
+        task = set_up(kind, parameters)
+        level = started_after(task, played).start_level
+        goal = task.target(level).threshold
+        prompts = task.trials_per_attempt
+    except (ParameterError, Failed) as error:
+        return None, str(error)
+    except PLUGIN_ERRORS:
+        return None, "The task cannot be set up."
+    return Programme(saved.version, parameters.attempts, prompts, words.short_goal(kind.metric, goal), level), ""
+
+
+class Waiting(msgspec.Struct, frozen=True):
+    """A participant in the list, and why they are marked; empty if they are not."""
+
+    code: str
+    waits: str
+
+
+def read_participants(database: sqlite3.Connection, folder: Path) -> list[Waiting]:
+    """Return the participants, newest first, marked if a session of theirs was interrupted or pain was reported."""
+    known = participants.newest_first(database, folder)
+    felt = wellbeing.by_session(database, [each.session for each in known if each.session])
+
+    def pain(each: participants.Known) -> str:
+        rows = felt.get(each.session or "", ())
+        return marks([row for row in rows if (row["participant"], row["question"]) == (each.code, "pain")])
+
+    return [
+        Waiting(each.code, words.waits_words(is_interrupted=each.is_interrupted, pain=pain(each))) for each in known
+    ]
+
+
+class Listed(msgspec.Struct, frozen=True):
+    """Sessions, newest first, with the line of each. ``offered``: an interrupted one to go on with; None without."""
+
+    rows: Sequence[sessions.Row]
+    lines: Sequence[Line]
+    offered: sessions.Row | None
+
+
+def read_sessions(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str | None) -> Listed:
+    """Return the newest sessions of a participant, or of everyone."""
+    rows = sessions.listing(database, folder, participant=participant, limit=_LISTED)
+    names = [row["id"] for row in rows]
+    felt = wellbeing.by_session(database, names)
+    played = results.attempts_of(database, names)
+    offered = next(filter(can_resume, rows), None)
+    titles = {task: _title(catalogue, task) for task in {row["task"] for row in rows}}
+
+    def line(row: sessions.Row) -> Line:
+        seat = "B" if participant and row["partner"] == participant else "A"
+        attempts = played.get((row["id"], seat), [])
+        began = datetime.fromisoformat(row["started_at"]).astimezone()
+        means = [each.metric for each in attempts if each.metric is not None]
+        metric = _metric(row)
+        return Line(
+            day=began.date(),
+            clock=f"{began:%H:%M}",
+            who=sessions.participant_codes(row),
+            task=titles[row["task"]],
+            levels=[each.level for each in attempts],
+            result=words.short(metric, fmean(means)) if means and metric else "",
+            reached=f"{sum(each.reached for each in attempts)} of {len(attempts)}" if attempts else "",
+            minutes=round(sum(each.seconds for each in attempts) / 60),
+            note=_note(row, felt.get(row["id"], []), participant, is_offered=row is offered),
+        )
+
+    return Listed(rows, [line(row) for row in rows], offered)
+
+
+def can_resume(row: sessions.Row) -> bool:
+    """Return True if a listed session can be gone on with."""
+    return bool(row["status"] == "interrupted" and row["mode"] == "live")
+
+
+def _note(row: sessions.Row, felt: list[wellbeing.Row], participant: str | None, *, is_offered: bool) -> str:
+    """Return the status, if it is not the usual one, with pain and tiredness, and who else took part."""
+    status = "interrupted: Enter resumes" if is_offered else words.status_words(row["status"])
+    mode = "" if row["mode"] == "live" else row["mode"]
+    other = row["participant"] if participant == row["partner"] else row["partner"]
+    together = f"with {other}" if participant and other else ""
+    return ", ".join(filter(None, (status, mode, together, marks(felt))))
+
+
+def _metric(row: sessions.Row) -> Metric | None:
+    try:
+        return provenance.metric(row["software"])
+    except (KeyError, TypeError, msgspec.ValidationError):
+        return None
+
+
+def _title(catalogue: Catalogue, task: str) -> str:
+    try:
+        return catalogue.task(task).title
+    except PluginError:  # it is no longer installed
+        return task

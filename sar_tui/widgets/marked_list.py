@@ -1,0 +1,67 @@
+"""Lists whose chosen line is marked by a bar, and is not filled."""
+
+from rich.segment import Segment
+from textual.content import Content
+from textual.strip import Strip
+
+from sar_tui.widgets.option_list import OptionList
+
+_MARK = "▌"
+
+
+class MarkedList(OptionList):
+    """A list that marks its chosen line with a bar at the left."""
+
+    DEFAULT_CSS = """
+    MarkedList, MarkedList:focus { background: $background; background-tint: $foreground 0%; padding: 0; }
+    MarkedList { text-wrap: nowrap; text-overflow: ellipsis; }
+    MarkedList > .option-list--option { padding: 0 1; }
+    MarkedList > .option-list--option-highlighted {
+        background: $background; color: $foreground; text-style: none;
+    }
+    MarkedList:focus > .option-list--option-highlighted {
+        background: $background; color: $accent; text-style: bold;
+    }
+    """
+
+    @property
+    def chosen(self) -> str | None:
+        """The id of the chosen option."""
+        return self.highlighted_option.id if self.highlighted_option else None
+
+    def choose(self, name: str | None) -> None:
+        """Choose the option of an id; the first that can be chosen if there is none."""
+        names = [option.id for option in self.options if not option.disabled]
+        if names:
+            self.highlighted = self.get_option_index(name if name in names else names[0])  # type: ignore[arg-type]
+
+    def render_line(self, y: int) -> Strip:
+        """Draw a line, with the bar if it is the chosen one."""
+        strip = super().render_line(y)
+        line = self.scroll_offset.y + y
+        if line < len(self._lines) and self._lines[line][0] == self.highlighted and strip.cell_length > 1:
+            style = self.get_visual_style("option-list--option", "option-list--option-highlighted")
+            return Strip.join([Strip([Segment(_MARK, style.rich_style)], 1), strip.crop(1)])
+        return strip
+
+
+class PickList(MarkedList):
+    """A list of one line, the chosen one, that opens while it has the focus."""
+
+    DEFAULT_CSS = """
+    PickList { height: 1; border: none; overflow: hidden; }
+    PickList:focus {
+        width: 32; height: auto; max-height: 12; overlay: screen; constrain: none inside; overflow-y: auto;
+        border: round $accent; offset: -2 0;
+    }
+    """
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the chosen option alone, unless the list is open."""
+        if self.has_focus or self.highlighted_option is None:
+            return super().render_line(y)
+        style = self.get_visual_style("option-list--option")
+        if y:
+            return Strip.blank(self.size.width, style.rich_style)
+        words = Content(f"{self.highlighted_option.prompt} ▾").truncate(self.size.width, ellipsis=True, pad=True)
+        return Strip([Segment(words.plain, style.rich_style)], self.size.width)
