@@ -12,6 +12,12 @@ AWAITED = ("foreperiod", "storage", "response")
 """Waits of a trial during which nothing on a screen may move."""
 
 
+PAUSED_FACES = {"": "encouraging", "tired": "sleeping", "pain": "encouraging", "finished": "encouraging"}
+"""Expressions in a person's pauses, by their reasons."""
+_CLEARING_PAUSES = ("tired", "pain")
+"""Reasons of pauses in which what the agent said before would not fit."""
+
+
 class AgentState(msgspec.Struct, frozen=True):
     """The agent as a screen shows it.
 
@@ -19,6 +25,7 @@ class AgentState(msgspec.Struct, frozen=True):
     latest text. ``valence``: of ``words``; it sets their colour. ``moves``: the last action, with its gesture and gaze.
     ``cue``: the side to look or point to until the response. ``halts``: number of halts so far. ``sounding``: the
     voices that are audible, as (output, action). ``acting``: from the last `AgentActing`; None before the first.
+    ``paused_from``: the expression before a pause; empty if there is none.
     """
 
     words: str = ""
@@ -31,6 +38,7 @@ class AgentState(msgspec.Struct, frozen=True):
     halts: int = 0
     sounding: frozenset[tuple[str, str]] = frozenset()
     acting: bool | None = None
+    paused_from: str = ""
 
     @property
     def is_speaking(self) -> bool:
@@ -72,6 +80,12 @@ def _waited(state: AgentState, waiting: Waiting) -> AgentState:
     """Clear the words before a trial, and a filler when the wait it covered is over."""
     if not (waiting.stage == "trial" and waiting.what in AWAITED):
         state = replace(state, cue=None)
+    if waiting.stage == "paused" and waiting.reason in PAUSED_FACES:
+        state = replace(state, face=PAUSED_FACES[waiting.reason], paused_from=state.paused_from or state.face)
+        return replace(state, words="", more="", kind="") if clears_words(state, waiting) else state
+    if state.paused_from:
+        face = state.face if state.face not in PAUSED_FACES.values() else state.paused_from
+        state = replace(state, face=face, paused_from="")
     if clears_words(state, waiting):
         return replace(state, words="", more="", kind="", face="listening")
     if waiting.stage == "answer":
@@ -83,6 +97,8 @@ def clears_words(state: AgentState, waiting: Waiting) -> bool:
     """Return True if the words are cleared when the session waits for this."""
     if waiting.stage == "trial":
         return waiting.what != "agent"
+    if waiting.stage == "paused":
+        return waiting.reason in _CLEARING_PAUSES
     return waiting.stage in ("attempt", "review") and state.kind == "filler"
 
 

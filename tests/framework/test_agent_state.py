@@ -80,3 +80,23 @@ def test_it_speaks_while_any_voice_sounds() -> None:
 def test_once_the_agent_has_stopped_acting_its_mouth_is_shut(messages: list[Message]) -> None:
     assert not after(*messages, AgentActing(acting=False)).is_speaking
     assert not after(*messages).silenced().is_speaking
+
+
+def test_the_face_is_kind_in_a_pause_and_rests_with_somebody_tired() -> None:
+    def paused(reason: str) -> Waiting:
+        return Waiting(what="resume", stage="paused", reason=reason)
+
+    praised = after(action("Well done.", face="happy"))
+    state = after(paused(""), state=praised)
+    assert (state.face, state.words) == ("encouraging", "Well done.")
+    assert after(BETWEEN, state=state).face == "happy"
+    state = after(paused("tired"), state=state)
+    assert (state.face, state.words) == ("sleeping", "")
+    assert after(BETWEEN, state=state).face == "happy"
+    assert after(FOREPERIOD, state=state).face == "listening"
+    assert after(paused("pain"), state=state).face == "encouraging"
+
+
+def test_words_said_in_a_pause_keep_their_face_after_it() -> None:
+    state = after(Waiting(what="resume", stage="paused"), action("Shall we go on?", face="speaking"), BETWEEN)
+    assert state.face == "speaking"

@@ -44,9 +44,6 @@ _MARKABLE = ("trial", "answer", "review")
 _BETWEEN = ("attempt", "answer", "rest", "review")
 """Stages between two attempts, and after the last."""
 
-_PAUSED_FACES = {"tired": "sleeping", "pain": "encouraging"}
-"""Expressions in pauses, by their reasons; what the agent said before would not fit."""
-
 
 class SessionScreen(AgentScreen):
     """The stage of a session (see `screen_output.Stage`), which also reads its keys.
@@ -295,8 +292,6 @@ class SessionScreen(AgentScreen):
             self._show_position(waiting)
             self._show_trials(waiting.trial - 1)
             self.query_one(PauseMenu).open(waiting.reason)
-            if face := _PAUSED_FACES.get(waiting.reason):
-                self.clear_agent(face)
             self._stage("menu")
 
     def _update_motion(self, waiting: Waiting) -> None:
