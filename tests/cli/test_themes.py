@@ -239,7 +239,7 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
         ("theme.toml", "rate = 160", "rate = 1600", "    voice in theme.toml cannot be used: Expected `int` <= 400"),
         ("theme.toml", "[faces]\n", "[faces\n", "✗ can be read\n    theme.toml is not TOML: "),
         ("phrases.es.toml", "greeting = [", "greeting = ", "✗ can be read\n    phrases.es.toml is not TOML: "),
-        ("phrases.en.toml", "{value}! And the", "{valeu}! And the", "uses the unknown slot {valeu}."),
+        ("phrases.en.toml", "{value}! That reaches", "{valeu}! That reaches", "uses the unknown slot {valeu}."),
         ("phrases.es.toml", "¡Casi, casi!", "¡Casi once!", "holds a number: '¡Casi once! ¡Otra vez!'."),
         ("phrases.en.toml", "goal = ", "gaol = ", "✗ has the vocabulary in en"),
         ("phrases.en.toml", "[units]", '[units]\n"" = "x"', "    A unit in units (en) has an empty name."),

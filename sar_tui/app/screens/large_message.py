@@ -20,6 +20,12 @@ class Message(NamedTuple):
     press: str
 
 
+def rows_of(text: WaitingText, width: int) -> int:
+    """Return the rows of a message as it is written, with the blank ones between its parts."""
+    parts = [_rows(part, width) for part in (text.headline, text.text, text.press) if part]
+    return sum(parts) + max(0, len(parts) - 1)
+
+
 def large_message(text: WaitingText, width: int, height: int, *, more: int = 0) -> Message:
     """Return a message for ``width`` by ``height`` cells: with the key drawn large, more air, and a large headline.
 

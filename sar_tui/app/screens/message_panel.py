@@ -4,23 +4,29 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widgets import Static
 
-from sar_tui.app.screens.large_message import ROOMY, Message, large_message
+from sar_tui.app.screens.large_message import ROOMY, Message, large_message, rows_of
 from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.widgets.drawing import DrawingArea
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import Drawing
 
+_DRAWING_ROWS = 7
+"""Least rows of a drawing, with the blank one above it."""
+
 
 class MessagePanel(Vertical):
-    """Shows a message, larger in a large window. It changes only by its methods, and with the window's size."""
+    """Shows a message, larger in a large window. It changes only by its methods, and with the window's size.
+
+    Where there is little room the words stay, then the drawing, then the bars.
+    """
 
     def __init__(self, id: str | None = None) -> None:
         super().__init__(id=id)
         self._text = WaitingText("", "", "")
         self._bars: list[GoalBar] = []
         self._ask = ""
-        self._has_drawing = False
+        self._drawing: Drawing | None = None
 
     def compose(self) -> ComposeResult:
         yield Static("", id="result")
@@ -33,8 +39,7 @@ class MessagePanel(Vertical):
 
     def show(self, text: WaitingText, bars: list[GoalBar], drawing: Drawing | None = None, ask: str = "") -> None:
         """Show a message, below the bars of the last attempt. ``ask``: how to request feedback on it, or empty."""
-        self._text, self._bars, self._ask, self._has_drawing = text, bars, ask, drawing is not None
-        self.query_one(DrawingArea).show(drawing)
+        self._text, self._bars, self._ask, self._drawing = text, bars, ask, drawing
         self._arrange()
 
     def correct(self, later: str) -> None:
@@ -46,11 +51,15 @@ class MessagePanel(Vertical):
 
     def _arrange(self) -> None:
         width, height = self.content_size
-        bars = draw_bars(self._bars, width, language_of(self.app)) if self._bars else ""
+        left = height - rows_of(self._text, width) - bool(self._ask)
+        drawing = self._drawing if left >= _DRAWING_ROWS else None
+        has_bars = bool(self._bars) and left >= len(self._bars) + 1 + (_DRAWING_ROWS if drawing else 0)
+        bars = draw_bars(self._bars, width, language_of(self.app)) if has_bars else ""
+        self.query_one(DrawingArea).show(drawing)
         is_roomy = all(size >= least for size, least in zip(self.app.size, ROOMY, strict=True))
         message = Message(self._text.headline, self._text.text, "", self._text.press)
-        if is_roomy and not self._has_drawing:
-            more = len(self._bars) + bool(self._bars) + bool(self._ask)
+        if is_roomy and not drawing:
+            more = (len(self._bars) + 1) * has_bars + bool(self._ask)
             message = large_message(self._text, width, height, more=more)
         self._put("result", bars)
         for name in ("headline", "key"):
