@@ -26,6 +26,8 @@ FAMILIARISATION = 1
 """Sessions before the baseline."""
 BASELINE = 3
 """Sessions of the baseline; the SD of fewer says nothing."""
+_ROUNDING = 1e-9
+"""Share of a mean below which a difference is an error of rounding: sessions that are all alike have no noise."""
 
 
 class Baseline(msgspec.Struct, frozen=True):
@@ -78,8 +80,8 @@ def verdict(value: float, found: Baseline | None) -> Verdict:
     """Judge a session against the baseline: a gain must exceed the MDC95 and what practice may still bring."""
     if found is None:
         return "not yet known"
-    gain = value - found.mean
-    if -found.mdc95 <= gain <= found.mdc95 + found.rise:
+    gain, rounding = value - found.mean, _ROUNDING * abs(found.mean)
+    if -found.mdc95 - rounding <= gain <= found.mdc95 + found.rise + rounding:
         return "noise"
     return "more" if gain > 0 else "less"
 
@@ -88,6 +90,6 @@ def difference(later: float, earlier: float, found: Baseline | None) -> Verdict:
     """Judge the difference between two sessions after the baseline."""
     if found is None:
         return "not yet known"
-    if abs(later - earlier) <= found.mdc95:
+    if abs(later - earlier) <= found.mdc95 + _ROUNDING * abs(found.mean):
         return "noise"
     return "more" if later > earlier else "less"

@@ -162,11 +162,14 @@ def _practice(line: LineProgress, tr: Language) -> str:
     found = line.baseline
     if found is None or found.practice <= 0:
         return ""
+    first, later = figure(line, found.mean - found.practice, tr), figure(line, found.mean, tr)
+    if first == later:
+        return ""
     return tr(
         "Practice: from {first} in the first session to {mean} in the next {number}. A gain like this comes with "
         "repeating any test; it is not recovery.",
-        first=figure(line, found.mean - found.practice, tr),
-        mean=figure(line, found.mean, tr),
+        first=first,
+        mean=later,
         number=str(BASELINE),
     )
 

@@ -57,3 +57,11 @@ def test_a_baseline_that_still_rises_asks_more_of_a_gain_but_not_of_a_loss() -> 
     assert verdict(found.mean + found.mdc95 + 0.19, found) == "noise"
     assert verdict(found.mean + found.mdc95 + 0.21, found) == "more"
     assert verdict(found.mean - found.mdc95 - 0.01, found) == "less"
+
+
+def test_sessions_that_are_all_alike_have_not_changed() -> None:
+    """The mean of equal numbers may differ from them by a rounding error."""
+    for value in (3.6822406560608103, 0.1, 12.0, -950.3):
+        found = baseline([value] * 4)
+        assert verdict(value, found) == verdict(value * (1 - 1e-15), found) == "noise"
+        assert difference(value, value * (1 + 1e-15), found) == "noise"
