@@ -7,6 +7,7 @@ import numpy.typing as npt
 from sar_tui.motion.detection import DETECTORS, find, measure_all
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
+from sar_tui.motion.grid import even
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
 from sar_tui.motion.samples import Recording, Samples, recording
@@ -94,10 +95,11 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         return Finding(details=known, invalid="samples", flags=window.flags)
     whole = recording(inside, window.from_ns, window.flags)
     known["rate_hz"] = round(whole.rate_hz, 3)
+    grid = even(whole)
     reaches: tuple[Reach, ...] = ()
     for name, stored_name in STORED_NAMES.items():
         try:
-            found = find(whole, name, parameters.of(name), parameters.hand)
+            found = find(whole, name, parameters.of(name), parameters.hand, grid)
         except ValueError:
             return Finding(details=known, invalid="rate", flags=window.flags)
         found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))

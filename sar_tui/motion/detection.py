@@ -7,6 +7,7 @@ import msgspec
 
 from sar_tui.motion import fixed_threshold, single_axis
 from sar_tui.motion.detector_names import current_name
+from sar_tui.motion.grid import Grid
 from sar_tui.motion.measures import measure
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Detected, Hand
@@ -18,7 +19,7 @@ class Detector(NamedTuple):
 
     version: str
     parameters: type[msgspec.Struct]
-    find: Callable[[Recording, Any, Hand], Detected]
+    find: Callable[[Recording, Any, Hand, Grid | None], Detected]
 
 
 DETECTORS: dict[str, Detector] = {
@@ -56,8 +57,12 @@ def find(
     detector: str = "single-axis",
     parameters: msgspec.Struct | None = None,
     hand: Hand = "right",
+    grid: Grid | None = None,
 ) -> Detected:
-    """Return the boundaries of the reaches in a recording, without measuring them: much faster. Else as `detect`."""
+    """Return the boundaries of the reaches in a recording, without measuring them: much faster. Else as `detect`.
+
+    ``grid``: the recording's even grid (`grid.even`), if it is known.
+    """
     chosen = DETECTORS.get(current_name(detector))
     if chosen is None:
         raise ValueError(f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}.")
@@ -65,4 +70,4 @@ def find(
         raise ValueError(
             f"The detector {detector!r} takes {chosen.parameters.__name__}, not {type(parameters).__name__}."
         )
-    return chosen.find(recording, parameters, hand)
+    return chosen.find(recording, parameters, hand, grid)

@@ -20,14 +20,19 @@ class FixedThresholdParameters(msgspec.Struct, frozen=True, kw_only=True):
     still_ms: float = 800.0
 
 
-def find(recording: Recording, parameters: FixedThresholdParameters | None = None, hand: Hand = "right") -> Detected:
+def find(
+    recording: Recording,
+    parameters: FixedThresholdParameters | None = None,
+    hand: Hand = "right",
+    grid: Grid | None = None,
+) -> Detected:
     """Find the reaches: every stretch of movement that a rest of ``still_ms`` follows. It ends where that rest begins.
 
     A last stretch without that rest is flagged ``endless``, and ends with the recording.
-    ``reversed`` and ``gap`` are as in ``single_axis.find``.
+    ``reversed``, ``gap`` and ``grid`` are as in ``single_axis.find``.
     """
     parameters = parameters or FixedThresholdParameters()
-    grid = even(recording)
+    grid = grid or even(recording)
     if not len(grid.time_s):
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
     usable = np.isfinite(recording.rate).all(axis=1)

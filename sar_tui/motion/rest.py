@@ -128,15 +128,22 @@ def _running_mean(levels: Floats, reach: int) -> Floats:
 
 
 def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: float) -> float | None:
-    """Return the frequency of a clear peak of the rests' mean spectrum in the tremor band; None without one."""
+    """Return the frequency of a clear peak of the rests' mean spectrum in the tremor band; None without one.
+
+    A hand whose whole movement is smaller than a tremor has none, whatever its spectrum.
+    """
     some = begins[:: max(1, len(begins) // SPECTRA)]
     windows = rate[some[:, None] + np.arange(size)]
     taper = np.hanning(size)[:, None]
     windows = (windows - windows.mean(axis=1, keepdims=True)) * taper
+    per_sine = 2 / float(taper.sum())
+    largest = per_sine * math.sqrt(size * float((windows**2).sum()) / len(windows))  # Cauchy-Schwarz
+    if largest < (1 - 1e-9) * TREMOR_RAD_S:
+        return None
     frequency = np.fft.rfftfreq(4 * size, 1 / rate_hz)
     first, last = np.searchsorted(frequency, TREMOR_HZ[0]), np.searchsorted(frequency, TREMOR_HZ[1], "right")
     band = np.fft.rfft(windows, 4 * size, axis=1)[:, first:last]
-    amplitude = np.abs(band) * (2 / taper.sum())
+    amplitude = np.abs(band) * per_sine
     spectrum = np.sqrt((amplitude**2).sum(axis=2).mean(axis=0))
     peak = float(spectrum.max(initial=0.0))
     if peak <= max(TREMOR_RAD_S, PEAKED * float(np.median(spectrum))):

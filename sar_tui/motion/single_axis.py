@@ -62,7 +62,12 @@ class _Motion(NamedTuple):
     end: float
 
 
-def find(recording: Recording, parameters: SingleAxisParameters | None = None, hand: Hand = "right") -> Detected:
+def find(
+    recording: Recording,
+    parameters: SingleAxisParameters | None = None,
+    hand: Hand = "right",
+    grid: Grid | None = None,
+) -> Detected:
     """Find the reaches in a whole recording.
 
     Rest gives the bias, the noise and the tremor's frequency. With these removed, phases of movement are found in the
@@ -73,10 +78,10 @@ def find(recording: Recording, parameters: SingleAxisParameters | None = None, h
     ``cut`` (the recording begins or ends in it), ``timed_out``, ``reversed`` (out is not the usual way for this hand),
     ``low_rate`` (too few samples per second for ``cutoff_hz``: it was lowered).
 
-    Raises ValueError for fewer than 20 samples per second.
+    ``grid`` is the recording's even grid, if it is known. Raises ValueError for fewer than 20 samples per second.
     """
     parameters = parameters or SingleAxisParameters()
-    grid = even(recording)
+    grid = grid or even(recording)
     if len(grid.time_s) < 2:
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)

@@ -52,12 +52,19 @@ class Foreseen:
         self._known += count
         return hand
 
+    def at_rest(self, counts: Sequence[int], rest_s: float) -> list[int]:
+        """Return those of some numbers of samples to come after which the hand has rested for a time (s)."""
+        if self._found is None:
+            return []
+        found = np.array(counts)
+        return found[self._found.still_for_s[self._known - 1 + found] >= rest_s].tolist()  # type: ignore[no-any-return]
+
     def hands(self, counts: Sequence[int], since_s: float) -> Iterator[Hand]:
         """Yield the state of the hand after each of some numbers of samples to come; reached since a time (s)."""
         if self._found is None:
             yield from [STILL] * len(counts)
             return
-        index = self._known - 1 + np.array(counts)
+        index = self._known - 1 + np.array(counts, dtype=np.int_)
         reached = self._found.has_reached(index, since_s)
         began = [None if math.isnan(began_s) else began_s for began_s in self._found.began_s[index].tolist()]
         yield from map(Hand, self._found.still_for_s[index].tolist(), reached.tolist(), began)

@@ -129,7 +129,9 @@ class ReachPerception(TimedNode):
             return None
         if self._foreseen is None or not self._foreseen.continues_with(samples[: ends[-1]]):
             self._foreseen = self._segmented(samples)
-        stamps = samples["at"][np.array(ends) - 1].tolist()
+        if self._is_prompted and self._ended is None:
+            ends = self._foreseen.at_rest(ends, self._still_s)
+        stamps = [int(samples["at"][end - 1]) for end in ends]
         hands = self._foreseen.hands(ends, self._started / 1e9)
         for end, newest, hand in zip(ends, stamps, hands, strict=True):
             if self._reaction(newest, hand):
