@@ -1,5 +1,6 @@
 """The home screen: participants, tasks and past sessions."""
 
+import shutil
 from datetime import datetime
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
+from tests.sides_task import write_sides
 
 
 async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data: Path, catalogue: Catalogue) -> None:
@@ -144,6 +146,19 @@ async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_ch
         assert driver.sees("aaa (does not load)")
         await driver.press("left")
         assert driver.sees("P01 · Keyboard reaction")
+
+
+async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_start(data: Path, tmp_path: Path) -> None:
+    folder = write_sides(tmp_path / "mine")
+    known(data, "P01")
+    async with open_app(data, Catalogue((folder.parent,))) as driver:
+        await driver.press("right", "down", "down", "down")
+        assert driver.sees("P01 · Sides")
+        shutil.rmtree(folder)
+        await driver.press("f1", "enter")
+        assert driver.sees("There is no task sides")
+        await driver.press("f2", "f4")
+        assert driver.screen_name == "HomeScreen"
 
 
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:

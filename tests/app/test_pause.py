@@ -80,7 +80,7 @@ async def test_pain_said_in_a_pause_is_in_the_sessions_row(
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("interrupted: Enter resumes · pain")
+        assert driver.sees("interrupted: Enter resumes, pain")
 
 
 async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:

@@ -88,6 +88,12 @@ class ParticipantCard(Vertical):
         self._write({"welcome": _WELCOME if is_first else _NEW, "offer": ""})
         self._shows_facts(False)
 
+    def show_problem(self, participant: str, text: str) -> None:
+        """Say why there is no card."""
+        self.border_title = participant
+        self._write({"welcome": text})
+        self._shows_facts(False)
+
     def _shows_facts(self, shows: bool) -> None:
         for name in ("#choices", "#facts", "#go"):
             self.query_one(name).display = shows

@@ -124,14 +124,21 @@ class HomeScreen(JoiningScreen, StartingScreen):
             return
         self._shown = (who, name)
         card = self.query_one(ParticipantCard)
-        if not who or not name:
+        if not who:
             card.show_nobody(is_first=self._participants.is_empty)
+            return
+        if not name:
+            card.show_problem(who, "No task can be loaded. `sar-tui tasks` says why.")
             return
         from sar_tui.app.home.contents import read_card
         from sar_tui.app.home.words import offer_words
 
         today = self.app.today()
-        task = self.app.catalogue.task(name)
+        try:
+            task = self.app.catalogue.task(name)
+        except PluginError as error:  # it was removed or edited meanwhile
+            card.show_problem(who, str(error))
+            return
         contents = read_card(self.app.database, self.app.catalogue, who, task, today)
         offer = self.query_one(SessionList).offer
         card.show(who, task.title, contents, offer_words(*offer, today) if offer else "")
@@ -211,6 +218,11 @@ class HomeScreen(JoiningScreen, StartingScreen):
 
         self.app.push_screen(NewParticipantScreen(), added)
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        if action == "sessions" and self.focused is not None and self.focused.id == "recent":
+            return False
+        return super().check_action(action, parameters)
+
     # --- actions ---------------------------------------------------------------------------------------------
 
     def action_next(self) -> None:
@@ -268,7 +280,11 @@ class HomeScreen(JoiningScreen, StartingScreen):
             self.notify("Choose or add a participant first.", severity="warning")
             self._participants.focus()
             return None
-        return who, self.app.catalogue.task(name)
+        try:
+            return who, self.app.catalogue.task(name)
+        except PluginError as error:  # it was removed or edited meanwhile
+            self.notify(str(error), severity="warning", timeout=15)
+            return None
 
 
 def _title() -> str:
