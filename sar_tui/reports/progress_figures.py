@@ -46,7 +46,7 @@ def level_figure(line: LineProgress, width: int, height: int, tr: Language, chos
     else:
         ticks = [(value, _plain(line, value, tr)) for value in round_numbers(low, high, 5)]
         heading = unit
-    signs = {POINT: tr("level at goal"), BAND: tr("95 % band")}
+    signs = {BAND: tr("95 % band")}
     if area:
         signs[AREA] = tr("noise and practice")
     return _figure(line, values, (low, high), ticks, heading, signs, (width, height), tr, area=area, chosen=chosen)
@@ -134,8 +134,8 @@ def _figure(
         chosen=chosen,
     )
     known = {
-        ABOVE: tr("every result better than the goal"),
-        BELOW: tr("no result reached the goal"),
+        ABOVE: tr("all too easy"),
+        BELOW: tr("all too hard"),
         UNKNOWN: tr("not known"),
     }
     used = {value.without for value in values}

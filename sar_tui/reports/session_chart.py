@@ -150,7 +150,7 @@ def session_chart(
     rule: float | None = None,
     chosen: int | None = None,
 ) -> list[str]:
-    """Draw values over sessions.
+    """Draw values over sessions. Those without a value have a row of their own above or below the others.
 
     Args:
         values: of each session; of several in a column, the means are drawn.
@@ -167,6 +167,8 @@ def session_chart(
         ``rows`` + 1 lines.
     """
     low, high = axis
+    above, below = (_signs(values, columns, signs) for signs in (ABOVE, BELOW + UNKNOWN))
+    rows -= bool(above) + bool(below)
 
     def row(value: float) -> int:
         return rows - 1 - _part(value, low, high, rows - 1)
@@ -187,6 +189,8 @@ def session_chart(
         f"{labels.get(number, ''):>{margin - 1}}{'┤' if number in labels else '│'}{''.join(cells)}".rstrip()
         for number, cells in enumerate(grid)
     ]
+    edge = f"{'│':>{margin}}"
+    lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
     foot = ["─"] * columns.width
     if chosen is not None:
         foot[columns.column(chosen)] = CHOSEN
@@ -196,14 +200,21 @@ def session_chart(
 def _draw(values: Sequence[Value], column: int, grid: list[list[str]], row: Callable[[float], int]) -> None:
     value, low, high = (_mean([getattr(each, name) for each in values]) for name in ("value", "low", "high"))
     if value is None:
-        sign = next((each.without for each in values if each.without), "")
-        if sign:
-            grid[0 if sign == ABOVE else -1][column] = sign
         return
     if low is not None and high is not None:
         for line in range(row(high), row(low) + 1):
             grid[line][column] = BAND
     grid[row(value)][column] = POINT
+
+
+def _signs(values: Sequence[Value], columns: Columns, wanted: str) -> str:
+    """Return a row with the signs of columns that have no value, as far as they are wanted; empty for none."""
+    line = [" "] * columns.width
+    for column, sessions in columns.groups():
+        found = [values[session] for session in sessions]
+        if all(each.value is None for each in found):
+            line[column] = next((each.without for each in found if each.without and each.without in wanted), " ")
+    return "".join(line).rstrip()
 
 
 def _mean(values: Sequence[float | None]) -> float | None:

@@ -266,5 +266,5 @@ def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type
 def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: type[Task]) -> None:
     easy = session(2, at_one_level(2, 500.0))
     drawn = level_figure(of(keyboard, *steady(2), easy).lines[0], 120, 16, progress_words.words("en", keyboard))
-    assert "^ every result better than the goal" in drawn[0]
+    assert "^ all too easy" in drawn[0]
     assert "^" in drawn[1]
