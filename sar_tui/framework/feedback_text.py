@@ -89,7 +89,9 @@ class FeedbackText:
             results = _Pair(feedback.remark, results.figures)
         elif failed and feedback.advice:
             results = _Pair(self._word("unanswered", advice=feedback.advice), results.figures)
-        texts = [self._in_form(results, choice.form), *([performance.text(choice.form)] if performance else [])]
+        is_advice = failed and feedback.advice and not feedback.remark and choice.form == "both"
+        form: Form = "qualitative" if is_advice else choice.form  # a count of misses would sound like a reproach
+        texts = [self._in_form(results, form), *([performance.text(choice.form)] if performance else [])]
         return WrittenFeedback(" ".join(texts), feedback.valence, choice.degree)
 
     def _in_form(self, pair: "_Pair", form: Form) -> str:

@@ -116,6 +116,20 @@ def session(task: str, *codes: str, **settings: object) -> Open:
     return opened
 
 
+@asynccontextmanager
+async def therapists_changes(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+    async with session("keyboard", "P01", **SHORT)(data, catalogue) as driver:
+        await driver.press("enter", "escape", "up", "enter")
+        yield driver
+
+
+@asynccontextmanager
+async def forced_rest(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
+    async with session("keyboard", "P01", **SHORT, rest_after_attempts=1)(data, catalogue) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        yield driver
+
+
 SCREENS: dict[str, tuple[str, Open]] = {
     "home": ("HomeScreen", home),
     "help": ("HelpScreen", after("f1")),
@@ -128,6 +142,8 @@ SCREENS: dict[str, tuple[str, Open]] = {
     "presets": ("ChoosePresetScreen", presets),
     "command palette": ("CommandPalette", after("ctrl+p")),
     "sensor check": ("SensorCheckScreen", session("reaching", "P01", imu="simulated")),
+    "therapist's changes": ("AdjustScreen", therapists_changes),
+    "forced rest": ("SessionScreen", forced_rest),
     "session": ("SessionScreen", session("keyboard", "P01", **SHORT)),
 }
 

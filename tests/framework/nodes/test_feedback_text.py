@@ -231,9 +231,9 @@ def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
 
 
 @pytest.mark.parametrize(("metric", "correct"), [(500.0, 12), (None, 18)])
-def test_unanswered_prompts_are_answered_with_the_tasks_advice(metric: float | None, correct: int) -> None:
+def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone(metric: float | None, correct: int) -> None:
     advice = "Lift your arm as soon as you hear the signal."
-    words, _ = spelled(Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice))
+    (words,) = spelled(Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice))
     assert words == ("unanswered", {"advice": advice})
     both = Agent(Lift, VOICES[0], "qualitative").feedback_on(metric, correct=correct, advice=advice, remark=REMARK)
     assert both == REMARK, "the task's own remark on what went wrong says more"
