@@ -200,7 +200,7 @@ def _sessions(database: sqlite3.Connection) -> list[tuple[str, str, str]]:
     texts = database.text_factory
     database.text_factory = lambda raw: raw.decode(errors="replace")
     found = database.execute(
-        "SELECT id, (SELECT group_concat(participant, ', ') FROM seats WHERE session=id), task"
+        "SELECT id, coalesce((SELECT group_concat(participant, ', ') FROM seats WHERE session=id), '?'), task"
         " FROM sessions ORDER BY sessions.rowid"
     ).fetchall()
     database.text_factory = texts
@@ -232,7 +232,8 @@ def _is_readable(database: sqlite3.Connection, session: str) -> bool:
     try:
         for table in get_args(sessions.Table):
             sessions.rows(database, table, session)
-        return sessions.stored(database, session) is not None
+        seated = sessions.rows(database, "seats", session)
+        return sessions.stored(database, session) is not None and bool(seated)
     except (StoreError, sqlite3.Error):
         return False
 

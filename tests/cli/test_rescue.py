@@ -94,13 +94,20 @@ def test_damaged_messages_are_named_and_the_others_brought_back(
 
 
 @pytest.mark.parametrize(
-    "change", ["UPDATE sessions SET parameters='{'", "UPDATE trials SET response=CAST(x'FF' AS TEXT)"]
+    ("change", "who"),
+    [
+        ("UPDATE sessions SET parameters='{'", "P01"),
+        ("UPDATE trials SET response=CAST(x'FF' AS TEXT)", "P01"),
+        ("UPDATE seats SET session='another'", "?"),
+    ],
 )
-def test_a_session_with_a_damaged_row_stays_in_its_file(call: Call, waiting: str, tmp_path: Path, change: str) -> None:
+def test_a_session_with_a_damaged_row_stays_in_its_file(
+    call: Call, waiting: str, tmp_path: Path, change: str, who: str
+) -> None:
     path = damage(tmp_path / "data", change)
     called = call("rescue")
     assert (called.code, called.err) == (1, "")
-    assert f"Session {waiting} of P01 (keyboard) stays in {path}: its rows are damaged" in called.out
+    assert f"Session {waiting} of {who} (keyboard) stays in {path}: its rows are damaged" in called.out
     assert call("sessions").code == 0
 
 
