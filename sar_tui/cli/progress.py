@@ -168,37 +168,32 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
     from sar_tui.cli.long_table import print_table
     from sar_tui.reports import progress_words
 
-    numbers: tuple[str, ...] = (
-        "level",
-        "mean ± SD",
-        "right",
-        "goals",
-        "at goal",
-        f"{line.axis.unit or line.axis.name}, 95 %",
-    )
+    heads = [tr(head) for head in ("session", "date", "levels", "mean ± SD", "correct", "goals", "level at goal")]
+    heads.append(f"{tr(line.axis.unit or line.axis.name)}, 95 %")
     has_felt = any(each.pain is not None or each.tiredness is not None for each in line.sessions)
     if has_felt:
-        numbers += ("pain", "tired")
+        heads += [tr("pain"), tr("tired")]
     rows = [
         (
             each.session[:_ID],
             progress_words.day(each.began),
             f"{each.first_level}→{each.last_level}",
-            progress_words.mean(line, each),
+            tr.figures(progress_words.mean(line, each)),
             f"{each.right / each.trials:.0%}" if each.trials else "",
             f"{each.reached}/{each.attempts}",
-            f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "",
-            progress_words.band(line, each, tr) or progress_words.SIDES[each.side],
+            tr.figures(f"{each.at_goal.level:.1f}") if each.at_goal and each.at_goal.level else "",
+            progress_words.band(line, each, tr) or tr(progress_words.SIDES[each.side]),
             *("–" if given is None else str(given) for given in (each.pain, each.tiredness) if has_felt),
         )
         for each in line.sessions[-_LISTED:]
     ]
-    print_table(out, ("session", "date", *numbers), rows, right=numbers)
+    print_table(out, heads, rows, right=heads[2:])
     if len(line.sessions) > _LISTED:
         out.print(f"{len(line.sessions) - _LISTED} earlier sessions are in --json.")
     if line.between_sd is not None:
         shown = f"{line.between_sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
-        out.print(f"SD between the sessions' means: {shown}; SD in the table: between a session's attempts.")
+        between = tr("SD between the means of the sessions: {sd}.", sd=shown)
+        out.print(f"{between} {tr('SD in the table: between the attempts of a session.')}", soft_wrap=True)
     out.print()
 
 

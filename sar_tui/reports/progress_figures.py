@@ -85,7 +85,7 @@ def has_results(line: LineProgress) -> bool:
 
 def qualities(line: LineProgress, tr: Language) -> list[tuple[str, list[float | None], str]]:
     """Return the share of right responses, and each measure of how the movements were done: name, values, format."""
-    rows = [(tr("right"), [each.right / each.trials if each.trials else None for each in line.sessions], "{:.0%}")]
+    rows = [(tr("correct"), [each.right / each.trials if each.trials else None for each in line.sessions], "{:.0%}")]
     names = dict.fromkeys(name for each in line.sessions for name in each.qualities)
     return rows + [
         (progress_words.quality(name, tr), [each.qualities.get(name) for each in line.sessions], "{:.3g}")
@@ -138,9 +138,10 @@ def _figure(
         BELOW: tr("all too hard"),
         UNKNOWN: tr("not known"),
     }
+    months = tr("Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec").split()
     used = {value.without for value in values}
     lines = [_heading(heading, signs | {sign: text for sign, text in known.items() if sign in used}, width), *chart]
-    lines.append(" " * margin + columns.dates([each.began[:10] for each in line.sessions]))
+    lines.append(" " * margin + columns.dates([each.began[:10] for each in line.sessions], months))
     return [line.rstrip() for line in (*lines, *below)]
 
 

@@ -63,7 +63,7 @@ def sessions_part(
     """Return the sessions as a table with a cursor; ``marked`` is the id of the one to compare with."""
     width, height = size
     at_goal = f"at goal ({line.axis.unit or line.axis.name})"
-    heads = ("date", "levels", "mean ± SD", "right", "goals", at_goal, "pain", "tired")
+    heads = ("date", "levels", "mean ± SD", "correct", "goals", at_goal, "pain", "tired")
     shown = _window(len(line.sessions), max(1, height - 1), chosen)
     rows = [[tr(head) for head in heads]]
     rows += [_cells(line, line.sessions[number], tr) for number in shown]

@@ -94,31 +94,25 @@ class Columns(msgspec.Struct, frozen=True):
             line[column] = "·" if mean is None else BARS[_part(mean, min(known), max(known), len(BARS) - 1)]
         return "".join(line).rstrip()
 
-    def dates(self, days: Sequence[str]) -> str:
-        """Return a row of dates ("2026-03-02") as far as there is room, shortened; the last one is always there."""
-        months = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
-        is_long = bool(days) and _days(days[0], days[-1]) > _LONG_DAYS
+    def dates(self, days: Sequence[str], months: Sequence[str]) -> str:
+        """Return a row of dates as far as there is room; the last one is always there.
+
+        Args:
+            days: of each session ("2026-03-02"); at least one.
+            months: short names of the months.
+        """
+        is_long = _days(days[0], days[-1]) > _LONG_DAYS
+        texts = [day[:7] if is_long else f"{int(day[8:])} {months[int(day[5:7]) - 1]}" for day in days]
         line = [" "] * self.width
-
-        def text(day: str) -> str:
-            return day[:7] if is_long else f"{int(day[8:10])} {months[int(day[5:7]) - 1]}"
-
-        def put(session: int, before: int) -> int:
-            shown = text(days[session])
-            begin = min(self.column(session), self.width - len(shown))
-            if begin + len(shown) > before or begin < 0:
-                return -1
-            line[begin : begin + len(shown)] = shown
-            return begin
-
-        last = put(len(days) - 1, self.width) if days else 0
-        free = 0
+        last = min(self.column(len(days) - 1), self.width - len(texts[-1]))
+        line[last:] = texts[-1]
+        free, before = 0, texts[-1]
         for column, sessions in self.groups():
-            shown = text(days[sessions[0]])
-            if column >= free and column + len(shown) + _GAP <= last and (not free or shown != text(days[0])):
+            shown = texts[sessions[0]]
+            if free <= column <= last - len(shown) - _GAP and shown != before:
                 line[column : column + len(shown)] = shown
-                free = column + len(shown) + _GAP
-        return "".join(line).rstrip()
+                free, before = column + len(shown) + _GAP, shown
+        return "".join(line)
 
 
 def limits(values: Sequence[Value], more: Sequence[float] = ()) -> tuple[float, float]:

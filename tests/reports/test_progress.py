@@ -259,8 +259,14 @@ def test_the_chart_of_levels_has_pain_and_tiredness_on_its_axis(keyboard: type[T
 def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type[Task]) -> None:
     found = of(keyboard, *(session(number, adapted(number), qualities={"sparc": -1.5 - number}) for number in (0, 1)))
     drawn = result_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard))
-    assert drawn[-2].split() == ["right", "95%", "95%"]
+    assert drawn[-2].split() == ["correct", "95%", "95%"]
     assert drawn[-1].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
+
+
+def test_the_words_of_a_task_do_not_change_those_of_the_charts(keyboard: type[Task]) -> None:
+    drawn = result_figure(of(keyboard, *steady(2)).lines[0], 78, 16, progress_words.words("es", keyboard))
+    assert drawn[-1].startswith("aciertos ")
+    assert drawn[0].startswith("tiempo de reacción (ms)")
 
 
 def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: type[Task]) -> None:

@@ -2,6 +2,8 @@
 
 from sar_tui.reports.session_chart import ABOVE, BELOW, POINT, UNKNOWN, Columns, Value, limits, session_chart
 
+MONTHS = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
+
 
 def draw(values: list[Value], width: int = 40, rows: int = 7, **more: object) -> list[str]:
     columns = Columns(len(values), width)
@@ -50,10 +52,11 @@ def test_figures_say_ten_and_show_where_nothing_is_known() -> None:
 
 def test_dates_are_shortened_and_the_last_one_is_there() -> None:
     days = [f"2026-03-{day:02}" for day in range(1, 31)]
-    shown = Columns(30, 60).dates(days)
+    shown = Columns(30, 60).dates(days, MONTHS)
     assert shown.strip().startswith("1 Mar")
     assert shown.endswith("30 Mar")
-    assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"]).split() == ["2026-03", "2027-03"]
+    assert Columns(3, 60).dates(["2026-03-01", "2026-03-01", "2026-03-02"], MONTHS).split() == ["1", "Mar", "2", "Mar"]
+    assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"], MONTHS).split() == ["2026-03", "2027-03"]
 
 
 def test_each_row_has_the_label_next_to_its_middle() -> None:
