@@ -8,6 +8,7 @@ is closer than ``CLOSE``, the Segmenter itself decides on the whole stretch.
 
 import math
 from bisect import bisect_right
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -110,20 +111,15 @@ class _Ahead(NamedTuple):
         """Return which of them is valid at a sample."""
         return bisect_right(self.starts, index) - 1
 
-    def bias(self, first: int, last: int) -> Floats:
-        """Return the bias of samples ``first`` to before ``last``: of shape (3,) if there is one, or (n, 3)."""
-        some = slice(self.at(first), self.at(last - 1) + 1)
-        if some.stop - some.start == 1:
-            return np.array(self.biases[some.start])
-        return np.repeat(self.biases[some], self._lengths(some, first, last), axis=0)
-
-    def floor(self, first: int, last: int) -> Floats:
-        """Return the noise floor of samples ``first`` to before ``last``."""
-        some = slice(self.at(first), self.at(last - 1) + 1)
-        return np.repeat(self.floors[some], self._lengths(some, first, last))
-
-    def _lengths(self, some: slice, first: int, last: int) -> npt.NDArray[np.int_]:
-        return np.diff([first, *self.starts[some][1:], last])
+    def within(self, first: int, last: int) -> tuple[Floats, Floats]:
+        """Return bias and noise floor of samples ``first`` to before ``last``: of shape (n, 3) and (n,), or one."""
+        one, other = self.at(first), self.at(last - 1)
+        biases, floors = np.array(self.biases[one : other + 1]), np.array(self.floors[one : other + 1])
+        if one == other:
+            return biases, floors
+        bounds = [first, *self.starts[one + 1 : other + 1], last]
+        index = np.repeat(np.arange(len(floors)), [stop - start for start, stop in pairwise(bounds)])
+        return biases[index], floors[index]
 
 
 class _Search:
@@ -259,9 +255,9 @@ class _Search:
         """Return the first sample from ``index`` on at which the hand begins or stops; ``ahead.stop`` if at none."""
         for first in range(index, ahead.stop, STRETCH):
             last = min(first + STRETCH, ahead.stop)
-            filtered = (self.slow if self.shaking else self.fast)[first:last] - ahead.bias(first, last)
+            bias, floor = ahead.within(first, last)
+            filtered = (self.slow if self.shaking else self.fast)[first:last] - bias
             speed = np.sqrt(np.einsum("ij,ij->i", filtered, filtered))
-            floor = ahead.floor(first, last)
             if self.moving:
                 excess = np.maximum(self.parameters.end_rad_s, 1.2 * floor) - speed
             else:
@@ -308,7 +304,8 @@ class _Search:
             last = first + int(np.searchsorted(rest_s, BLOCK_S, "right"))
         if first == last:
             return
-        steps = (self.slow[first:last] - ahead.bias(first, last)) * self.step_s[first:last, None]
+        bias, _ = ahead.within(first, last)
+        steps = (self.slow[first:last] - bias) * self.step_s[first:last, None]
         turned = self.turned + np.cumsum(steps, axis=0)
         angle = np.sqrt(np.einsum("ij,ij->i", turned, turned))
         farthest = np.maximum(np.maximum.accumulate(angle), self.farthest)
