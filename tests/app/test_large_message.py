@@ -23,8 +23,8 @@ def test_the_key_comes_first_then_air_then_the_headline() -> None:
     assert larger(30) == (True, True, True)
 
 
-def test_a_headline_that_is_too_wide_or_has_no_large_letters_stays_as_it_is() -> None:
-    for headline in ("Le damos la bienvenida", "続き"):
+def test_a_headline_of_several_words_or_without_large_letters_stays_as_it_is() -> None:
+    for headline in ("Now level 2.", "Bienvenidísimos", "続き"):
         assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
 
 

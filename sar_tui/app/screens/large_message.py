@@ -20,6 +20,11 @@ class Message(NamedTuple):
     press: str
 
 
+def is_roomy(columns: int, rows: int) -> bool:
+    """Return True if texts are larger in a window of this size."""
+    return columns >= ROOMY[0] and rows >= ROOMY[1]
+
+
 def rows_of(text: WaitingText, width: int) -> int:
     """Return the rows of a message as it is written, with the blank ones between its parts."""
     parts = [_rows(part, width) for part in (text.headline, text.text, text.press) if part]
@@ -27,7 +32,8 @@ def rows_of(text: WaitingText, width: int) -> int:
 
 
 def large_message(text: WaitingText, width: int, height: int, *, more: int = 0) -> Message:
-    """Return a message for ``width`` by ``height`` cells: with the key drawn large, more air, and a large headline.
+    """Return a message for ``width`` by ``height`` cells: with the key drawn large, more air, and a large headline
+    of one word.
 
     Each of these, in this order, only if there is room; the words are never left out.
 
@@ -42,7 +48,7 @@ def large_message(text: WaitingText, width: int, height: int, *, more: int = 0) 
         key, rows = "\n".join(drawn), rows - len(drawn) - 1
     if 0 < (air := text.text.count("\n") - 2 * text.text.count("\n\n")) <= rows:
         lines, rows = "\n\n".join(part for part in text.text.split("\n") if part), rows - air
-    if drawn := _drawn(text.headline, width, rows):
+    if " " not in text.headline and (drawn := _drawn(text.headline, width, rows)):
         headline = "\n".join(drawn)
     return Message(headline, lines, key, text.press)
 

@@ -4,15 +4,15 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widgets import Static
 
-from sar_tui.app.screens.large_message import ROOMY, Message, large_message, rows_of
+from sar_tui.app.screens.large_message import Message, is_roomy, large_message, rows_of
 from sar_tui.app.screens.waiting_text import WaitingText
 from sar_tui.widgets.drawing import DrawingArea
 from sar_tui.widgets.goal_bar import GoalBar, draw_bars
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.task_view import Drawing
 
-_DRAWING_ROWS = 7
-"""Least rows of a drawing, with the blank one above it."""
+_DRAWING_ROWS, _DRAWING_COLUMNS = 7, 72
+"""Least rows of a drawing, with the blank one above it, and most columns."""
 
 
 class MessagePanel(Vertical):
@@ -55,10 +55,11 @@ class MessagePanel(Vertical):
         drawing = self._drawing if left >= _DRAWING_ROWS else None
         has_bars = bool(self._bars) and left >= len(self._bars) + 1 + (_DRAWING_ROWS if drawing else 0)
         bars = draw_bars(self._bars, width, language_of(self.app)) if has_bars else ""
-        self.query_one(DrawingArea).show(drawing)
-        is_roomy = all(size >= least for size, least in zip(self.app.size, ROOMY, strict=True))
+        area = self.query_one(DrawingArea)
+        area.styles.margin = (1, 0, 0, max(0, (width - _DRAWING_COLUMNS) // 2))
+        area.show(drawing)
         message = Message(self._text.headline, self._text.text, "", self._text.press)
-        if is_roomy and not drawing:
+        if is_roomy(*self.app.size) and not drawing:
             more = (len(self._bars) + 1) * has_bars + bool(self._ask)
             message = large_message(self._text, width, height, more=more)
         self._put("result", bars)

@@ -13,6 +13,7 @@ from textual.widgets import ContentSwitcher, Static
 from sar_tui.app.agent.screen_base import AgentScreen
 from sar_tui.app.live import LiveSession
 from sar_tui.app.prompt_onset import report_onset
+from sar_tui.app.screens.large_message import is_roomy
 from sar_tui.app.screens.mark_keys import MarkKeys
 from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
@@ -43,6 +44,10 @@ _MARKABLE = ("trial", "answer", "review")
 
 _BETWEEN = ("attempt", "answer", "rest", "review")
 """Stages between two attempts, and after the last."""
+
+
+_DRAWING_HEIGHT = 40
+"""Least rows of a window in which a drawing leaves room above the agent."""
 
 
 class SessionScreen(AgentScreen):
@@ -169,7 +174,8 @@ class SessionScreen(AgentScreen):
         return first | self._marks.bindings(found, self.size.width, self) | found
 
     def on_resize(self) -> None:
-        """Name the keys of marks as far as there is room."""
+        """Name the keys of marks as far as there is room, and give the pause menu more of it."""
+        self.set_class(is_roomy(*self.app.size), "roomy")
         self.refresh_bindings()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
@@ -342,7 +348,8 @@ class SessionScreen(AgentScreen):
         is_between = waiting.stage in _BETWEEN and waiting.attempt > 1
         bars = [bar for _, bar in sorted(self._bars.items())] if is_between else []
         self.query_one(MessagePanel).show(text, bars, drawing, ask)
-        self._seat_agent("" if not (is_between and self.agent.display) else "drawn" if drawing else "between")
+        is_tight = drawing and self.app.size.height < _DRAWING_HEIGHT
+        self._seat_agent("" if not (is_between and self.agent.display) else "drawn" if is_tight else "between")
         self._stage("message")
         if waiting.stage == "rest":
             self._count_down(waiting)
@@ -376,6 +383,7 @@ class SessionScreen(AgentScreen):
         """Let the agent speak from the middle between two attempts, ``drawn`` above a drawing; else from below."""
         if where != self._agent_seat:
             self._agent_seat, stage = where, self.query_one("#stage")
+            self.set_class(bool(where), "middle")
             self.set_class(where == "between", "between")
             if where:
                 self.move_child(self.agent, before=stage)
