@@ -23,7 +23,7 @@ from sar_tui.progress.level_estimate import (
     shared_slope,
     slope_of,
 )
-from sar_tui.progress.task_level import AttemptResult, compared_settings, on_axis
+from sar_tui.progress.task_level import AttemptResult, compared_settings, on_axis, places
 
 Side = Literal["", "easier", "harder"]
 
@@ -182,10 +182,15 @@ def _line(kind: type[Task] | None, settings: Mapping[str, Any], members: Sequenc
 
 
 def _set_up(kind: type[Task], settings: Mapping[str, Any]) -> Task | None:
+    """Return the task with its settings; None if it does not accept them, or its levels cannot be placed."""
     try:
-        return kind(build(kind.Parameters, settings))
+        task = kind(build(kind.Parameters, settings))
+        places(task)
+        for level in range(1, task.levels + 1):
+            float(task.target(level).threshold)
     except (ParameterError, *PLUGIN_ERRORS):
         return None
+    return task
 
 
 def _point(results: SessionResults, attempts: Sequence[Attempt], shared: Slope | None) -> Point:

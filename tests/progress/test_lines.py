@@ -127,3 +127,15 @@ def test_levels_that_do_not_get_harder_one_by_one_have_no_places_between(keyboar
     task = keyboard(keyboard.Parameters(levels=("asdf", "jk")))
     assert places(task) == []
     assert to_level([], 1.0) is None
+
+
+def test_a_task_whose_levels_cannot_be_placed_still_has_its_results(
+    keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(self: Task, level: int) -> float:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(keyboard, "difficulty", broken)
+    (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2)))
+    assert line.task is None
+    assert all(point.mean is not None and point.estimate is None for point in line.points)
