@@ -1,10 +1,12 @@
 """The therapist's progress screen: of nobody's sessions, of several, and what its keys do."""
 
+import sqlite3
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from sar_tui.app.screens import progress as progress_screen
 from sar_tui.app.screens.past_session import PastSessionScreen
 from sar_tui.app.screens.progress import NONE_YET, ProgressScreen
 from sar_tui.plugins import Catalogue
@@ -37,8 +39,20 @@ def trained(data: Path, catalogue: Catalogue, *thresholds: float) -> None:
             )
 
 
-async def test_without_sessions_every_part_says_so(data: Path, catalogue: Catalogue) -> None:
+async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unreadable(*_: object) -> None:
+        raise sqlite3.OperationalError("disk I/O error")
+
     async with open_app(data, catalogue) as driver:
+        with monkeypatch.context() as context:
+            context.setattr(progress_screen, "sessions_of", unreadable)
+            await open_progress(driver, catalogue)
+            for key in ("right", "n", "h", "c", "s", "up"):
+                await driver.press(key)
+            assert driver.sees("The sessions cannot be read:")
+            await driver.press("escape")
         await open_progress(driver, catalogue)
         assert driver.sees(NONE_YET)
         for key in ("right", "right", "right", "right", "c", "n", "h", "up", "end", "left", "resize"):

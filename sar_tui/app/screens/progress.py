@@ -81,7 +81,9 @@ class ProgressScreen(DismissedOnce[None]):
         yield Static("", id="parts")
         with Horizontal(id="body"):
             yield Static("Reading the sessions …", id="part")
-            yield Static("", id="beside")
+            beside = Static("", id="beside")
+            beside.display = False
+            yield beside
         yield Static("", id="chosen", markup=False)
         yield KeyFooter()
 
