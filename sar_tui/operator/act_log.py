@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from msgspec.structs import replace
+
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Message, PeerRequestRefused
 from sar_tui.link.peer import Frame, Welcome
@@ -83,5 +85,6 @@ class ActLog:
                 return  # it was confirmed before the connection was lost
         if text := act_text(message, me, self._kinds):
             by = "you" if message.actor == me.name else short_name(message.actor)
-            act = Act(text, frame.topic.name, message, by=by).received(frame)
+            timed = replace(message, at=message.at or frame.at)  # the therapist's keys have no time stamp
+            act = Act(text, frame.topic.name, timed, by=by).received(frame)
             self.others = [*self.others, act][-MAX_LINES:]

@@ -384,7 +384,7 @@ def test_a_therapists_mark_is_in_the_log_of_everybody() -> None:
 def test_a_mark_that_is_removed_is_logged_as_removed(actor: str, by: str) -> None:
     commands = Commands()
     commands.receive(b.welcome(marks=b.MARKS))
-    mark = m.SessionCommand(command="mark", actor=actor, reason="missed", at=b.START)
+    mark = m.SessionCommand(command="mark", actor=actor, reason="missed")  # without a time stamp, as in the app
     removed = m.TrialMarked(attempt=3, trial=4, mark="", correct=True)
     commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, removed)])
     assert commands.log.lines(b.START) == [Line(b.START, f"{by}Unmarked: marker missed", "good")]
