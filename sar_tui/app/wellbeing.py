@@ -13,18 +13,18 @@ from sar_tui.store.database import StoreError
 from sar_tui.tui.language import session_language
 
 if TYPE_CHECKING:
-    from sar_tui.app.app import SarTui
     from sar_tui.app.live import LiveSession
+    from sar_tui.app.opening import OpeningApp
 
 
-def ask_before(app: "SarTui", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingScreen:
+def ask_before(app: "OpeningApp", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingScreen:
     """Return the screen that asks before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
     return WellbeingScreen("before", people, _saving(app, "before"), tr)
 
 
-def ask_after(app: "SarTui", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
+def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
     """Return the screen that asks after a session, or in a pause of it."""
     session, codes = live.run.session, dict(live.codes)
     rows = wellbeing.of_session(app.database, live.run.id)
@@ -34,7 +34,7 @@ def ask_after(app: "SarTui", live: "LiveSession", moment: Moment = "after") -> W
     return WellbeingScreen(moment, people, _saving(app, moment, live.run.id), tr)
 
 
-def warnings(app: "SarTui", codes: Sequence[str]) -> list[str]:
+def warnings(app: "OpeningApp", codes: Sequence[str]) -> list[str]:
     """Return a sentence for each thing that the therapist should be told of some participants."""
     return [
         f"{code}: {text}" for code in codes for text in advice(tell_therapist(wellbeing.history(app.database, code)))
@@ -47,7 +47,7 @@ def _people(task: Task, codes: dict[str, str]) -> list[Person]:
     return [Person(seat, code, f"{task.seat_name(seat)} ({code})" if several else "") for seat, code in codes.items()]
 
 
-def _saving(app: "SarTui", moment: Moment, session: str | None = None) -> Save:
+def _saving(app: "OpeningApp", moment: Moment, session: str | None = None) -> Save:
     def save(person: Person, question: wellbeing.Question, answer: str) -> None:
         try:
             wellbeing.save(app.database, person.code, moment, question, answer, session=session, seat=person.seat)
