@@ -64,7 +64,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
     rest_after_attempts: Annotated[
         int,
         meta(
-            "Must rest after attempts",
+            "Must rest (attempts)",
             "attempts",
             "A rest that Enter cannot skip follows after so many attempts, practice included. 0: none.",
             ge=0,
@@ -75,7 +75,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
     rest_after_minutes: Annotated[
         int,
         meta(
-            "Must rest after minutes",
+            "Must rest (minutes)",
             "min",
             "The same rest follows the attempt in which so much time has passed since the last one. 0: none.",
             ge=0,
