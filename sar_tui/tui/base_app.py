@@ -68,10 +68,18 @@ class BaseApp(App[int]):
         tolerate_in_terminals()
         stamp_keys_as_read()
         sys.setswitchinterval(SWITCH_INTERVAL)
-        with asyncio.Runner(loop_factory=punctual_loop) as runner:
-            runner.run(self.run_async())
+        try:
+            with asyncio.Runner(loop_factory=punctual_loop) as runner:
+                runner.run(self.run_async())
+        finally:
+            self._end_input()
         self._report_unreadable()
         return self.return_code or int(bool(self.failure))
+
+    def _end_input(self) -> None:
+        """Let the driver's input thread end, for which Python waits, even if a lost terminal has kept it running."""
+        if (ends := getattr(self._driver, "exit_event", None)) is not None:
+            ends.set()
 
     def get_driver_class(self) -> type[Driver]:
         driver = unblocked(super().get_driver_class(), self._terminal_recovered, self._terminal_gone)
