@@ -396,6 +396,17 @@ async def test_a_text_that_the_session_refuses_is_offered_again(catalogue: Catal
         assert driver.panel.query_one(ProposalStrip).entry.value == ""
 
 
+async def test_the_skip_key_ends_a_rest_that_must_be_taken(catalogue: Catalogue, folder: Path) -> None:
+    async with panel(catalogue, folder) as driver:
+        await driver.publish(t.WAITING, b.waiting("rest", "rest"))
+        assert "A rest that must be taken" in driver.text
+        await driver.press("s")
+        assert [(act.command, act.reason) for act in driver.sent(t.COMMAND)] == [("skip", "rest")]
+        await driver.publish(t.COMMAND, replace(driver.peer.sent[-1][1]))
+        await driver.publish(t.WAITING, b.waiting("enter", "attempt"))
+        assert "✓ Ended the rest" in " ".join(driver.text.split())
+
+
 async def test_without_a_prompt_nothing_is_skipped_or_repeated(catalogue: Catalogue, folder: Path) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("s", "r")

@@ -39,7 +39,7 @@ from sar_tui.widgets.goal_bar import GoalBar, bar_of
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.progress_line import ProgressLine
 
-_MARKABLE = ("trial", "answer", "review")
+_MARKABLE = ("trial", "answer", "rest", "review")
 """Stages in which there is a trial to mark; and before an attempt, except the first."""
 
 _BETWEEN = ("attempt", "answer", "rest", "review")
