@@ -29,7 +29,7 @@ from sar_tui.widgets.sensor_placement import DRAWN, bar
 from tests.album import Album
 from tests.app.app_driver import AppDriver, open_app, plan, stored
 from tests.app.test_snapshots import THEMES
-from tests.examples import first
+from tests.examples import first, first_rows
 
 SNAPSHOTS = Path(__file__).parent / "sensor_snapshots"
 Alter = Callable[[Sample], Sample]
@@ -409,7 +409,7 @@ def test_the_axis_that_points_up_is_found_by_gravity(up: Any, mark: str, says: s
 
 @pytest.mark.parametrize(
     ("sign", "says"),
-    first(1, [(-1.0, "! turned over"), (1.0, "Placing ✓ z points up"), (math.nan, "measures no acceleration")]),
+    first_rows(1, [(-1.0, "! turned over"), (1.0, "Placing ✓ z points up"), (math.nan, "measures no acceleration")]),
 )
 async def test_an_upside_down_sensor_is_reported(sign: float, says: str, open_check: Callable[..., Any]) -> None:
     def turn(sample: Sample) -> Sample:
@@ -490,7 +490,7 @@ async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(open_chec
 
 @pytest.mark.parametrize(
     ("profile", "parameters", "says"),
-    first(
+    first_rows(
         1,
         [
             (
