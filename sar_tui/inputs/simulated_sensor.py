@@ -27,7 +27,7 @@ from sar_tui.motion.synthesis import SimulatedHand
 AHEAD = 5 * SECOND
 """Time for which samples are calculated at once: about a reach, with the rest after it."""
 LATE = DRAIN
-"""Time from the delivery of a sample, within an interval of the sensor, to its publication at the end of the next."""
+"""Time from the end of an interval to the publication of its samples, as `sensor.Imu` drains at the end of the next."""
 
 
 @runtime_checkable

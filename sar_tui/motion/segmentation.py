@@ -1,4 +1,4 @@
-"""Segmentation of a whole stretch of samples at once: the same as the Segmenter's, in a thirtieth of its time.
+"""Segmentation of a whole stretch of samples at once: the same as the Segmenter's, in a sixth of its time or less.
 
 The filters and the properties of rest are calculated for all samples together, and threshold crossings are searched
 for in arrays, so that code runs once per change instead of once per sample. The results of such calculations differ
