@@ -11,7 +11,7 @@ from sar_tui.framework.task import Task
 from sar_tui.progress.lines import Point, SessionResults, comparable
 from sar_tui.store.results import newest_of
 
-LOOKED_AT = 24
+LOOKED_AT = 16
 """Newest sessions that the estimate is made from: the slope that they share hardly changes with more."""
 
 
