@@ -6,6 +6,8 @@ import sqlite3
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
 from sar_tui.app.patient_mode import PatientModeApp
 from sar_tui.plugins import PluginError
 from sar_tui.store.database import StoreError, explain
@@ -45,6 +47,7 @@ class BeginningApp(PatientModeApp):
         self._is_asking = False
         self._session_clock = clock
         self._link = link
+        self._own_link = contextlib.ExitStack()
 
     @property
     def _open(self) -> "LiveSession | None":
@@ -150,14 +153,20 @@ class BeginningApp(PatientModeApp):
         """Open a session on a screen of its own."""
         from sar_tui.app.live import LiveSession
         from sar_tui.app.screens.session import SessionScreen
+        from sar_tui.app.session_link import link_of
         from sar_tui.framework.declaration import ParameterError
+        from sar_tui.link.errors import LinkError
         from sar_tui.runs.plan import Failed
+        from sar_tui.store.sessions import new_id
 
-        live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, self._link)
-        screen = SessionScreen(live)
+        if not isinstance(what, str) and not what.id:
+            what = msgspec.structs.replace(what, id=new_id())
         try:
+            link = self._link or self._own_link.enter_context(link_of(what, self.database, self.folder))
+            live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link)
+            screen = SessionScreen(live)
             live.open(screen, what)
-        except (StoreError, PluginError, ParameterError, Failed) as error:
+        except (StoreError, PluginError, ParameterError, Failed, LinkError) as error:
             self._cannot_begin(str(error), resumed=isinstance(what, str))
             return
         except sqlite3.Error as error:
@@ -184,6 +193,7 @@ class BeginningApp(PatientModeApp):
 
     def _cannot_begin(self, why: str, *, resumed: bool = False) -> None:
         self._stop_feeds()
+        self._own_link.close()
         if self.patient:
             self._exercise_cannot_begin(why, resumed=resumed)
         elif self._begin is None:

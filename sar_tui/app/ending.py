@@ -64,6 +64,7 @@ class EndingApp(BeginningApp):
         self._stop_feeds()
         if self.live:
             self.live.close(self)
+        self._own_link.close()
 
     def check_database(self) -> None:
         """Open the database anew if its files were removed or replaced, and say so."""

@@ -111,7 +111,8 @@ def run(
     elif imu is not None:
         raise Refused(f"The task {kind.name} uses no motion sensor with these settings: leave out --imu.")
     need_terminal()
-    with _open_link(home, plan.id, task, operator, listen, plan.parameters.operator_lost_ms) as link:
+    can_join = operator or plan.parameters.operator_joins
+    with _open_link(home, plan.id, task, can_join, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(home.folder, catalogue, plan=plan, link=link)
@@ -191,7 +192,8 @@ def resume(
         chosen = find_resumable(database, home.folder, session or "")
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
-    with _open_link(home, chosen["id"], chosen["task"], operator, listen, lost_ms) as link:
+    can_join = operator or chosen["parameters"].get("operator_joins", False)
+    with _open_link(home, chosen["id"], chosen["task"], can_join, listen, lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link)

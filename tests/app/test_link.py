@@ -1,5 +1,7 @@
 """Session that operators can join, with a fake channel to the broker process."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import msgspec
@@ -10,11 +12,13 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import COMMAND, PROMPT, SHOWN, THEME
 from sar_tui.link import protocol
 from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
+from sar_tui.link.errors import LinkError
+from sar_tui.link.listening import ListenOptions
 from sar_tui.link.peer import Frame
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
 from sar_tui.operator.session_state import SessionState
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import open_app, plan, stored
+from tests.app.app_driver import known, open_app, plan, stored
 from tests.link.test_node import ANNA, FakeChannel
 
 
@@ -73,3 +77,76 @@ async def test_a_panel_knows_the_outputs_and_hears_that_they_are_still(
         records = [record for sent in channel.sent if isinstance(sent, OutgoingBatch) for record in sent.records]
         (stop,) = state.receive([Frame(*record) for record in records]).stops
         assert (stop.by, stop.awaited, stop.outcome(0)[1]) == ("P01 pressed F2", frozenset(), "good")
+
+
+class Links:
+    """Counts the links that are opened, and closed."""
+
+    def __init__(self, channel: FakeChannel) -> None:
+        self.channel = channel
+        self.opened: list[tuple[str, str, ListenOptions, int]] = []
+        self.closed = 0
+        self.error = ""
+
+    @contextmanager
+    def open(self, _: Path, session: str, task: str, listening: ListenOptions, lost_ms: int) -> Iterator[FakeChannel]:
+        if self.error:
+            raise LinkError(self.error)
+        self.opened.append((session, task, listening, lost_ms))
+        yield self.channel
+        self.closed += 1
+
+
+@pytest.fixture
+def links(channel: FakeChannel, monkeypatch: pytest.MonkeyPatch) -> Links:
+    links = Links(channel)
+    monkeypatch.setattr("sar_tui.link.listening.open_link", links.open)
+    return links
+
+
+async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_joined_if_it_is_set(
+    data: Path, catalogue: Catalogue, links: Links
+) -> None:
+    known(data, operator_joins=True, operator_lost_ms=700)
+    here_only = ListenOptions(operator=True, end=None)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("enter", "enter")
+        links.channel.notify(PeerJoined(ANNA))
+        await driver.wait(100)
+        session = driver.session_id
+        links.channel.notify(SnapshotRequested(ANNA))
+        await driver.wait(100)
+        assert any(isinstance(sent, OutgoingSnapshot) for sent in links.channel.sent)
+        assert (links.opened, links.closed) == ([(session, "keyboard", here_only, 700)], 0)
+        driver.app.exit()
+    assert links.closed == 1
+    async with open_app(data, catalogue) as driver:
+        driver.app.begin_session(session)
+        await driver.settle()
+        assert [opened[0] for opened in links.opened] == [session, session]
+        driver.app.live.operate(m.SessionCommand(command="end"))
+        await driver.wait(3000)
+        await driver.press("enter")
+        assert (driver.screen_name, links.closed) == ("HomeScreen", 2)
+
+
+async def test_a_session_does_not_begin_if_the_operator_who_is_planned_cannot_join(
+    data: Path, catalogue: Catalogue, links: Links
+) -> None:
+    known(data, operator_joins=True)
+    links.error = "The link's process cannot be started."
+    async with open_app(data, catalogue) as driver:
+        await driver.press("enter", "enter")
+        assert driver.screen_name == "HomeScreen"
+        assert driver.sees("cannot be started")
+    assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
+
+
+async def test_a_session_opens_no_link_of_its_own_unless_it_is_set(
+    data: Path, catalogue: Catalogue, links: Links
+) -> None:
+    known(data)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("enter", "enter")
+        assert driver.screen_name == "SessionScreen"
+    assert links.opened == []

@@ -16,6 +16,14 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
     Adults read English non-fiction silently at 238 words a minute, 252 ms a word (Brysbaert 2019).
     """
 
+    operator_joins: Annotated[
+        bool,
+        meta(
+            "Operators can join",
+            help="On this computer, with `sar-tui wizard`, from the beginning of a session to its end.",
+            group="Operator",
+        ),
+    ] = False
     operator_feedback: Annotated[
         Mode,
         _mode(
