@@ -191,7 +191,7 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
     if len(line.sessions) > _LISTED:
         out.print(f"{len(line.sessions) - _LISTED} earlier sessions are in --json.")
     if line.between_sd is not None:
-        shown = f"{line.between_sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
+        shown = progress_words.between_sd(line, tr)
         between = tr("SD between the means of the sessions: {sd}.", sd=shown)
         out.print(f"{between} {tr('SD in the table: between the attempts of a session.')}", soft_wrap=True)
     out.print()

@@ -2,6 +2,8 @@
 
 from datetime import date
 
+import msgspec
+
 from sar_tui.framework.language import Language
 from sar_tui.framework.trial_types import Metric
 
@@ -13,6 +15,14 @@ _WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday",
 def goal_text(metric: Metric, goal: float, tr: Language) -> str:
     """Return a goal, for participants: "1 second", "0.85 seconds", "12 taps"."""
     return _seconds(f"{round(goal / 1000, 3):.4g}", tr) if _is_time(metric) else tr.figures(metric.show(goal))
+
+
+def short_goal(metric: Metric, goal: float) -> str:
+    """Return a goal in a few characters: "1.0 s", "0.85 s"."""
+    if not _is_time(metric):
+        return metric.show(goal)
+    figure = f"{goal / 1000:.3f}".rstrip("0")
+    return f"{figure}0 s" if figure.endswith(".") else f"{figure} s"
 
 
 def result_text(metric: Metric, value: float, tr: Language, decimals: int | None = None) -> str:
@@ -101,6 +111,13 @@ def axis(metric: Metric, tr: Language) -> tuple[str, float]:
     """Return the heading of a plot's axis, for participants, and the factor for its values."""
     label = tr(metric.label)
     return (label.replace("(ms)", "(s)"), 0.001) if _is_time(metric) else (label, 1.0)
+
+
+def metric_for_people(metric: Metric) -> tuple[Metric, float]:
+    """Return a metric as tables and figures for people show it, times in seconds, and the factor for its values."""
+    if not _is_time(metric):
+        return metric, 1.0
+    return msgspec.structs.replace(metric, unit="s", decimals=_DECIMALS), 0.001
 
 
 def _is_time(metric: Metric) -> bool:

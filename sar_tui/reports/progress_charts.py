@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from sar_tui.framework.language import Language
+from sar_tui.framework.results_for_people import axis
 from sar_tui.reports import progress_words
 from sar_tui.reports.dose import Day
 from sar_tui.reports.progress import LineProgress, SessionProgress
@@ -91,14 +92,20 @@ def measure_chart(line: LineProgress, tr: Language) -> Spec | None:
 
 def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     """Chart the mean result of each session, one SD between its attempts to either side, and the goal, dashed."""
+    label, factor = axis(line.metric, tr)
     values = [
-        _row(each, value=each.mean, low=each.mean - (each.sd or 0.0), high=each.mean + (each.sd or 0.0))
+        _row(
+            each,
+            value=each.mean * factor,
+            low=(each.mean - (each.sd or 0.0)) * factor,
+            high=(each.mean + (each.sd or 0.0)) * factor,
+        )
         for each in line.sessions
         if each.mean is not None
     ]
     if not values:
         return None
-    y = {"type": "quantitative", "scale": {"zero": False}, "title": tr(line.metric.label)}
+    y = {"type": "quantitative", "scale": {"zero": False}, "title": label}
     x = _x(values, line.sessions)
     layers: list[Spec] = [
         {
@@ -113,7 +120,7 @@ def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     if line.goal is not None:
         dashed = {"type": "rule", "strokeDash": [6, 4], "color": "#444"}
         goal = {"y": {"field": "goal", "type": "quantitative"}}
-        layers.append({"data": {"values": [{"goal": line.goal}]}, "mark": dashed, "encoding": goal})
+        layers.append({"data": {"values": [{"goal": line.goal * factor}]}, "mark": dashed, "encoding": goal})
     return _chart(values, layers, _HEIGHT)
 
 

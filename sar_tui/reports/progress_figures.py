@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from sar_tui.framework.language import Language
+from sar_tui.framework.results_for_people import axis
 from sar_tui.reports import progress_words, session_chart
 from sar_tui.reports.attempts_plot import round_numbers
 from sar_tui.reports.progress import LineProgress, SessionProgress
@@ -57,20 +58,21 @@ def result_figure(line: LineProgress, width: int, height: int, tr: Language, cho
 
     Below are bars for accuracy, and for each measure of how the movements were done.
     """
+    label, factor = axis(line.metric, tr)
     values = [
         Value(without=UNKNOWN)
         if each.mean is None
-        else Value(each.mean, each.mean - (each.sd or 0.0), each.mean + (each.sd or 0.0))
+        else Value(each.mean * factor, (each.mean - (each.sd or 0.0)) * factor, (each.mean + (each.sd or 0.0)) * factor)
         for each in line.sessions
     ]
-    low, high = session_chart.limits(values, [] if line.goal is None else [line.goal])
+    goal = None if line.goal is None else line.goal * factor
+    low, high = session_chart.limits(values, [] if goal is None else [goal])
     ticks = [(value, tr.figures(f"{value:g}")) for value in round_numbers(low, high, 5)]
     signs = {POINT: tr("mean"), BAND: tr("SD within the session")}
-    if line.goal is not None:
+    if goal is not None:
         signs[RULE] = tr("goal")
-    heading, size = tr(line.metric.label), (width, height)
-    bars = qualities(line, tr)
-    return _figure(line, values, (low, high), ticks, heading, signs, size, tr, rule=line.goal, bars=bars, chosen=chosen)
+    size, bars = (width, height), qualities(line, tr)
+    return _figure(line, values, (low, high), ticks, label, signs, size, tr, rule=goal, bars=bars, chosen=chosen)
 
 
 def has_levels(line: LineProgress) -> bool:

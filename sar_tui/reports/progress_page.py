@@ -124,8 +124,8 @@ def _table(line: LineProgress, tr: Language) -> str:
         cells = (
             progress_words.day(each.began),
             f"{each.first_level} → {each.last_level}",
-            "" if each.mean is None else line.metric.show(each.mean),
-            "" if each.sd is None else f"{each.sd:.{line.metric.decimals}f}",
+            "" if each.mean is None else progress_words.result(line, each.mean, tr),
+            "" if each.sd is None else progress_words.result(line, each.sd, tr),
             f"{each.right / each.trials:.0%}" if each.trials else "",
             f"{each.reached}/{each.attempts}",
             f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "–",

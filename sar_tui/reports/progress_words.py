@@ -4,6 +4,7 @@ import inspect
 from pathlib import Path
 
 from sar_tui.framework.language import Language, language
+from sar_tui.framework.results_for_people import metric_for_people, short_goal
 from sar_tui.framework.task import Task
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
@@ -24,19 +25,37 @@ def day(stamp: str) -> str:
 
 
 def figure(line: LineProgress, value: float, tr: Language) -> str:
-    """Return a value of the line's measure as people read it: "10.4 keys", "950 ms"."""
+    """Return a value of the line's measure as people read it: "10.4 keys", "0.950 s"."""
     if line.measure == "level":
         shown = line.axis.show(value)
         return tr.figures(shown.replace(line.axis.unit, tr(line.axis.unit)) if line.axis.unit else shown)
-    return tr.figures(line.metric.show(abs(value)))
+    return tr.figures(_difference(line, abs(value)))
 
 
 def mean(line: LineProgress, session: SessionProgress) -> str:
-    """Return the mean of a session's results and the SD between its attempts: "950 ± 60 ms"; empty without any."""
+    """Return the mean of a session's results and the SD between its attempts: "0.95 ± 0.06 s"; empty without any."""
     if session.mean is None:
         return ""
-    spread = "" if session.sd is None else f" ± {session.sd:.{line.metric.decimals}f}"
-    return f"{session.mean:.{line.metric.decimals}f}{spread} {line.metric.unit}".rstrip()
+    metric, factor = metric_for_people(line.metric)
+    spread = "" if session.sd is None else f" ± {session.sd * factor:.{metric.decimals}f}"
+    return f"{session.mean * factor:.{metric.decimals}f}{spread} {metric.unit}".rstrip()
+
+
+def result(line: LineProgress, value: float, tr: Language) -> str:
+    """Return a result as people read it: "0.95 s"."""
+    metric, factor = metric_for_people(line.metric)
+    return tr.figures(metric.show(value * factor))
+
+
+def _difference(line: LineProgress, value: float) -> str:
+    """Return an SD, a change or the result that it is compared with; a time has one decimal more than a result."""
+    metric, factor = metric_for_people(line.metric)
+    return f"{value * factor:.{metric.decimals + (factor != 1)}f} {metric.unit}".rstrip()
+
+
+def between_sd(line: LineProgress, tr: Language) -> str:
+    """Return the SD between the means of the sessions; empty if it is not known."""
+    return "" if line.between_sd is None else tr.figures(_difference(line, line.between_sd))
 
 
 def at_goal(line: LineProgress, session: SessionProgress, tr: Language) -> str:
@@ -79,7 +98,7 @@ def _now(line: LineProgress, tr: Language) -> str:
         return tr(
             "All attempts were at level {level}. The last mean: {value}.",
             level=str(last.last_level),
-            value=line.metric.show(last.mean),
+            value=result(line, last.mean, tr),
         )
     if last.side == "easier":
         return tr("In the last session every result was better than the goal: harder levels can be tried.")
@@ -108,16 +127,14 @@ def quality(name: str, tr: Language) -> str:
 
 def spread(line: LineProgress, tr: Language) -> str:
     """Return the SD within the last session and between the sessions' means; empty if neither is known."""
-
-    def shown(sd: float) -> str:
-        return f"{sd:.{line.metric.decimals}f} {line.metric.unit}".rstrip()
-
     within = line.sessions[-1].sd
     said = []
     if within is not None:
-        said.append(tr("SD within the last session, between its attempts: {sd}.", sd=shown(within)))
+        said.append(
+            tr("SD within the last session, between its attempts: {sd}.", sd=tr.figures(_difference(line, within)))
+        )
     if line.between_sd is not None:
-        said.append(tr("SD between the means of the sessions: {sd}.", sd=shown(line.between_sd)))
+        said.append(tr("SD between the means of the sessions: {sd}.", sd=between_sd(line, tr)))
     return " ".join(said)
 
 
@@ -202,13 +219,18 @@ def _verdict(line: LineProgress, tr: Language) -> str:
     }[line.verdict]
 
 
+def goal(line: LineProgress, tr: Language) -> str:
+    """Return the goal of a line, with as many decimals as it has: "0.85 s"; empty if it differs between levels."""
+    return "" if line.goal is None else tr.figures(short_goal(line.metric, line.goal))
+
+
 def heading(line: LineProgress, tr: Language) -> str:
     """Return the heading of a line: the task, the seat of a pair, the goal, and settings that are not the default."""
     parts = [tr(line.title)]
     if line.seat != "A":
         parts.append(tr("seat {seat}", seat=line.seat))
     if line.goal is not None:
-        parts.append(tr("goal {goal}", goal=line.metric.show(line.goal)))
+        parts.append(tr("goal {goal}", goal=goal(line, tr)))
     if line.mode != "live":
         parts.append(tr(line.mode))
     parts += [

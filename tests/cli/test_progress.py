@@ -24,7 +24,7 @@ def test_progress_shows_the_sessions_and_what_can_be_said(call: Call, trained: l
     called = call("progress", "p01")
     assert called.code == 0
     assert all(session[:6] in called.out for session in trained)
-    assert "P01 · Keyboard reaction · goal 1000 ms · simulated · Prompts per attempt 5" in called.out
+    assert "P01 · Keyboard reaction · goal 1.0 s · simulated · Prompts per attempt 5" in called.out
     assert "Level at goal in the last session: level " in called.out
     assert "not yet known" in called.out
     assert "● " in called.out
@@ -45,8 +45,8 @@ def test_json_has_every_line_and_session(call: Call, trained: list[str]) -> None
 def test_a_note_is_one_paragraph_in_either_language(call: Call) -> None:
     english = call("progress", "P01", "--note").out.strip()
     spanish = call("progress", "P01", "--note", "--language", "es").out.strip()
-    assert english.startswith("P01, Keyboard reaction · goal 1000 ms")
-    assert spanish.startswith("P01, Reacción con el teclado · meta 1000 ms")
+    assert english.startswith("P01, Keyboard reaction · goal 1.0 s")
+    assert spanish.startswith("P01, Reacción con el teclado · meta 1,0 s")
     assert "\n" not in english + spanish
     assert "no diagnosis" in english
     assert "MCID" in spanish

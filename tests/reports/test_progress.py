@@ -84,9 +84,9 @@ def test_at_a_fixed_level_lower_times_are_better(keyboard: type[Task]) -> None:
     found = of(keyboard, *(session(n, at_one_level(n, mean)) for n, mean in enumerate(means)))
     (line,) = found.lines
     assert (line.measure, line.verdict) == ("result", "more")
-    low, high = re.search(r"Sessions from (\d+) ms to (\d+) ms", said(found)).groups()  # type: ignore[union-attr]
-    assert int(low) < 945
-    assert int(high) > 955
+    low, high = re.search(r"Sessions from ([\d.]+) s to ([\d.]+) s", said(found)).groups()  # type: ignore[union-attr]
+    assert float(low) < 0.945
+    assert float(high) > 0.955
 
 
 def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[Task]) -> None:
@@ -197,9 +197,9 @@ def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type
     low, tall = (level_part(line, size, 5, tr, ["! Pain is new."]) for size in ((78, 20), (78, 46)))
     assert len(low) <= 20
     assert "! Pain is new." in " ".join(low)
-    assert not any(row.startswith("reaction time (ms)") for row in low)
+    assert not any(row.startswith("reaction time (s)") for row in low)
     assert len(tall) <= 46
-    assert any(row.startswith("reaction time (ms)") for row in tall)
+    assert any(row.startswith("reaction time (s)") for row in tall)
     assert "no change can be shown" in " ".join(tall)
 
 
@@ -266,7 +266,7 @@ def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type
 def test_the_words_of_a_task_do_not_change_those_of_the_charts(keyboard: type[Task]) -> None:
     drawn = result_figure(of(keyboard, *steady(2)).lines[0], 78, 16, progress_words.words("es", keyboard))
     assert drawn[-1].startswith("aciertos ")
-    assert drawn[0].startswith("tiempo de reacción (ms)")
+    assert drawn[0].startswith("tiempo de reacción (s)")
 
 
 def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: type[Task]) -> None:

@@ -15,6 +15,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.policies.wellbeing import tell_therapist
+from sar_tui.framework.results_for_people import short_goal
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError
@@ -98,7 +99,7 @@ def _programme(
         return None, str(error)
     except PLUGIN_ERRORS:
         return None, "The task cannot be set up."
-    return Programme(saved.version, parameters.attempts, prompts, words.short_goal(kind.metric, goal), level), ""
+    return Programme(saved.version, parameters.attempts, prompts, short_goal(kind.metric, goal), level), ""
 
 
 class Waiting(msgspec.Struct, frozen=True):

@@ -56,14 +56,6 @@ def short(metric: "Metric", value: float) -> str:
     return f"{value / 1000:.2f} s" if metric.unit == "ms" else metric.show(value)
 
 
-def short_goal(metric: "Metric", goal: float) -> str:
-    """Return a goal in a few characters: "1.0 s", "0.85 s"."""
-    if metric.unit != "ms":
-        return metric.show(goal)
-    figure = f"{goal / 1000:.3f}".rstrip("0")
-    return f"{figure}0 s" if figure.endswith(".") else f"{figure} s"
-
-
 def day_words(day: date, today: date) -> str:
     """Return a date as people say it: "today", "yesterday", "Tue 17 Nov", "17 Nov 2025"."""
     ago = (today - day).days

@@ -15,10 +15,10 @@ from sar_tui.app.home.words import (
     programme_words,
     progress_words,
     short,
-    short_goal,
     span_words,
     waits_words,
 )
+from sar_tui.framework.results_for_people import short_goal
 from sar_tui.framework.trial_types import Metric
 
 TODAY = date(2026, 11, 22)
