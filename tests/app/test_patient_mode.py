@@ -100,6 +100,17 @@ async def test_the_keys_that_leave_pause_instead(key: str, data: Path, catalogue
         assert driver.waiting.stage == "trial"
 
 
+async def test_screens_around_a_session_name_no_key_that_leaves(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P01", "reaching", **REACHING, ask_wellbeing=True)
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("down", "enter", "enter")
+        assert driver.screen_name == "WellbeingScreen"
+        assert not driver.sees("Quit")
+        await driver.press("0", "1")
+        assert driver.screen_name == "SensorCheckScreen"
+        assert not driver.sees("Quit")
+
+
 async def test_the_help_names_no_way_out(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         for _ in range(2):

@@ -9,6 +9,7 @@ from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Vertical
 from textual.widgets import Static
 
+from sar_tui.app.patient_mode import keys_in_mode
 from sar_tui.framework.language import Language
 from sar_tui.framework.policies.wellbeing import HIGHEST, Moment, StopReason, stop_now
 from sar_tui.store.wellbeing import NOT_SAID, Question
@@ -91,7 +92,7 @@ class WellbeingScreen(DismissedOnce[bool]):
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
         """The keys of the footer and the help, in the language of the session."""
-        return translated(super().active_bindings, self.tr)
+        return keys_in_mode(self.app, translated(super().active_bindings, self.tr))
 
     @property
     def help_text(self) -> str:
