@@ -68,6 +68,7 @@ def wizard(
     out = console()
     if not report.operated:
         out.print(_without_operator(report), markup=False, soft_wrap=True)
+        _print_therapist(out, report)
         if report.deviations:
             _print_deviations(out, report)
         return
@@ -91,6 +92,7 @@ def _print(out: "Console", report: "WizardReport", latencies: "Latencies") -> No
     _say(out, f"Plan: {_plan(report.plan)}.")
     _print_proposals(out, report)
     _say(out, f"On the operators' own initiative: {_initiated(report.initiated)}.")
+    _print_therapist(out, report)
     _print_latencies(out, report, latencies)
     for line in _agreement(report.agreement):
         _say(out, line, end="\n")
@@ -105,6 +107,11 @@ def _print(out: "Console", report: "WizardReport", latencies: "Latencies") -> No
         "told.",
         end="\n",
     )
+
+
+def _print_therapist(out: "Console", report: "WizardReport") -> None:
+    if report.therapist:
+        _say(out, f"A therapist, at the participant's terminal: {_initiated(report.therapist)}.")
 
 
 def _say(out: "Console", text: str, end: str = "\n\n") -> None:

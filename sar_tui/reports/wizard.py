@@ -57,6 +57,7 @@ class WizardReport(msgspec.Struct, frozen=True):
         plan: operator settings at the start of the session.
         operated: True if there was an operator at any time.
         initiated: counts of acts on the operators' own initiative, by kind.
+        therapist: counts of what a therapist did at the participant's terminal: commands, settings by name, notes.
         decision_ms: from the appearance of a proposal on the operator's screen to the deciding key.
         undecided_seen: number of proposals that appeared without being decided by a key.
         waiting_ms: time pending until a proposal was decided by anyone.
@@ -76,6 +77,7 @@ class WizardReport(msgspec.Struct, frozen=True):
     operated_s: float
     proposals: list[ProposalSummary]
     initiated: dict[str, int]
+    therapist: dict[str, int]
     decision_ms: Distribution | None
     undecided_seen: int
     waiting_ms: Distribution | None
@@ -134,6 +136,7 @@ def report(
         operated_s=there.operated_s,
         proposals=_proposals(records, messages, settings, there.duration_s),
         initiated=dict(Counter(_initiated(messages, operators))),
+        therapist=dict(Counter(_by_therapist(messages))),
         decision_ms=distribution(latencies.decision),
         undecided_seen=sum(bool(each.seen) and each.key_at is None for each in records),
         waiting_ms=distribution(latencies.waiting),
@@ -203,6 +206,18 @@ def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) ->
                 yield message.command
             case m.ModeChanged():
                 yield "mode"
+
+
+def _by_therapist(messages: Iterable[LoggedMessage]) -> Iterator[str]:
+    """Yield the acts of a therapist in the participant's terminal: commands, names of settings, "note"."""
+    for _, _, message in messages:
+        match message:
+            case m.SessionCommand(actor="therapist"):
+                yield message.command
+            case m.SettingChanged(actor="therapist"):
+                yield message.name
+            case m.NoteAdded(actor="therapist"):
+                yield "note"
 
 
 def _link_ms(messages: Iterable[LoggedMessage], operators: Collection[str]) -> Iterator[float]:

@@ -95,6 +95,16 @@ def test_a_participants_stop_is_no_act_of_an_operator() -> None:
     assert (made.initiated, latencies.link, made.counts) == ({}, [], {})
 
 
+def test_what_a_therapist_changed_at_the_participants_terminal_is_no_act_of_an_operator() -> None:
+    level = m.SessionCommand(command="level", value=3, actor="therapist", at=5_000_000_000)
+    goal = m.SettingChanged(name="goal_ms", value=900, at=6_000_000_000)
+    script = Script().join(0).log(5000, level).log(6000, goal, goal)
+    script.log(7000, m.NoteAdded(text="Sat badly.", actor="therapist")).log(8000, m.NoteAdded(text="Mine.", actor=ANNA))
+    made, latencies = report("s1", {}, script)
+    assert made.therapist == {"level": 1, "goal_ms": 2, "note": 1}
+    assert (made.initiated, latencies.link) == ({}, [])
+
+
 # --- simulated sessions ---------------------------------------------------------------------------------------------
 
 
