@@ -64,14 +64,19 @@ def days_table(days: Sequence[Day], tr: Language) -> list[str]:
     ]
 
 
+def days_text(days: int, tr: Language) -> str:
+    """Return a number of days: "1 day", "3 days"."""
+    return tr("1 day") if days == 1 else tr("{days} days", days=str(days))
+
+
 def recent_text(found: Dose, tr: Language) -> str:
     """Return the dose of the last weeks in a sentence."""
     return tr(
-        "From {first} to {last}: sessions on {days} days, on {as_planned} of them all that was planned; {done} of "
+        "From {first} to {last}: sessions on {days}, on {as_planned} of them all that was planned; {done} of "
         "{planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",
         first=found.first,
         last=found.last,
-        days=str(found.days),
+        days=days_text(found.days, tr),
         as_planned=str(found.as_planned),
         done=str(found.done),
         planned=str(found.planned),

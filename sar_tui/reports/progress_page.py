@@ -151,9 +151,9 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
         yield _figure(spec, tr("Attempts of each day. Line: planned."), done)
     if spec := progress_charts.dose_chart(days, tr):
         total = tr(
-            "{repetitions} repetitions on {days} days.",
+            "{repetitions} repetitions on {days}.",
             repetitions=str(sum(day.repetitions for day in days)),
-            days=str(len(days)),
+            days=dose_words.days_text(len(days), tr),
         )
         yield _figure(spec, tr("Repetitions of each day."), total)
     months = dose_words.calendar(days, date.fromisoformat(found.today))[-_MONTHS:]

@@ -154,7 +154,7 @@ def felt(session: SessionProgress, tr: Language) -> list[str]:
 
 
 def felt_range(line: LineProgress, tr: Language) -> str:
-    """Return the first and the last rating of pain and of tiredness in words."""
+    """Return the first and the last rating of pain and of tiredness in words, and the highest if it was between."""
     said = []
     for name, given in (
         (tr("pain"), [each.pain for each in line.sessions]),
@@ -162,7 +162,9 @@ def felt_range(line: LineProgress, tr: Language) -> str:
     ):
         known = [rating for rating in given if rating is not None]
         if known:
-            said.append(f"{name} {known[0]} → {known[-1]}")
+            highest = max(known)
+            between = f" ({tr('highest {rating}', rating=str(highest))})" if highest > max(known[0], known[-1]) else ""
+            said.append(f"{name} {known[0]} → {known[-1]}{between}")
     return ", ".join(said)
 
 

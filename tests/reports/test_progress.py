@@ -168,6 +168,13 @@ def test_the_dose_of_the_last_four_weeks_includes_today_and_not_the_day_before_t
     assert "sessions on 2 days, on 2 of them all that was planned; 40 of 40 attempts, 800 repetitions" in said
 
 
+def test_the_dose_of_a_single_day_is_told_in_the_singular() -> None:
+    found = recent(days_of([session(0, adapted(0), on_day=0)]), date(2026, 3, 1))
+    english, spanish = (dose_words.recent_text(found, progress_words.words(code, None)) for code in ("en", "es"))
+    assert "sessions on 1 day, on 1 of them all that was planned; 20 of 20" in english
+    assert "sesiones en 1 día, en 1 de ellos todo lo previsto; 20 de 20" in spanish
+
+
 # --- pain, tiredness and adverse events ---------------------------------------------------------------------------
 
 
@@ -189,6 +196,15 @@ def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     assert "Worst" not in progress_words.note(
         "P01", of(keyboard, *steady(1)).lines[0], progress_words.words("en", None)
     )
+
+
+def test_the_note_tells_of_the_highest_pain_if_it_was_neither_first_nor_last(keyboard: type[Task]) -> None:
+    felt = [SessionRatings(pain_after=rating) for rating in (0, 6, 1)]
+    found = of(keyboard, *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)))
+    english, spanish = (
+        progress_words.felt_range(found.lines[0], progress_words.words(code, None)) for code in ("en", "es")
+    )
+    assert (english, spanish) == ("pain 0 → 1 (highest 6)", "dolor 0 → 1 (máximo 6)")
 
 
 def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
