@@ -65,12 +65,16 @@ async def test_the_agent_rests_with_the_participant_and_is_silent_about_the_atte
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.said
+        assert "you ━" in driver.text
         await driver.press("escape", "down", "enter")
         assert driver.said == ""
         assert "─   ─ z" in driver.text, "it sleeps"
         await driver.press("down", "enter")
         assert "●   ●" in driver.text
         assert "─   ─ z" not in driver.text
+        await driver.press("enter")
+        assert "you ━" not in driver.text, "no result without its words"
+        assert driver.sees("Your goal: ")
 
 
 async def test_pain_said_in_a_pause_is_in_the_sessions_row(

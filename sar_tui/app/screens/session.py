@@ -234,6 +234,11 @@ class SessionScreen(AgentScreen):
             self._stage("prompt")
         self.query_one(BigPrompt).show(prompt)
 
+    def clear_agent(self, face: str) -> None:
+        """Remove the words, and the bars that go with them."""
+        super().clear_agent(face)
+        self._bars = {}
+
     def clear_prompt(self) -> None:
         self._gc.end_trial()
         self.query_one(BigPrompt).clear()
