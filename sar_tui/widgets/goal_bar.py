@@ -13,7 +13,7 @@ LONGEST, SHORTEST = 40, 12
 """Columns of the line, without the words beside it."""
 FARTHEST = 2.0
 """The line ends in an arrow at this multiple of the goal: a longer one would tell nothing more, and discourage."""
-DONE, REST, GOAL, BEYOND = "━", "─", "┊", "▶"
+DONE, REST, GOAL, BEYOND, REACHED = "━", "─", "┊", "▶", "✓"
 
 
 class GoalBar(NamedTuple):
@@ -40,7 +40,10 @@ def bar_of(feedback: Feedback, metric: Metric, who: str = "") -> GoalBar | None:
 
 
 def draw_bars(bars: list[GoalBar], width: int, tr: Language) -> Content:
-    """Return a row for each bar: "you ━━━━━━────────────┊ goal: less than 1 second". Empty if there is no room."""
+    """Return a row for each bar: "you ━━━━━━────────────┊ goal: less than 1 second ✓". Empty if there is no room.
+
+    The mark is there if the goal is reached: a short bar is good for a time, and bad for a count.
+    """
     names = [bar.who or tr("you") for bar in bars]
     goals = [_goal(bar, tr) for bar in bars]
     left, right = (max((len(text) for text in texts), default=0) for texts in (names, goals))
@@ -73,5 +76,7 @@ def line(bar: GoalBar, columns: int) -> tuple[str, str]:
 def _goal(bar: GoalBar, tr: Language) -> str:
     goal = goal_text(bar.metric, bar.goal, tr)
     if bar.metric.better == "lower":
-        return tr("goal: less than {goal}", goal=goal)
-    return tr("goal: more than {goal}", goal=goal)
+        words = tr("goal: less than {goal}", goal=goal)
+    else:
+        words = tr("goal: more than {goal}", goal=goal)
+    return f"{words} {REACHED}" if bar.metric.is_better(bar.value, bar.goal) else words

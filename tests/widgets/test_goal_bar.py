@@ -43,8 +43,19 @@ def test_the_goal_is_at_the_end_until_the_result_passes_it(value: float, looks: 
 
 
 def test_the_words_say_on_which_side_of_the_goal_it_is_good() -> None:
-    assert drawn(GoalBar(TIME, 400, 1000))[0].endswith("┊ goal: less than 1 second")
-    assert drawn(GoalBar(TAPS, 12, 10))[0].endswith("━━━━━━ goal: more than 10 taps")
+    assert "┊ goal: less than 1 second" in drawn(GoalBar(TIME, 400, 1000))[0]
+    assert "━━━━━━ goal: more than 10 taps" in drawn(GoalBar(TAPS, 12, 10))[0]
+
+
+@pytest.mark.parametrize(
+    ("bar", "is_reached"),
+    [
+        (GoalBar(TIME, 400, 1000), True), (GoalBar(TIME, 1000, 1000), False), (GoalBar(TIME, 1900, 1000), False),
+        (GoalBar(TAPS, 12, 10), True), (GoalBar(TAPS, 10, 10), False), (GoalBar(TAPS, 4, 10), False),
+    ],
+)  # fmt: skip
+def test_a_mark_says_that_the_goal_is_reached(bar: GoalBar, is_reached: bool) -> None:
+    assert drawn(bar)[0].endswith(" ✓") == is_reached
 
 
 def test_two_participants_have_a_bar_each_from_the_same_column() -> None:
