@@ -27,7 +27,7 @@ async def test_a_session_from_the_instructions_to_the_summary(
         assert driver.sees("Prompts 2 of 2")
         assert driver.sees("Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
-        assert "you ━━━━━━━━━━━━━━━───────────────────────┊ goal: less than 1 second" in driver.text
+        assert "you ━━━━━━━━━━━━━━──────────────────────┊ goal: less than 1 second ✓" in driver.text
         assert driver.sees("Attempt 2 of 2 · level 2")
         assert driver.sees("Press Enter for attempt 2 of 2.")
 
