@@ -84,7 +84,7 @@ async def test_a_session_of_keys_uses_tu_from_the_welcome_to_the_summary(data: P
         await child.press("enter", "Descansa todo lo que quieras.")
         await child.press("enter")
         await driver.do_attempt(await driver.to_prompt())
-        child.look("¡Lo has conseguido!")
+        child.look("¡Ya está todo!")
         await driver.see_the_summary()
         child.look("Has hecho 1 intento", "Tu mejor marca", "Pulsa Enter para terminar.")
         assert spoken_to(child.seen) == []

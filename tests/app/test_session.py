@@ -33,7 +33,7 @@ async def test_a_session_from_the_instructions_to_the_summary(
 
         await driver.do_attempt(await driver.begin())
         assert driver.waiting.stage == "review"
-        assert driver.sees("You have done it That was the last attempt. Press Enter to see how it went.")
+        assert driver.sees("All done That was the last attempt. Press Enter to see how it went.")
         assert driver.sees("Attempt 2 of 2 · level 2")
         assert driver.sees("Attempts 2 of 2")
         assert "0.40 seconds" in driver.messages("arbiter/action")[-1]["text"]

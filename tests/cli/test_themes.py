@@ -240,7 +240,7 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
         ("theme.toml", "[faces]\n", "[faces\n", "✗ can be read\n    theme.toml is not TOML: "),
         ("phrases.es.toml", "greeting = [", "greeting = ", "✗ can be read\n    phrases.es.toml is not TOML: "),
         ("phrases.en.toml", "{value}! That reaches", "{valeu}! That reaches", "uses the unknown slot {valeu}."),
-        ("phrases.es.toml", "¡Casi, casi!", "¡Casi once!", "holds a number: '¡Casi once! ¡Otra vez!'."),
+        ("phrases.es.toml", "¡Casi, casi!", "¡Casi once!", "holds a number: '¡Casi once! ¡Lo he visto!'."),
         ("phrases.en.toml", "goal = ", "gaol = ", "✗ has the vocabulary in en"),
         ("phrases.en.toml", "[units]", '[units]\n"" = "x"', "    A unit in units (en) has an empty name."),
         ("theme.toml", "minimum_contrast = 4.5", "minimum_contrast = 1", "    minimum_contrast is 1; it must be at"),

@@ -54,6 +54,11 @@ FAR = {
     "es": r"lejos|distancia|queda (?:aún|mucho)|mucho por|sigue por delante|sigue delante",
 }
 """Pattern of words that dwell on how far the goal is."""
+MORE = {
+    "en": r"again|another (?:go|round|attempt)|have a go|more tries|on to the next",
+    "es": r"otra|de nuevo|repetimos|más intentos|inténtal[oa]",
+}
+"""Pattern of words that announce another attempt."""
 
 
 @pytest.fixture(params=[(name, language) for name in NAMES for language in LANGUAGES], ids="-".join)
@@ -136,6 +141,11 @@ def test_no_attempt_short_of_its_goal_is_answered_with_slow_down(theme: Theme) -
 
 def test_no_wording_says_how_far_the_goal_is(theme: Theme) -> None:
     assert re.findall(rf"\b(?:{FAR[theme.language]})\b", words_of(theme)) == []
+
+
+def test_no_consolation_announces_another_attempt_as_it_may_follow_the_last(theme: Theme) -> None:
+    wordings = [wording for situation in CONSOLING for wording in theme.phrases[situation]]
+    assert [text for text in wordings if re.search(rf"\b(?:{MORE[theme.language]})\b", text, re.IGNORECASE)] == []
 
 
 def test_each_wording_after_unanswered_prompts_gives_the_tasks_advice(theme: Theme) -> None:

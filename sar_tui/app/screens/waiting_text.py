@@ -40,7 +40,7 @@ def waiting_text(  # noqa: PLR0911
         case "review":
             press = tr("Press Enter to see how it went.")
             text = waiting.notice or tr("That was the last attempt.")
-            return WaitingText(tr("You have done it"), text, press, tr("Enter"))
+            return WaitingText(tr("All done"), text, press, tr("Enter"))
         case "rest":
             return WaitingText(
                 tr("A short rest"), tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)), ""
