@@ -92,6 +92,7 @@ class BeginningApp(PatientModeApp):
             if goes_on:
                 self._prepare_session(plan)
             else:
+                self._stopped_by_pain()
                 self._not_begun()
 
         self.push_screen(wellbeing.ask_before(self, task, theme, codes), answered)
@@ -156,7 +157,7 @@ class BeginningApp(PatientModeApp):
         from sar_tui.app.session_link import link_of
         from sar_tui.framework.declaration import ParameterError
         from sar_tui.link.errors import LinkError
-        from sar_tui.runs.plan import Failed
+        from sar_tui.runs.plan import EnoughToday, Failed
         from sar_tui.store.sessions import new_id
 
         if not isinstance(what, str) and not what.id:
@@ -166,6 +167,9 @@ class BeginningApp(PatientModeApp):
             live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link)
             screen = SessionScreen(live)
             live.open(screen, what)
+        except EnoughToday as error:
+            self._cannot_begin(str(error), is_enough=True)
+            return
         except (StoreError, PluginError, ParameterError, Failed, LinkError) as error:
             self._cannot_begin(str(error), resumed=isinstance(what, str))
             return
@@ -191,11 +195,11 @@ class BeginningApp(PatientModeApp):
         elif notice:
             self.pending_notice = notice
 
-    def _cannot_begin(self, why: str, *, resumed: bool = False) -> None:
+    def _cannot_begin(self, why: str, *, resumed: bool = False, is_enough: bool = False) -> None:
         self._stop_feeds()
         self._own_link.close()
         if self.patient:
-            self._exercise_cannot_begin(why, resumed=resumed)
+            self._exercise_cannot_begin(why, resumed=resumed, is_enough=is_enough)
         elif self._begin is None:
             self.notify(why, severity="warning", timeout=15)
             self._show_pending_notice()

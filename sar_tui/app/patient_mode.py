@@ -157,10 +157,19 @@ class PatientModeApp(OpeningApp):
         if self._patient_screen is not None and self.patient:
             self._patient_screen.session_left(ended=ended)
 
-    def _exercise_cannot_begin(self, why: str, *, resumed: bool) -> None:
+    def _exercise_cannot_begin(self, why: str, *, resumed: bool, is_enough: bool) -> None:
         self.note_trouble(why)
-        if self._patient_screen is not None:
+        if self._patient_screen is None:
+            return
+        if is_enough:
+            self._patient_screen.enough_today()
+        else:
             self._patient_screen.cannot_begin(resumed=resumed)
+
+    def _stopped_by_pain(self) -> None:
+        """Let the participant rest, who is in too much pain to begin."""
+        if self._patient_screen is not None and self.patient:
+            self._patient_screen.stopped_by_pain()
 
     def on_unmount(self) -> None:
         self._release_signals()

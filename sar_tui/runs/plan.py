@@ -45,6 +45,10 @@ class Failed(Exception):
     """A session cannot start or continue. Its message is one or two clear sentences."""
 
 
+class EnoughToday(Failed):
+    """The participant has done what the programme allows on a day."""
+
+
 def make_plan(
     catalogue: Catalogue,
     task: type[Task] | str,

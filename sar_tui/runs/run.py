@@ -20,7 +20,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_folder, task_source
 from sar_tui.runs.checkpoints import Checkpoints, program
-from sar_tui.runs.plan import Failed, Plan, set_up
+from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import checkpoints, locks, participants, sessions
 from sar_tui.store.database import StoreError, connect, open_file
@@ -120,7 +120,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
         StoreError: the database cannot be used, or a participant is in a live session.
         PluginError: the theme cannot be loaded.
         ParameterError: an output cannot be opened.
-        Failed: the task cannot be set up, or the participant has done enough today.
+        Failed: the task cannot be set up, or (`EnoughToday`) the participant has done enough today.
     """
     theme = catalogue.theme(plan.theme, plan.parameters.language)
     task = set_up(plan.task, plan.parameters)
@@ -303,11 +303,11 @@ def _now() -> datetime:
 
 
 def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
-    """Raise Failed, with a kind sentence, if the participant has done what the programme allows on a day."""
+    """Raise EnoughToday, with a kind sentence, if the participant has done what the programme allows on a day."""
     if name := reached_of_day(task.parameters, Dose.of(done)):
         limit = next(field for field in fields(type(task.parameters)) if field.name == name)
         amount = getattr(task.parameters, name)
-        raise Failed(
+        raise EnoughToday(
             f"That is enough for {participant} today: the programme's limit of {amount} {limit.title.lower()} is "
             "reached. The next session can be tomorrow."
         )

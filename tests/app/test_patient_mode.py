@@ -61,6 +61,43 @@ async def test_enter_starts_the_first_exercise_and_the_next_one_follows_its_summ
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 
+async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_rest(
+    data: Path, catalogue: Catalogue
+) -> None:
+    programme(data, "P01", "keyboard", attempts_a_day=1)
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter")
+        await driver.do_session()
+        await driver.press("enter")
+        assert driver.sees("Exercise 2 of 2")
+        await driver.press("down", "enter", "enter", "enter")
+        assert driver.sees("Exercise 2 of 2")
+        assert not driver.sees("Please call your therapist")
+    programme(data, "P77", "keyboard", attempts_a_day=1)
+    async with open_app(data, catalogue, patient="P77") as driver:
+        await driver.press("enter")
+        await driver.do_session()
+        await driver.press("enter", "enter", "enter")
+        assert driver.sees("That is enough for today. Well done!")
+        assert driver.sees("You can rest now.")
+        await driver.press("enter")
+        assert driver.sees("Keyboard reaction")
+        assert driver.app._troubles[0].startswith("That is enough for P77 today")
+
+
+async def test_who_has_severe_pain_before_an_exercise_is_told_to_rest(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P01", "keyboard", ask_wellbeing=True)
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter", "9", "3", "2")
+        assert driver.sees("Please stop and rest")
+        await driver.press("escape")
+        assert driver.sees("You can rest now.")
+        assert driver.sees("Tell your therapist about the pain now.")
+        await driver.press("enter")
+        assert driver.sees("Exercise 1 of 2")
+    assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
+
+
 async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter", "enter", "escape", "down", "down", "down", "enter", "down", "enter")

@@ -1,6 +1,6 @@
 """The screen of a participant who trains alone: one exercise, and a large Start."""
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from textual import on
 from textual.app import ComposeResult
@@ -40,6 +40,8 @@ class PatientScreen(Screen[None]):
         self._participant = participant
         self._exercises = exercises
         self._at = 0
+        self._rest: Literal["", "pain", "enough"] = ""
+        """Why the participant had better rest, although there are exercises left."""
         self._plan: Plan | None = None
         self.tr: Language = app_language("en")
 
@@ -98,8 +100,12 @@ class PatientScreen(Screen[None]):
     def _write(self, *, trouble: bool) -> None:
         tr, plan = self.tr, self._plan
         several = len(self._exercises) > 1
-        if self._is_done:
+        if self._is_done or self._rest:
             hello, exercise, go = tr("That was everything. Well done!"), tr("You can rest now."), tr("Start again")
+            if self._rest == "pain":
+                hello, exercise = exercise, tr("Tell your therapist about the pain now.")
+            elif self._rest == "enough":
+                hello = tr("That is enough for today. Well done!")
         else:
             place = tr("Exercise {number} of {total}", number=self._at + 1, total=len(self._exercises))
             hello, go = place if several else tr("Hello!"), tr("Start")
@@ -118,14 +124,14 @@ class PatientScreen(Screen[None]):
         self.query_one("#go", Button).label = go
         skip = self.query_one("#skip", Button)
         skip.label = tr("Skip this exercise")
-        skip.display = several and not self._is_done
+        skip.display = several and not (self._is_done or self._rest)
         self.query_one("#go").focus()
 
     @on(Button.Pressed, "#go")
     def action_start(self) -> None:
         """Go on with a session that was interrupted not long ago, else begin a new one."""
-        if self._is_done:
-            self._at = 0
+        if self._is_done or self._rest:
+            self._at, self._rest = 0 if self._is_done else self._at, ""
             self.show_exercise()
             return
         if self._plan is None:
@@ -150,6 +156,17 @@ class PatientScreen(Screen[None]):
             self.app.begin_session(self._plan)
         else:
             self.show_exercise(trouble=True)
+
+    def stopped_by_pain(self) -> None:
+        """Let a participant rest who is in too much pain to begin."""
+        self._rest = "pain"
+        self.show_exercise()
+
+    def enough_today(self) -> None:
+        """Go on to the next exercise, as enough was done of this one; after the last, let the participant rest."""
+        self._at += 1
+        self._rest = "enough" if self._is_done else ""
+        self.show_exercise()
 
     @on(Button.Pressed, "#skip")
     def _skip(self) -> None:
