@@ -68,7 +68,7 @@ def _home(data: Path) -> None:
     with closing(connect(data)) as database:
         read_participants(database, data)
         read_sessions(database, data, catalogue, _WHO)
-        read_card(database, catalogue, _WHO, catalogue.task("keyboard"), date.today())
+        read_card(database, data, catalogue, _WHO, catalogue.task("keyboard"), date.today())
 
 
 def _program(*words: str) -> Callable[[Path], None]:

@@ -77,7 +77,7 @@ def progress(
     with home.database() as database:
         found = make_progress(
             code,
-            sessions_of(database, code, task),
+            sessions_of(database, code, task, folder=home.folder),
             find,
             scores_of(database, code),
             ratings=wellbeing.history(database, code),

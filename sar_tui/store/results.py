@@ -4,13 +4,14 @@ import sqlite3
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from itertools import chain
+from pathlib import Path
 
 import msgspec
 
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
-from sar_tui.store.sessions import FINITE_METRIC
+from sar_tui.store.sessions import FINITE_METRIC, status_now
 
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
@@ -41,25 +42,33 @@ _LONGEST_ATTEMPT_NS = 6 * 3600 * 1_000_000_000
 _Stored = tuple[AttemptResult, int, int, int]
 
 
-def newest_of(db: sqlite3.Connection, participant: str, task: str, most: int) -> list[SessionResults]:
-    """Return the results of a participant's newest live sessions of a task, the oldest of them first."""
+def newest_of(
+    db: sqlite3.Connection, participant: str, task: str, most: int, *, folder: Path | None = None
+) -> list[SessionResults]:
+    """Return the results of a participant's newest live sessions of a task, the oldest of them first.
+
+    ``folder`` is as in `sessions_of`.
+    """
     chosen = [session for (session,) in db.execute(_NEWEST, (participant, task, most))]
-    return list(_results(db, participant, task, chosen))
+    return list(_results(db, participant, task, chosen, folder))
 
 
-def sessions_of(db: sqlite3.Connection, participant: str, task: str | None = None) -> Iterator[SessionResults]:
+def sessions_of(
+    db: sqlite3.Connection, participant: str, task: str | None = None, *, folder: Path | None = None
+) -> Iterator[SessionResults]:
     """Yield the results of a participant's sessions in the order in which they were stored.
 
     Args:
         db: the database.
         participant: the code.
         task: selects one task.
+        folder: of the data; with it, a session that is stored as running but is not has the status ``interrupted``.
     """
-    return _results(db, participant, task, None)
+    return _results(db, participant, task, None, folder)
 
 
 def _results(
-    db: sqlite3.Connection, participant: str, task: str | None, chosen: Sequence[str] | None
+    db: sqlite3.Connection, participant: str, task: str | None, chosen: Sequence[str] | None, folder: Path | None
 ) -> Iterator[SessionResults]:
     """Yield the results of all sessions, or of those of some ids."""
     among = "" if chosen is None else "AND seats.session IN (SELECT value FROM json_each(:chosen))"
@@ -91,7 +100,7 @@ def _results(
             task_version=str(made_by.get("version", "")),
             seat=seat,
             mode=mode,
-            status=status,
+            status=status_now(status, found, folder) if folder else status,
             metric=provenance.metric({"task": made_by}),
             parameters=msgspec.json.decode(parameters),
             results=[result for result, *_ in attempts],

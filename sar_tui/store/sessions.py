@@ -269,9 +269,13 @@ def find(db: sqlite3.Connection, folder: Path, name: str) -> Row:
 
 
 def _with_status(row: Row, folder: Path) -> Row:
-    if row["status"] == "running" and not is_held(folder, "session", row["id"]):
-        row["status"] = "interrupted"
+    row["status"] = status_now(row["status"], row["id"], folder)
     return row
+
+
+def status_now(stored: str, session: str, folder: Path) -> str:
+    """Return a session's status: interrupted if it is stored as running, and no program has locked it."""
+    return "interrupted" if stored == "running" and not is_held(folder, "session", session) else stored
 
 
 def stored_status(db: sqlite3.Connection, session: str) -> str | None:

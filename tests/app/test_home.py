@@ -1,6 +1,7 @@
 """The home screen: participants, tasks and past sessions."""
 
 import shutil
+from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 
@@ -286,6 +287,19 @@ async def test_sessions_are_listed_newest_first_and_enter_resumes_an_interrupted
         (2, 1),
         (2, 2),
     ]
+
+
+async def test_the_card_and_progress_call_a_session_interrupted_whose_program_was_killed(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, "P01", attempts=1)) as driver:
+        await driver.do_session()
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET status='running', ended_at=NULL")
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("reached, interrupted")
+        await driver.press("f4")
+        assert driver.sees("· interrupted · 1/1 attempts")
 
 
 async def test_an_interrupted_session_is_dismissed_and_taken_back(

@@ -42,7 +42,7 @@ def trained(data: Path, catalogue: Catalogue, *thresholds: float) -> None:
 async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def unreadable(*_: object) -> None:
+    def unreadable(*_: object, **__: object) -> None:
         raise sqlite3.OperationalError("disk I/O error")
 
     async with open_app(data, catalogue) as driver:

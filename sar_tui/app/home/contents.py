@@ -51,10 +51,10 @@ class CardContents(msgspec.Struct, frozen=True):
 
 
 def read_card(
-    database: sqlite3.Connection, catalogue: Catalogue, participant: str, kind: type[Task], today: date
+    database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str, kind: type[Task], today: date
 ) -> CardContents:
     """Return what a participant's card says of a task."""
-    played = results.newest_of(database, participant, kind.name, LOOKED_AT)
+    played = results.newest_of(database, participant, kind.name, LOOKED_AT, folder=folder)
     found = lines(played, {kind.name: kind}.get)
     points = found[-1].points if found else ()
     felt = wellbeing.by_session(database, [each.session for each in played[-1:]])

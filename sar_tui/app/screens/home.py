@@ -139,7 +139,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
         except PluginError as error:  # it was removed or edited meanwhile
             card.show_problem(who, str(error))
             return
-        contents = read_card(self.app.database, self.app.catalogue, who, task, today)
+        contents = read_card(self.app.database, self.app.folder, self.app.catalogue, who, task, today)
         offer = self.query_one(SessionList).offer
         card.show(who, task.title, contents, offer_words(*offer, today) if offer else "")
         self._choose_saved_theme(who, name)

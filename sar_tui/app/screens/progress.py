@@ -95,7 +95,7 @@ class ProgressScreen(DismissedOnce[None]):
         find = {self._motor_task.name: self._motor_task}.get
         try:
             database = self.app.database
-            sessions = list(sessions_of(database, self._participant, self._motor_task.name))
+            sessions = list(sessions_of(database, self._participant, self._motor_task.name, folder=self.app.folder))
             self._found = progress(
                 self._participant,
                 sessions,
