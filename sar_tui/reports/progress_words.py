@@ -279,7 +279,7 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
     if line is None or not found.comparable:
         return tr("These sessions had other settings, or another task: their results cannot be compared.")
     if found.earlier.value is None or found.later.value is None:
-        return tr("The measure of one of these sessions is not known, so they cannot be compared.")
+        return tr("The measure of one of these sessions is not known: no comparison.")
     change = tr(
         "From {earlier} to {later}.",
         earlier=figure(line, found.earlier.value, tr),

@@ -71,6 +71,7 @@ async def test_sessions_are_charted_chosen_and_compared(data: Path, catalogue: C
         assert driver.sees("P01 · 1 of 2 · Keyboard reaction · goal 0.9 s")
         await driver.press("s")
         assert driver.sees("P01 · 2 of 2 · Keyboard reaction · goal 1.0 s")
+        assert driver.rows[-1].rstrip().endswith("Help")
         assert any(row.split() == ["pain", "0", "1"] for row in driver.rows)
         assert driver.sees("▸ 2026-03-02 10:00")
         assert driver.sees("pain 1 before")

@@ -97,6 +97,16 @@ def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[T
 # --- two sessions ------------------------------------------------------------------------------------------------
 
 
+def test_a_session_without_a_level_at_goal_is_not_compared_and_a_small_window_can_say_so(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
+    comparison = compare(found, "session000", "session009")
+    assert comparison is not None
+    for code, said in (("en", "no comparison."), ("es", "no hay comparación.")):
+        text = progress_words.compared(found.lines[0], comparison, progress_words.words(code, keyboard))
+        assert text.endswith(said)
+        assert len(text) <= 76
+
+
 def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[Task]) -> None:
     found = of(keyboard, *steady(5), session(9, adapted(9, base=50.0)))
     comparison = compare(found, "session009", "session001")

@@ -85,7 +85,7 @@ class ProgressScreen(DismissedOnce[None]):
             beside.display = False
             yield beside
         yield Static("", id="chosen", markup=False)
-        yield KeyFooter()
+        yield KeyFooter(show_command_palette=False)
 
     def on_mount(self) -> None:
         self.call_after_refresh(self._read)
