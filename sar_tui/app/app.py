@@ -115,7 +115,8 @@ class SarTui(LeavingApp):
 
     def get_key_display(self, binding: Binding) -> str:
         """Return a key's name on the keyboard: "Ctrl-Q", "F1", "Esc"."""
-        return "-".join(_KEY_NAMES.get(part, part.capitalize()) for part in binding.key.split("+"))
+        parts = binding.key.split("+")
+        return binding.key_display or "-".join(_KEY_NAMES.get(part, part.capitalize()) for part in parts)
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Fill the command palette."""

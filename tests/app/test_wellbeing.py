@@ -117,6 +117,7 @@ async def test_pain_in_a_pause_is_asked_with_its_number(data: Path, catalogue: C
         prompt = await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
         assert driver.sees("How much pain do you have now?")
+        assert not driver.sees("Stop voice"), "there is none"
         await driver.press("6", "5")
         assert driver.sees("Tell your therapist about the pain now."), "it rose by more than 3"
         await driver.press("enter")
@@ -196,6 +197,7 @@ async def test_the_questions_are_in_the_sessions_language(
         assert driver.sees("Ha dicho: 10.")
         await driver.press("8")
         assert driver.sees("Ha dicho: cabeza. Con Retroceso se vuelve atrás.")
+        assert driver.sees("Retroceso Atrás")
         await driver.press("n")
         assert driver.sees("Pare y descanse, por favor")
         assert driver.stored(ALL)[1][2:] == ("place", "head"), "stored in English"

@@ -1,6 +1,7 @@
 """Questions about pain and tiredness: one at a time, one key each, nothing chosen beforehand."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import ClassVar, NamedTuple
 
 from textual import events
@@ -91,8 +92,18 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
-        """The keys of the footer and the help, in the language of the session."""
-        return keys_in_mode(self.app, translated(super().active_bindings, self.tr))
+        """The keys of the footer and the help, in the language of the session.
+
+        The stop key is there only if there is an output to stop.
+        """
+        live = self.app.live  # type: ignore[attr-defined]
+        is_silent = live is None or set(live.run.session.task.parameters.outputs) <= {"screen"}
+        names = {"back": self.tr("Backspace")}
+        return {
+            key: active._replace(binding=replace(active.binding, key_display=names.get(active.binding.id or "")))
+            for key, active in keys_in_mode(self.app, translated(super().active_bindings, self.tr)).items()
+            if not (is_silent and active.binding.id == "stop")
+        }
 
     @property
     def help_text(self) -> str:
