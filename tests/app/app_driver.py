@@ -9,7 +9,8 @@ from typing import Any
 
 import msgspec
 from rich.console import Console
-from textual.events import Key
+from textual.events import Key, Resize
+from textual.geometry import Size
 from textual.message import Message
 from textual.pilot import Pilot
 
@@ -97,9 +98,10 @@ class AppDriver:
         await self.settle()
 
     async def resize(self, columns: int, rows: int) -> None:
-        """Resize the window."""
-        await self.pilot.resize_terminal(columns, rows)
-        await self.settle()
+        """Resize the window. `Pilot.resize_terminal` would wait for widgets that are removed meanwhile."""
+        size = Size(columns, rows)
+        self.app._driver._size = size  # type: ignore[union-attr]
+        await self.send_event(Resize(size, size))
 
     # --- a session ------------------------------------------------------------------------------------------
 

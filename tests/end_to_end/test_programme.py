@@ -43,7 +43,7 @@ def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_run
     called("programme", "import", "P07", "keyboard", str(file), "--reason", "First visit", "--author", "Ana", *where)
 
     with Terminal(command(*where)) as terminal:
-        terminal.wait_for("P07: Keyboard reaction")
+        terminal.wait_for("P07 · Keyboard reaction")
         terminal.settle()
         terminal.press("f2")
         terminal.wait_for("version 1")
@@ -56,11 +56,13 @@ def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_run
         terminal.write(b"Tired" + ENTER)
         terminal.wait_for("version 2")
         terminal.settle()
+        seen = len(terminal.output)
         terminal.press("escape")
-        terminal.wait_for("P07: Keyboard reaction")
+        terminal.wait_for("P07 · Keyboard reaction", since=seen)
         terminal.settle()
-        for key in ("right", "right", "right", "enter"):
-            terminal.press(key)
+        terminal.press("enter")
+        terminal.settle()
+        terminal.press("enter")
         ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(6)
         see_the_summary(terminal)
         terminal.press("enter")

@@ -45,12 +45,12 @@ def begin(terminal: Terminal) -> int:
     terminal.wait_for("Simulated hand")
     seen = press(terminal, "enter")
     terminal.wait_for("Press Enter to go on.", since=seen)
-    return begin_attempt(terminal, press(terminal, "enter"))
+    return begin_attempt(terminal, press(terminal, "enter"), "Press Enter to begin")
 
 
-def begin_attempt(terminal: Terminal, seen: int) -> int:
+def begin_attempt(terminal: Terminal, seen: int, offer: str) -> int:
     """From where an attempt is offered to where its first reach can be started."""
-    terminal.wait_for("Press Enter to begin", since=seen)
+    terminal.wait_for(offer, since=seen)
     return to_start(terminal, press(terminal, "enter"))
 
 
@@ -116,7 +116,7 @@ def check_reaches(data: Path) -> None:
 def test_stored_reaches_agree_with_their_samples(data: Path) -> None:
     with Terminal(run_command(data, attempts=2)) as terminal:
         begin(terminal)
-        begin_attempt(terminal, reach(terminal))
+        begin_attempt(terminal, reach(terminal), "Press Enter for attempt 2")
         reach(terminal)
         see_the_summary(terminal)
         terminal.press("enter")

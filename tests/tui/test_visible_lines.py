@@ -79,7 +79,7 @@ def hostile_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Catalogue
 
 
 async def test_the_first_screen_draws_a_themes_title_visibly(data: Path, hostile_themes: Catalogue) -> None:
-    known(data)
+    known(data, theme="evening")
     async with open_app(data, hostile_themes, size=(120, 40)) as driver:
         assert BEGINNING in drawn(driver.app)
         await driver.press("ctrl+p", *"owned")
