@@ -3,16 +3,15 @@
 import io
 import sqlite3
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, closing
+from contextlib import asynccontextmanager, closing, suppress
 from pathlib import Path
 from typing import Any
 
 import msgspec
 from rich.console import Console
-from textual.events import Key, Resize
-from textual.geometry import Size
+from textual.events import Key
 from textual.message import Message
-from textual.pilot import Pilot
+from textual.pilot import Pilot, WaitForScreenTimeout
 
 from sar_tui.app.app import SarTui
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
@@ -98,10 +97,10 @@ class AppDriver:
         await self.settle()
 
     async def resize(self, columns: int, rows: int) -> None:
-        """Resize the window. `Pilot.resize_terminal` would wait for widgets that are removed meanwhile."""
-        size = Size(columns, rows)
-        self.app._driver._size = size  # type: ignore[union-attr]
-        await self.send_event(Resize(size, size))
+        """Resize the window."""
+        with suppress(WaitForScreenTimeout):  # a widget that it waited for was removed meanwhile
+            await self.pilot.resize_terminal(columns, rows)
+        await self.settle()
 
     # --- a session ------------------------------------------------------------------------------------------
 
