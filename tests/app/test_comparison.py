@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
@@ -13,6 +15,7 @@ async def to_comparison(driver: AppDriver) -> None:
     await driver.settle()
 
 
+@pytest.mark.slow
 async def test_only_a_later_session_with_the_same_settings_has_a_comparison(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

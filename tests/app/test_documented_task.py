@@ -25,6 +25,7 @@ def arrows(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_they_pass_the_check(arrows: Path) -> None:
     results = list(check(arrows))
     assert [each.problems for each in results if not each.ok] == []

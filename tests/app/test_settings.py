@@ -84,6 +84,7 @@ def a_participant(data: Path) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_there_is_one_field_for_each_declared_parameter(
     data: Path, catalogue: Catalogue, keyboard: type[Task]

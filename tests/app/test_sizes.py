@@ -178,6 +178,7 @@ async def test_a_session_opens_in_a_window_of_any_size(task: str, data: Path, ca
         assert driver.screen_name == ("SensorCheckScreen" if task == "reaching" else "SessionScreen")
 
 
+@pytest.mark.slow
 async def test_every_stage_of_a_session_survives_any_size_of_the_window(data: Path, catalogue: Catalogue) -> None:
     settings = SHORT | {"attempts": 1}
     async with open_app(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)) as driver:
@@ -207,6 +208,7 @@ async def test_a_session_for_two_survives_any_size_of_the_window(data: Path, cat
         assert driver.session.faults == []
 
 
+@pytest.mark.slow
 async def test_a_tasks_view_is_not_drawn_smaller_than_the_smallest_window(data: Path, tmp_path: Path) -> None:
     catalogue = Catalogue(tasks=(write_sides(tmp_path / "mine", WIDE_VIEW).parent,))
     async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:

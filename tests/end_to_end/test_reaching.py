@@ -134,6 +134,7 @@ def test_stored_reaches_agree_with_their_samples(data: Path) -> None:
     assert seqs[1] == seqs[2]
 
 
+@pytest.mark.slow
 def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data: Path) -> None:
     for kill in range(KILLS):
         words = (

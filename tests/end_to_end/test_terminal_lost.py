@@ -16,6 +16,7 @@ from sar_tui.timing.pty import Terminal, visible
 from sar_tui.tui.terminal_output import RESET
 from tests.end_to_end.operator_terminal import Panel, SessionTerminals
 from tests.end_to_end.participant_terminal import command, run_command
+from tests.examples import first
 
 if sys.platform != "win32":
     import fcntl
@@ -93,7 +94,7 @@ def program(request: pytest.FixtureRequest, data: Path, monkeypatch: pytest.Monk
 
 _FULL = 4000
 """Bytes that Linux offers of a pseudo-terminal that holds more."""
-PROGRAMS = pytest.mark.parametrize("program", ["wizard", "agent", "run"], indirect=True)
+PROGRAMS = pytest.mark.parametrize("program", first(1, ["run", "wizard", "agent"]), indirect=True)
 
 
 @pytest.mark.parametrize("program", ["wizard", "agent"], indirect=True)

@@ -45,6 +45,7 @@ def said(data: Path) -> list[tuple[str, str]]:
     return [(report["action"], report["state"]) for report in reports if report["deed"] == "say"]
 
 
+@pytest.mark.slow
 @needs_speech
 @pytest.mark.skipif(sys.platform != "linux", reason="finds the process in /proc")
 def test_the_session_continues_with_a_new_voice(data: Path, tmp_path: Path) -> None:

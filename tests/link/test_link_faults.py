@@ -189,6 +189,7 @@ async def test_killed_broker_is_restarted_and_panels_reconnect(session: LinkSess
     await until(lambda: session.of(NOTE_ADDED))
 
 
+@pytest.mark.slow
 async def test_frozen_broker_is_killed_and_restarted(session: LinkSession) -> None:
     panel = await session.panel("anna")
     frozen = session.broker.pid

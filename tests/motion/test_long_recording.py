@@ -53,6 +53,7 @@ def test_a_recording_that_fits_is_analysed_as_a_whole(detector: str) -> None:
     assert (found.rate_hz, found.samples) == (whole.rate_hz, len(samples))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", first(1, ["patient", "steady"]))
 @pytest.mark.parametrize("detector", DETECTORS)
 def test_in_windows_the_same_reaches_are_found(detector: str, profile: str) -> None:

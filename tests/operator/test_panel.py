@@ -353,6 +353,7 @@ async def test_while_the_panel_is_hidden_only_the_stop_key_acts(catalogue: Catal
         assert "too small" not in driver.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", first(1, [(), ("f1",), ("e",)]))
 async def test_the_panel_survives_any_size_of_its_window(
     keys: tuple[str, ...], catalogue: Catalogue, folder: Path

@@ -5,6 +5,8 @@ import signal
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.needs_browser import needs_browser
 from tests.serve.chromium import chromium
 from tests.serve.serve_fixtures import TOKEN, logged, serving
@@ -37,6 +39,7 @@ async def test_app_is_shown_and_receives_keys(tmp_path: Path) -> None:
         await browser.wait_until(f"{COVER} === 'You have left the session.'")
 
 
+@pytest.mark.slow
 async def test_view_that_is_out_of_date_is_covered_until_it_is_not(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary", "operator") as served, chromium() as browser:
         await browser.open(f"{served.origin}/?token={TOKEN}")
@@ -53,6 +56,7 @@ async def test_view_that_is_out_of_date_is_covered_until_it_is_not(tmp_path: Pat
         await browser.see("Pressed 1 times")
 
 
+@pytest.mark.slow
 async def test_view_comes_back_by_itself_when_its_server_does(tmp_path: Path) -> None:
     async with chromium() as browser:
         async with serving(tmp_path / "diary", "operator") as served:

@@ -24,7 +24,7 @@ from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.terminal_input import TolerantParser, UnreadableInput, tolerate, tolerate_in_terminals
 from tests.app.app_driver import known, open_app, plan
 from tests.app.test_agent_view import Link
-from tests.examples import examples
+from tests.examples import examples, first
 from tests.operator.panel_driver import open_panel
 from tests.settle import settle
 from tests.tui.unreadable import UNREADABLE
@@ -189,7 +189,7 @@ async def test_it_is_told_when_the_app_has_ended(
     assert r"cannot be read, 2 times (last: \x1b[55296u). It was dropped." in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("size", [(9999, 9999), (65535, 1), (1, 65535)])
+@pytest.mark.parametrize("size", first(1, [(9999, 9999), (65535, 1), (1, 65535)]))
 async def test_a_window_larger_than_any_is_drawn_up_to_a_limit(
     data: Path, catalogue: Catalogue, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
