@@ -488,7 +488,7 @@ async def test_in_a_live_session_stamps_are_in_host_time() -> None:
     assert [report.state for report in reports] == ["started", "done"]
     started, done = (report.at for report in reports)
     assert asked_at + SETTLE < started
-    assert started + 50 * MS <= done <= clock.now()
+    assert started < done <= clock.now()
 
 
 @pytest.mark.parametrize(
