@@ -19,6 +19,15 @@ def _answer(terminal: Terminal, prompts: int) -> None:
     ScriptedParticipant(terminal, random_answers(5, 120, 180)).run(prompts)
 
 
+def _see_stored(terminal: Terminal, data: Path, trials: int) -> None:
+    """Wait until the program, which may be slow, has handled as many responses and shows what follows."""
+    for _ in range(600):
+        terminal.settle()
+        if rows(data, "SELECT count(*) FROM trials") == [(trials,)]:
+            return
+    raise AssertionError(f"{trials} trials were not stored")
+
+
 @pytest.mark.parametrize(
     ("number", "code"),
     [
@@ -31,7 +40,7 @@ def _answer(terminal: Terminal, prompts: int) -> None:
 def test_a_signal_ends_the_session_in_order(data: Path, number: int, code: int) -> None:
     with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
         _answer(terminal, 3)
-        terminal.settle()
+        _see_stored(terminal, data, 3)
         terminal.kill(number)
         assert terminal.wait() == code
         output = bytes(terminal.output)
@@ -59,7 +68,7 @@ def test_ctrl_c_exits_with_130_and_says_how_to_resume(data: Path, moment: str) -
 def test_a_lost_terminal_ends_the_program_without_loss(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=8, attempts=2)) as terminal:
         _answer(terminal, 3)
-        terminal.settle()
+        _see_stored(terminal, data, 3)
         terminal.hang_up()
         assert terminal.process.wait(60) == 129
     assert rows(data, "SELECT count(*) FROM trials") == [(3,)]
