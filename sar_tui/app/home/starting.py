@@ -18,9 +18,10 @@ class StartingScreen(Screen[None]):
     app: Any
     _left_out = ""
 
-    def refresh_contents(self) -> None:
-        """Read everything that is shown anew."""
-        raise NotImplementedError
+    if TYPE_CHECKING:  # defined by the whole screen
+
+        def refresh_contents(self) -> None:
+            """Read everything that is shown anew."""
 
     def start(self, task: "type[Task]", who: str, theme: str | None) -> None:
         """Begin a session, in a task for two after asking who sits on the right."""
