@@ -1,5 +1,7 @@
 """The motion sensor on the bus: its samples as a stream of blocks, its statuses as messages."""
 
+from typing import TYPE_CHECKING
+
 import msgspec
 
 from sar_tui.framework.bus import Bus
@@ -16,20 +18,18 @@ DRAIN = 10 * MS
 _BEFORE_SAMPLES = ("attached", "flowing")
 
 
-class Imu(Node):
-    """Publishes a motion sensor's samples and statuses, from the beginning of the session to its end.
+class SensorNode(Node):
+    """Base of nodes that publish the samples of one participant's sensor, from the beginning of the session to its end.
 
     Args:
-        feed: the sensor's; one that is running already, after the sensor check, is used as it is.
         seat: the participant with the sensor.
     """
 
     name = "imu"
     emits = (IMU, SENSOR)
 
-    def __init__(self, feed: ImuFeed, seat: str = "A") -> None:
+    def __init__(self, seat: str = "A") -> None:
         super().__init__()
-        self.feed = feed
         self.seat = seat
         self._next: Handle | None = None
         self._stopped = False
@@ -45,10 +45,32 @@ class Imu(Node):
         self.detach()
 
     def detach(self) -> None:
-        """Stop publishing, and release the sensor."""
+        """Stop publishing."""
         self._stopped = True
         if self._next:
             self._next.cancel()
+
+    if TYPE_CHECKING:  # defined by each node
+
+        def _begin(self) -> None:
+            """Start publishing, unless it was stopped before."""
+
+
+class Imu(SensorNode):
+    """Publishes a motion sensor's samples and statuses.
+
+    Args:
+        feed: the sensor's; one that is running already, after the sensor check, is used as it is.
+        seat: the participant with the sensor.
+    """
+
+    def __init__(self, feed: ImuFeed, seat: str = "A") -> None:
+        super().__init__(seat)
+        self.feed = feed
+
+    def detach(self) -> None:
+        """Stop publishing, and release the sensor."""
+        super().detach()
         self.feed.stop()
 
     def _begin(self) -> None:

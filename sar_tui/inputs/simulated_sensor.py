@@ -13,13 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.framework.bus import Bus
-from sar_tui.framework.clock import SECOND, Handle, VirtualClock
-from sar_tui.framework.messages import ImuBlock, SessionEnded
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.messages import ImuBlock
+from sar_tui.framework.topics import IMU, SENSOR
 from sar_tui.inputs.imu import Info, Status
 from sar_tui.inputs.imu_feed import GAP_STEPS
-from sar_tui.inputs.sensor import DRAIN, changed
+from sar_tui.inputs.sensor import DRAIN, SensorNode, changed
 from sar_tui.motion.samples import SAMPLE, Samples, join, pack
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import SimulatedHand
@@ -51,24 +50,18 @@ class Foresight(Protocol):
         ...
 
 
-class SimulatedSensor(Node):
-    """Publishes the samples and statuses of a simulated hand, from the beginning of the session to its end.
+class SimulatedSensor(SensorNode):
+    """Publishes the samples and statuses of a simulated hand.
 
     Args:
         hand: the hand and its sensor. The sensor's range must not be limited.
         seat: the participant with the sensor.
     """
 
-    name = "imu"
-    emits = (IMU, SENSOR)
-
     def __init__(self, hand: SimulatedHand, seat: str = "A") -> None:
-        super().__init__()
-        self.seat = seat
+        super().__init__(seat)
         self._hand = hand
         self._info = Info(source="simulated", model="Simulated hand", rate_hz=hand.rate_hz)
-        self._stopped = False
-        self._next: Handle | None = None
         self._ahead: Samples = np.empty(0, SAMPLE)
         """Samples that are calculated and not published, up to ``_calculated``."""
         self._calculated = 0
@@ -77,11 +70,10 @@ class SimulatedSensor(Node):
         self._watcher: Foresight | None = None
 
     def attach(self, bus: Bus) -> None:
-        """Join a bus, and start when the session does."""
-        super().attach(bus)
+        """Join a bus with a virtual clock, and start when the session does."""
         assert isinstance(bus.clock, VirtualClock)
         self._clock = bus.clock
-        self._clock.call_soon(self._begin)
+        super().attach(bus)
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
         """Make a reach with its onset at ``at_ns``, which is to come."""
@@ -90,17 +82,6 @@ class SimulatedSensor(Node):
         if self._calculated > now:
             self._ahead = self._ahead[: np.searchsorted(self._ahead["at"], now)]
             self._calculated = now
-
-    @on(SESSION_ENDED)
-    def session_ended(self, _: SessionEnded) -> None:
-        """Stop publishing."""
-        self.detach()
-
-    def detach(self) -> None:
-        """Stop publishing."""
-        self._stopped = True
-        if self._next:
-            self._next.cancel()
 
     def _begin(self) -> None:
         if self._stopped:
