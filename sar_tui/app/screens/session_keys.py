@@ -1,0 +1,97 @@
+"""The keys of a session's screen: responses with their time stamps, and the therapist's marks."""
+
+from textual import events
+from textual.binding import ActiveBinding
+
+from sar_tui.app.live import LiveSession
+from sar_tui.app.screens.message_panel import MessagePanel
+from sar_tui.app.screens.pause import PauseMenu
+from sar_tui.app.screens.session_pause import PausingScreen
+from sar_tui.app.screens.waiting_text import help_text, key_name
+from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.messages import SessionCommand, TrialMarked, Waiting
+from sar_tui.tui.gc_control import GcControl
+
+_MARKABLE = ("trial", "answer", "rest", "review")
+"""Stages in which there is a trial to mark; and before an attempt, except the first."""
+
+
+class KeysScreen(PausingScreen):
+    """The part of a session's screen that reads its keys."""
+
+    def __init__(self, live: LiveSession) -> None:
+        super().__init__(live)
+        self._gc = GcControl()
+        self._last_key = ("", 0.0)
+
+    @property
+    def help_text(self) -> str:
+        """Instructions of the task, and the keys to pause, ask for feedback and mark a trial."""
+        return help_text(self._live.run.session.task, self.tr)
+
+    def on_key(self, event: events.Key) -> None:
+        waiting = self._waiting
+        is_repeat = self._is_repeat(event)
+        if waiting is None or isinstance(self.focused, PauseMenu):
+            return
+        if self._shown == "menu":  # a click beside the menu took the focus from it
+            self.set_focus(self.query_one(PauseMenu))
+        if waiting.stage != "trial" and event.key in ("question_mark", "f1", "ctrl+p"):
+            return
+        if waiting.what == "nothing":
+            if event.key in ("enter", "space"):
+                event.stop()
+                if not is_repeat:
+                    self.dismiss()
+            return
+        if event.key not in ("escape", "f1", "ctrl+p"):
+            event.stop()
+            event.prevent_default()
+        if event.key in self._marks:
+            if not is_repeat:
+                self._press_mark(event.key, waiting)
+            return
+        at = self._live.stamp(event.time)
+        stalled = self._gc.is_stalled(round(at * SECOND))
+        self._live.keyboard.pressed(event.key, event.character, at, self._gc.lag, stalled)
+        self._correct_key(event.key, waiting)
+
+    def _press_mark(self, key: str, waiting: Waiting) -> None:
+        """Mark the trial, or ask for the key again if it would replace another mark."""
+        if mark := self._marks.press(key):
+            self._live.operate(SessionCommand(command="mark", actor="therapist", reason=mark.name))
+        else:
+            self._show_position(waiting)
+
+    def _correct_key(self, key: str, waiting: Waiting) -> None:
+        """Say which key is awaited after Enter was pressed for the start key, or the other way round."""
+        start = self._live.run.session.task.start_key
+        wanted = {"enter": "enter", "start": start}.get(waiting.what)
+        if start and wanted and key in ("enter", start) and key != wanted:
+            later = self.tr("({key} comes later.)", key=key_name(key, self.tr))
+            self.query_one(MessagePanel).correct(later)
+
+    def _is_repeat(self, event: events.Key) -> bool:
+        """True if a key is held or bounces, as perception judges it: the Enter before the summary must not close it."""
+        (last, before), now = self._last_key, self._live.stamp(event.time)
+        self._last_key = (event.key, now)
+        interval = self._live.run.session.task.parameters.repeat_interval_ms * MS / SECOND
+        return event.key == last and now - before < interval
+
+    def on_paste(self, event: events.Paste) -> None:
+        event.stop()
+        self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        """The screen's bindings, and the keys of marks while there is a trial to mark."""
+        found, waiting = super().active_bindings, self._waiting
+        if waiting is None or not (waiting.stage in _MARKABLE or (waiting.stage == "attempt" and waiting.attempt > 1)):
+            return found
+        first = {key: each for key, each in found.items() if key == "escape"}
+        return first | self._marks.bindings(found, self.size.width, self) | found
+
+    def marked(self, marked: TrialMarked) -> None:
+        self._marks.marked()
+        if self._waiting:
+            self._show_position(self._waiting)
