@@ -64,7 +64,7 @@ def progress(
     from sar_tui.reports.progress import progress as make_progress
     from sar_tui.store import adverse_events, wellbeing
     from sar_tui.store.instrument_scores import scores_of
-    from sar_tui.store.participants import check_code
+    from sar_tui.store.participants import check_known
     from sar_tui.store.results import sessions_of
 
     if language not in LANGUAGES:
@@ -72,9 +72,9 @@ def progress(
         raise Refused(f"There are no sentences in {named}. Choose one of: {', '.join(LANGUAGES)}.")
     watch_plugins(context)
     home = Home.of(context, data, tasks)
-    code = check_code(participant)
     find = _finder(home)
     with home.database() as database:
+        code = check_known(database, participant)
         found = make_progress(
             code,
             sessions_of(database, code, task, folder=home.folder),
@@ -137,7 +137,7 @@ def _print(out: "Console", found: "Progress", find: "Find", language: str) -> No
     from sar_tui.reports import progress_words
 
     for text in progress_words.warnings(found, progress_words.words(language, None)):
-        out.print(f"! {text.removeprefix('! ')}", soft_wrap=True, end="\n\n")
+        out.print(f"! {text}", soft_wrap=True, end="\n\n")
     for line in found.lines:
         tr = progress_words.words(language, find(line.task))
         out.print(f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n")

@@ -9,7 +9,7 @@ from sar_tui.framework.task import Task
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, Progress, SessionProgress
-from sar_tui.reports.wellbeing import advice, event_line
+from sar_tui.reports.wellbeing import advice, dated_event
 
 _FOLDER = Path(__file__).parent
 
@@ -296,7 +296,7 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
 
 def warnings(found: Progress, tr: Language) -> list[str]:
     """Return what the therapist should know of pain and tiredness, and the adverse events with their onset."""
-    return [*advice(found.tell, tr), *(f"{event.onset} {event_line(event)}" for event in found.events)]
+    return [*advice(found.tell, tr), *(dated_event(event, tr) for event in found.events)]
 
 
 # --- other instruments --------------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import msgspec
+
 from sar_tui.framework.language import Language
 from sar_tui.framework.policies.wellbeing import SEVERE, TellReason, stop_now
 from sar_tui.store.adverse_events import AdverseEvent
@@ -51,12 +53,45 @@ def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEve
     return lines + [event_line(event, names_person=bool(session["partner"])) for event in events]
 
 
+class Visit(msgspec.Struct, frozen=True):
+    """Sentences on what a participant said in a session, and when first. ``session``: empty if it did not begin."""
+
+    at: str
+    session: str
+    said: list[str]
+
+
+def by_visit(rows: Sequence[Row]) -> list[Visit]:
+    """Return the answers of one participant by session, oldest first; without a session, those of a day together."""
+    grouped: dict[str, list[Row]] = {}
+    for row in rows:
+        grouped.setdefault(row["session"] or row["at"][:10], []).append(row)
+    return [Visit(own[0]["at"], own[0]["session"] or "", sentences(own, own[0]["seat"])) for own in grouped.values()]
+
+
 def event_line(event: AdverseEvent, *, names_person: bool = False) -> str:
-    """Return an adverse event in words."""
-    known = (("Action", event.action), ("Outcome", event.outcome))
-    done = "".join(f" {name}: {text}." for name, text in known if text)
+    """Return an adverse event in words, with its id."""
     who = f" of {event.participant}" if names_person else ""
-    return f"! Adverse event {event.event}{who}, {event.severity}: {event.what}.{done}"
+    return f"! Adverse event {event.event}{who}, {_course(event, _ENGLISH)}"
+
+
+def dated_event(event: AdverseEvent, tr: Language = _ENGLISH) -> str:
+    """Return an adverse event in words, with its onset."""
+    return f"{tr('Adverse event')} {event.onset}, {_course(event, tr)}"
+
+
+def _course(event: AdverseEvent, tr: Language) -> str:
+    """Return the severity of an event, what happened, what was done and how it ended."""
+    said = [f"{tr(event.severity)}: {_ended(event.what)}"]
+    if event.action:
+        said.append(f"{tr('Action')}: {_ended(event.action)}")
+    said.append(f"{tr('Outcome')}: {_ended(event.outcome)}" if event.outcome else tr("Outcome not yet recorded."))
+    return " ".join(said)
+
+
+def _ended(text: str) -> str:
+    """Return a text with a full stop, unless it has an end of its own."""
+    return text if text[-1] in ".!?" else f"{text}."
 
 
 def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:

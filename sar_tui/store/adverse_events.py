@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.participants import check_known
 
 Severity = Literal["mild", "moderate", "severe"]
 SEVERITIES: tuple[str, ...] = get_args(Severity)
@@ -78,12 +79,10 @@ def report(
     Raises:
         StoreError: the participant is not known, a value is not valid, or the disk cannot write.
     """
-    if not db.execute("SELECT 1 FROM participants WHERE code=?", (participant,)).fetchone():
-        raise StoreError(f"There is no participant {participant}.", bad_input=True)
     event = AdverseEvent(
         event=secrets.token_hex(3),
         version=1,
-        participant=participant,
+        participant=check_known(db, participant),
         session=session,
         onset=check_onset(onset),
         what=_text("what", what, needed=True),

@@ -3,6 +3,7 @@
 import re
 import sqlite3
 from datetime import UTC, datetime
+from difflib import get_close_matches
 from pathlib import Path
 
 import msgspec
@@ -41,6 +42,35 @@ def add(db: sqlite3.Connection, code: str) -> str:
 def codes(db: sqlite3.Connection) -> list[str]:
     """Return the codes of all participants of live sessions, sorted."""
     return [code for (code,) in db.execute("SELECT code FROM participants ORDER BY code")]
+
+
+def check_known(db: sqlite3.Connection, code: str) -> str:
+    """Return a code as it is stored, if anything is stored of this participant, such as a simulated session.
+
+    Raises:
+        StoreError: the code is not valid, or nobody has it. The message names codes that are much like it.
+    """
+    code = check_code(code)
+    if any(db.execute(f"SELECT 1 FROM {table} WHERE {column}=? LIMIT 1", (code,)).fetchone() for table, column in _OF):
+        return code
+    known = sorted({each for table, column in _OF for (each,) in db.execute(f"SELECT DISTINCT {column} FROM {table}")})
+    like = [each for each in known if _plain(each) == _plain(code)] or get_close_matches(code, known)
+    meant = f" Is it {' or '.join(like)}?" if like else ""
+    raise StoreError(f"There is no participant {code}.{meant}", bad_input=True)
+
+
+_OF = (
+    ("participants", "code"),
+    ("seats", "participant"),
+    ("instrument_scores", "participant"),
+    ("wellbeing", "participant"),
+)
+"""Tables and their columns that hold the codes of participants."""
+
+
+def _plain(code: str) -> str:
+    """Return a code without what is easily left out: "P-01", "p1" and "P01" are alike."""
+    return re.sub(r"(?<!\d)0+(?=\d)|[-_]", "", code.upper())
 
 
 class Known(msgspec.Struct, frozen=True):

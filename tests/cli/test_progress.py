@@ -64,7 +64,8 @@ def test_two_sessions_are_compared(call: Call, trained: list[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("P09",), "P09 has no finished attempts yet."),
+        (("P1",), "There is no participant P1. Is it P01?"),
+        (("P99", "--json"), "There is no participant P99."),
         (("P01", "--task", "reaching"), "P01 has no finished attempts of the task reaching yet."),
         (("not a code",), "A participant code has 1 to 32 letters"),
         (("P01", "--language", "fr"), "Choose one of: en, es."),
@@ -78,9 +79,10 @@ def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...],
     assert says in called.err
 
 
-def test_nobody_has_no_lines_in_json(call: Call) -> None:
+def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None:
+    call("instrument", "add", "P09", "BBT", 30, "--on", "2026-03-01")
     found = call("progress", "P09", "--json").json
-    assert (found["participant"], found["lines"], found["days"], found["instruments"]) == ("P09", [], [], [])
+    assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == ("P09", [], [], 1)
     assert (found["recent"]["days"], found["recent"]["done"]) == (0, 0)
 
 

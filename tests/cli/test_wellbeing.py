@@ -56,10 +56,12 @@ def test_a_list_of_sessions_marks_pain_and_tiredness(call: Call, data: Path, sim
 
 
 def test_the_answers_of_a_participant_are_listed(call: Call, data: Path, simulated: str) -> None:
-    assert "left shoulder" in call("wellbeing", "p01").out
+    said = " ".join(call("wellbeing", "p01").out.split())
+    assert 'Pain: 2 before, 5 after (left shoulder), "in pain" in a pause. Tiredness: would rather not say' in said
+    assert [word for word in ("fatigue", "moment", "answer", wellbeing.NOT_SAID) if word in said] == []
     found = call("wellbeing", "P01", "--json").json
     assert (found["participant"], len(found["wellbeing"]), found["tell_therapist"]) == ("P01", 6, [])
-    assert call("wellbeing", "P99").out == "Nothing is known of pain or tiredness of P99.\n"
+    assert call("wellbeing", "P1") == (2, "", "There is no participant P1. Is it P01?\n")
     assert call("wellbeing", "Jane Doe").code == 2
 
 
@@ -89,6 +91,7 @@ def test_an_adverse_event_is_recorded_and_amended(call: Call, data: Path, simula
     )  # fmt: skip
     versions = call("adverse", "show", added["event"], "--json").json["versions"]
     assert [(one["version"], one["outcome"]) for one in versions] == [(1, ""), (2, "No injury")]
+    assert "! Adverse event 2026-03-01 14:30, moderate: Fell from the chair." in call("wellbeing", "P01").out
     shown = call("show", simulated).out
     assert (
         f"! Adverse event {added['event']}, moderate: Fell from the chair. Action: Rested. Outcome: No injury." in shown

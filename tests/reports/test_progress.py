@@ -194,7 +194,8 @@ def test_new_pain_and_adverse_events_are_told_first_in_either_language(keyboard:
     found = progress("P01", steady(2), {"keyboard": keyboard}.get, ratings=ratings, events=[event])
     english, spanish = (progress_words.warnings(found, progress_words.words(code, None)) for code in ("en", "es"))
     assert english[0].startswith("Pain is new: some in each of the last four sessions")
-    assert english[1] == "2026-03-01 ! Adverse event A1, mild: Cramp."
+    assert english[1] == "Adverse event 2026-03-01, mild: Cramp. Outcome not yet recorded."
+    assert spanish[1] == "Evento adverso 2026-03-01, leve: Cramp. Desenlace aún sin anotar."
     assert spanish[0].startswith("El dolor es nuevo")
 
 
@@ -262,7 +263,8 @@ def test_every_text_of_charts_parts_and_dose_has_a_translation() -> None:
 
 def test_every_translation_is_of_a_text_of_the_reports() -> None:
     folder = Path(progress_words.__file__).parents[1]
-    files = [*folder.glob("reports/*.py"), folder / "cli/progress.py", folder / "progress/instruments.py"]
+    others = ("cli/progress.py", "progress/instruments.py", "store/adverse_events.py")
+    files = [*folder.glob("reports/*.py"), *(folder / name for name in others)]
     inserted = {"simulated", "no session"}
     source = re.sub(r'"\n\s*f?"', "", "".join(path.read_text(encoding="utf-8") for path in files)).replace("'", '"')
     assert [text for text in SPANISH if f'"{text}"' not in source and text not in inserted] == []
