@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.app import SarTui
+from sar_tui.framework.clock import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.store import participants, passphrase, programmes
+from sar_tui.store import participants, passphrase, programmes, sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
 from tests.app.app_driver import SHORT, AppDriver, open_app, stored
@@ -19,7 +20,11 @@ REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
 
 @pytest.fixture(autouse=True)
 def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises."""
+    """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises.
+
+    Runs begin at the tests' clock: by the computer's, what a session did could belong to another day.
+    """
+    monkeypatch.setattr(sessions, "host_now", lambda: 10 * SECOND)
     monkeypatch.setattr(passphrase, "_COST", 16)
     Passphrase(data).set(RIGHT)
     programme(data, "P01", "keyboard")
@@ -157,6 +162,20 @@ async def test_the_help_names_no_way_out(data: Path, catalogue: Catalogue) -> No
                 assert word not in driver.text
             await driver.press("enter", "enter")
         assert driver.screen_name == "SessionScreen"
+
+
+async def test_nobody_alone_can_mark_a_trial(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P88", "reaching", **REACHING)
+    async with open_app(data, catalogue, patient="P88") as driver:
+        await driver.press("enter", "enter")
+        await driver.wait(300)
+        await driver.press("enter", "f1")
+        assert not driver.sees("F7")
+        await driver.press("enter", "enter", "space")
+        await driver.wait(500)
+        await driver.press("f7")
+        assert not driver.sees("Marked")
+        assert driver.messages("event_handler/marked") == []
 
 
 async def test_the_passphrase_ends_it_at_the_first_screen(data: Path, catalogue: Catalogue) -> None:

@@ -290,27 +290,20 @@ async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(data: P
         assert not driver.sees("Marked"), "also after the last attempt, a removed mark disappears"
 
 
-@pytest.mark.parametrize(
-    ("language", "columns", "shown"),
-    [
-        ("en", 80, "Esc Pause  F7 F8 F9 Mark  Ctrl-Q Quit  F1 Help"),
-        ("en", 100, "Esc Pause  F7 Marker missed  F8 Compensated  F9 Assisted  Ctrl-Q Quit  F1 Help"),
-        ("es", 80, "F7 F8 F9 Marcar"),
-    ],
-)
-async def test_the_footer_names_the_marks_while_there_is_a_trial_to_mark(
-    language: str, columns: int, shown: str, data: Path, catalogue: Catalogue
+async def test_the_keys_that_mark_are_named_in_the_help_and_for_the_therapist_but_not_in_the_footer(
+    data: Path, catalogue: Catalogue
 ) -> None:
-    settings = {"attempts": 2, "imu": "simulated", "language": language}
-    plan = make_plan(catalogue, "reaching", ["P01"], settings, seed=7)
-    async with open_app(data, catalogue, plan, size=(columns, 24)) as driver:
-        await driver.wait(300)
-        await driver.press("enter")
-        assert "F7" not in footer(driver), "nothing can be marked yet"
+    async with at_the_table(data, catalogue, attempts=2) as driver:
         await to_start(driver)
-        assert shown in footer(driver)
         await reach(driver)
-        assert shown in footer(driver)
+        assert "Esc Pause" in footer(driver)
+        assert not driver.sees("F7")
+        await driver.press("f1")
+        assert driver.sees("F7 marker missed, F8 compensated, F9 assisted.")
+        await driver.press("enter", "escape")
+        assert not driver.sees("F7")
+        await driver.press("up", "enter")
+        assert driver.sees("F7 marker missed, F8 compensated, F9 assisted.")
 
 
 async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(data: Path, catalogue: Catalogue) -> None:

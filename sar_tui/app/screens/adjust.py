@@ -1,6 +1,6 @@
 """Changes that a therapist makes in a pause: level, goal, feedback, and a note."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from textual import on
 from textual.app import ComposeResult
@@ -11,6 +11,7 @@ from textual.widgets import Input, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.app.live import LiveSession
+from sar_tui.app.screens.waiting_text import marks_text
 from sar_tui.framework.bus import Record
 from sar_tui.framework.declaration import Field, ParameterError
 from sar_tui.framework.live_settings import FEEDBACK_EVERY, GOAL, adjustable, with_setting
@@ -31,6 +32,8 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "Back", id="back")]
 
+    app: Any
+
     def __init__(self, live: LiveSession) -> None:
         super().__init__()
         self._live = live
@@ -43,6 +46,8 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         with Vertical(id="adjust"):
             yield Static(self.tr("For the therapist"), classes="headline", markup=False)
             yield Static(self.tr("Changes apply from the next attempt on."), markup=False)
+            if not self.app.patient and (marks := marks_text(self._live.run.session.task, self.tr)):
+                yield Static(marks, classes="muted", markup=False)
             choices = OptionList(id="changes", markup=False)
             yield choices
             yield Static("", id="asked", markup=False)

@@ -1,17 +1,10 @@
-"""The keys with which a therapist marks a trial: the mark that is on it, and the footer's bindings."""
+"""The keys with which a therapist marks a trial, and the mark that is on it."""
 
-import dataclasses
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
-
-from textual.binding import ActiveBinding, Binding
+from collections.abc import Callable, Sequence
 
 from sar_tui.framework.language import Language
 from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.trial_types import Mark
-
-_AROUND, _PALETTE = 3, 17
-"""Columns of the blanks around a key and its title; and of the palette's key, at the right end of the footer."""
 
 
 class MarkKeys:
@@ -70,24 +63,3 @@ class MarkKeys:
         key = next(mark.key for mark in self._marks.values() if mark.name == self._replaces)
         instead = self._titles[self._replaces].lower()
         return f"{text} · {self.tr('{key} again: {mark} instead', key=key.upper(), mark=instead)}"
-
-    def bindings(self, others: Mapping[str, ActiveBinding], width: int, screen: Any) -> dict[str, ActiveBinding]:
-        """Return bindings for the footer: each mark by its title if there is room, else all as one group.
-
-        The keys themselves are read by the screen.
-
-        Args:
-            others: the other bindings of the footer.
-            width: of the footer, in columns.
-            screen: on which the keys are pressed.
-        """
-        made = [
-            Binding(mark.key, f"mark('{mark.name}')", self._titles[mark.name], key_display=mark.key.upper())
-            for mark in self._marks.values()
-        ]
-        shown = [*made, *(each.binding for each in others.values() if each.binding.show)]
-        room = sum(len(binding.key) + len(binding.description) + _AROUND for binding in shown)
-        if room + _PALETTE > width:
-            group = Binding.Group(self.tr("Mark"))
-            made = [dataclasses.replace(binding, group=group) for binding in made]
-        return {binding.key: ActiveBinding(screen, binding, True, "") for binding in made}

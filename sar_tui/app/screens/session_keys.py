@@ -1,7 +1,6 @@
 """The keys of a session's screen: responses with their time stamps, and the therapist's marks."""
 
 from textual import events
-from textual.binding import ActiveBinding
 
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.message_panel import MessagePanel
@@ -11,9 +10,6 @@ from sar_tui.app.screens.waiting_text import help_text, key_name
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import SessionCommand, TrialMarked, Waiting
 from sar_tui.tui.gc_control import GcControl
-
-_MARKABLE = ("trial", "answer", "rest", "review")
-"""Stages in which there is a trial to mark; and before an attempt, except the first."""
 
 
 class KeysScreen(PausingScreen):
@@ -26,8 +22,8 @@ class KeysScreen(PausingScreen):
 
     @property
     def help_text(self) -> str:
-        """Instructions of the task, and the keys to pause, ask for feedback and mark a trial."""
-        return help_text(self._live.run.session.task, self.tr)
+        """Instructions of the task, and the keys to pause, ask for feedback and, for a therapist, mark a trial."""
+        return help_text(self._live.run.session.task, self.tr, with_marks=not self.app.patient)
 
     def on_key(self, event: events.Key) -> None:
         waiting = self._waiting
@@ -57,7 +53,9 @@ class KeysScreen(PausingScreen):
         self._correct_key(event.key, waiting)
 
     def _press_mark(self, key: str, waiting: Waiting) -> None:
-        """Mark the trial, or ask for the key again if it would replace another mark."""
+        """Mark the trial, or ask for the key again if it would replace another mark. Do nothing in patient mode."""
+        if self.app.patient:
+            return
         if mark := self._marks.press(key):
             self._live.operate(SessionCommand(command="mark", actor="therapist", reason=mark.name))
         else:
@@ -81,15 +79,6 @@ class KeysScreen(PausingScreen):
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
         self._live.keyboard.pasted(len(event.text), self._live.stamp(event.time))
-
-    @property
-    def active_bindings(self) -> dict[str, ActiveBinding]:
-        """The screen's bindings, and the keys of marks while there is a trial to mark."""
-        found, waiting = super().active_bindings, self._waiting
-        if waiting is None or not (waiting.stage in _MARKABLE or (waiting.stage == "attempt" and waiting.attempt > 1)):
-            return found
-        first = {key: each for key, each in found.items() if key == "escape"}
-        return first | self._marks.bindings(found, self.size.width, self) | found
 
     def marked(self, marked: TrialMarked) -> None:
         self._marks.marked()

@@ -55,9 +55,8 @@ class LayoutScreen(AgentScreen):
         yield KeyFooter()
 
     def on_resize(self) -> None:
-        """Name the keys of marks as far as there is room, and give the pause menu more of it."""
+        """Give the pause menu more room in a large window."""
         self.set_class(is_roomy(*self.app.size), "roomy")
-        self.refresh_bindings()
 
     def _seat_agent(self, where: str) -> None:
         """Let the agent speak from the middle between two attempts, ``drawn`` above a drawing; else from below."""

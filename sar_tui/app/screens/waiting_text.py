@@ -67,15 +67,21 @@ def waiting_text(  # noqa: PLR0911
     return None
 
 
-def help_text(task: Task, tr: Language) -> str:
+def help_text(task: Task, tr: Language, *, with_marks: bool = True) -> str:
     """Return the instructions of a task, and the keys to pause, to ask for feedback and to mark a trial."""
     pause = tr("When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.")
     parts = [f"{task.instructions()}\n\n{pause}\n"]
     if task.parameters.feedback_schedule == "request":
         parts.append(tr("To hear how an attempt went, press Tab before the next one.") + "\n")
-    if marks := ", ".join(f"{mark.key.upper()} {tr(mark.title).lower()}" for mark in task.marks):
-        parts.append("\n" + tr("For the therapist, during or after a trial: {marks}.", marks=marks) + "\n")
+    if with_marks and (marks := marks_text(task, tr)):
+        parts.append(f"\n{marks}\n")
     return "".join(parts)
+
+
+def marks_text(task: Task, tr: Language) -> str:
+    """Return the keys that mark a trial, for the therapist; empty if the task has none."""
+    marks = ", ".join(f"{mark.key.upper()} {tr(mark.title).lower()}" for mark in task.marks)
+    return tr("For the therapist, during or after a trial: {marks}.", marks=marks) if marks else ""
 
 
 def key_name(key: str, tr: Language) -> str:
