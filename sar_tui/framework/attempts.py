@@ -97,6 +97,11 @@ class Attempts:
         return len(self.state.results) >= self._task.trials_per_attempt
 
     @property
+    def is_first_after_practice(self) -> bool:
+        """True if the attempt is the first that counts, and practice came before it."""
+        return 0 < self._task.parameters.practice_attempts == self.attempt - 1
+
+    @property
     def can_request_feedback(self) -> bool:
         """True if a participant may request feedback on the last attempt, and has not yet."""
         return bool(steps.requestable(self.state))

@@ -289,9 +289,21 @@ class EventHandler(AttemptFlow):
         return self._trial.turn if self._phase in IN_TRIAL else ""
 
     def _notice_for(self, phase: Phase) -> str:
-        """Return what the participant must know first: a new level, a trial to repeat, a limit that is reached."""
-        if phase is Phase.READY and self._attempts.level != self._announced_level:
-            return text_of(self.task.notice(self._attempts.level, self._announced_level), "notice")
+        """Return what the participant must know first.
+
+        That practice is over, a new level, a trial to repeat, or a limit that is reached.
+        """
+        if phase is Phase.READY:
+            counts = self.task.tr("Practice is over. From here on it counts.")
+            parts = [counts if self._attempts.is_first_after_practice else "", self._level_notice]
+            return " ".join(filter(None, parts))
         if phase is Phase.REVIEW:
             return self._limit
         return self._notice if phase is Phase.START else ""
+
+    @property
+    def _level_notice(self) -> str:
+        """Notice of a level that differs from the last attempt's; empty for none."""
+        if self._attempts.level == self._announced_level:
+            return ""
+        return text_of(self.task.notice(self._attempts.level, self._announced_level), "notice")
