@@ -25,6 +25,10 @@ class Wordings(Protocol):
 
     def __call__(self, situation: str, **slots: str) -> str: ...
 
+    def beside(self, text: str, situation: str, **slots: str) -> str:
+        """Return a wording for a situation that repeats little of ``text``, which is said with it."""
+        ...
+
     def choose(self, choices: Sequence[str]) -> str:
         """Return one of some texts, at random."""
         ...
@@ -103,7 +107,9 @@ class FeedbackText:
     def _results(self, feedback: Feedback, recalled: RecalledAttempts) -> "_Pair":
         is_reason = feedback.reason in ("accuracy", "empty", *RACED)
         situation = feedback.reason if is_reason else _graded(feedback)
-        return _Pair(self._word(situation), self._figures(feedback, recalled))
+        figures = self._figures(feedback, recalled)
+        beside = figures if feedback.choice.form == "both" else ""
+        return _Pair(self._word.beside(beside, situation), figures)
 
     def _figures(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
         """Compare with the chosen reference; without one, give the result and the goal."""
@@ -165,7 +171,8 @@ class FeedbackText:
             figures = self._word("summary_empty_figures", **counts)
         else:
             figures = self._word("summary_figures", **counts, **self._value_and_goal(feedback.metric, feedback.goal))
-        return _Pair(self._word(f"summary_{feedback.valence}"), figures)
+        beside = figures if feedback.choice.form == "both" else ""
+        return _Pair(self._word.beside(beside, f"summary_{feedback.valence}"), figures)
 
     def _value_and_goal(self, value: float, goal: float) -> dict[str, str]:
         metric, tr = self._task.metric, self._task.tr

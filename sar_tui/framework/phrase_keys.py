@@ -15,6 +15,7 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "greeting": set(),
     "welcome_back": set(),
     "encouragement": set(),
+    "encouragement_new_level": set(),
     "rest": set(),
     "filler": set(),
     "goodbye": set(),
@@ -23,6 +24,7 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "greeting_both": set(),
     "welcome_back_both": set(),
     "encouragement_both": set(),
+    "encouragement_new_level_both": set(),
     "rest_both": set(),
     "goodbye_both": set(),
     "goodbye_early_both": set(),
@@ -66,6 +68,12 @@ PHRASE_KEYS: dict[str, set[str]] = {
     "performance_same_figures": {"aim", "percent", "reference"},
 }
 """Slots that a wording may use, by the key of its phrase."""
+
+SPOKEN_BY = {
+    "encouragement_new_level": "encouragement",
+    "encouragement_new_level_both": "encouragement_both",
+}
+"""Situations for which a theme need not have its own wordings, with those whose wordings are used then."""
 
 PERFORMANCE = tuple(name for name in PHRASE_KEYS if name.startswith("performance_"))
 QUANTITATIVE = tuple(name for name, slots in PHRASE_KEYS.items() if slots & FIGURES)

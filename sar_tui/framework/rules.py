@@ -1,6 +1,6 @@
 """Version of the rules that a session is played by."""
 
-RULES = 3
+RULES = 4
 """A session keeps the rules it began with, so that it can be replayed and resumed.
 
 1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
@@ -8,4 +8,6 @@ is pressed is dropped, and each proposal has ``operator_time_ms``.
 2: with two participants, feedback for the first replaces feedback for the second on the screen if an operator decides
 on that one earlier, and so does a filler; a foreperiod goes on in which the program was suspended; and the keyboard
 task has ten levels, some of them far apart.
+3: encouragement says the same after two failures and before a new highest level, and wordings of feedback are chosen
+whatever has just been said.
 """

@@ -5,7 +5,7 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.phrase_keys import PHRASE_KEYS, VOCABULARY, holds_number, wording_problems
+from sar_tui.framework.phrase_keys import PHRASE_KEYS, SPOKEN_BY, VOCABULARY, holds_number, wording_problems
 from sar_tui.framework.theme import ENGLISH, Theme
 from sar_tui.framework.visible_text import control_problem
 from sar_tui.theme_folder.appearance import read_toml
@@ -66,6 +66,8 @@ def _phrases(
     for situation in PHRASE_KEYS:
         for language, source in sources:
             wordings = _wordings(situation, source.get(situation, ()), language, problems)
+            if not wordings and (general := SPOKEN_BY.get(situation)):
+                wordings = _wordings(general, source.get(general, ()), language, [])
             if not wordings:
                 continue
             if language != spoken:

@@ -11,6 +11,7 @@ from text_to_num import alpha2digit
 
 from sar_tui.framework.gesture import GESTURES, JOINTS
 from sar_tui.framework.phrase_keys import FIGURES, PHRASE_KEYS, QUALITATIVE, QUANTITATIVE, holds_number
+from sar_tui.framework.repetition import repeated
 from sar_tui.framework.theme import FACES, MANNERS, Manner, Note, Theme
 from sar_tui.plugins import Catalogue, user_folder
 from sar_tui.theme_folder import languages, read_theme
@@ -131,12 +132,33 @@ def test_no_wording_blames(theme: Theme) -> None:
     assert re.findall(unkind, words_of(theme)) == []
 
 
+HEARTENING = ("encouragement", "encouragement_both", "performance_worsened", "performance_worsened_figures")
 CONSOLING = ("negative_slight", "negative", "negative_strong", "accuracy", "unanswered", "empty", "summary_negative")
 
 
 def test_no_attempt_short_of_its_goal_is_answered_with_slow_down(theme: Theme) -> None:
-    wordings = [wording for situation in CONSOLING for wording in theme.phrases[situation]]
+    wordings = [wording for situation in (*CONSOLING, *HEARTENING) for wording in theme.phrases[situation]]
     assert [text for text in wordings if re.search(rf"\b(?:{SLOW[theme.language]})\b", text, re.IGNORECASE)] == []
+
+
+def test_no_encouragement_after_two_misses_calls_the_next_attempt_hard(theme: Theme) -> None:
+    wordings = [wording for situation in HEARTENING[:2] for wording in theme.phrases[situation]]
+    hard = {"en": "next|hard|harder now", "es": "próxim[oa]|difícil"}[theme.language]
+    assert [text for text in wordings if re.search(rf"\b(?:{hard})\b", text, re.IGNORECASE)] == []
+
+
+def test_each_result_in_words_has_a_wording_that_does_not_repeat_the_figures_beside_it(theme: Theme) -> None:
+    slots = {"value": "1", "goal": "2", "difference": "1", "reached": "1", "attempts": "3", "change": "x"}
+    together = [("summary_neutral", "summary_figures"), ("summary_positive", "summary_figures")]
+    for valence in ("positive", "neutral", "negative"):
+        graded = [name for name in ("neutral", *DEGREES) if name.split("_")[0] == valence]
+        figures = [f"{valence}_{change}" for change in ("first", "improved", "worsened", "same")]
+        together += product(graded, figures)
+    for words, figures in together:
+        for other, reference in product(theme.phrases[figures], (theme.vocabulary["goal"], "x")):
+            said = other.format(reference=reference, **slots)
+            free = [one for one in theme.phrases[words] if not repeated(one, said)]
+            assert free, (words, said)
 
 
 def test_no_wording_says_how_far_the_goal_is(theme: Theme) -> None:

@@ -453,6 +453,13 @@ def test_the_presence_of_images_is_known_without_reading_the_theme(mine: Path, c
     assert not may_have_images(mine)
 
 
+def test_a_theme_needs_no_wordings_of_its_own_before_a_new_level(mine: Path) -> None:
+    without(mine, "encouragement_new_level", "es")
+    theme = read_theme(mine, "es")
+    assert theme.repairs == ()
+    assert theme.phrases["encouragement_new_level"] == theme.phrases["encouragement"]
+
+
 def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, calm: Theme) -> None:
     folder = tmp_path / "bare"
     folder.mkdir()

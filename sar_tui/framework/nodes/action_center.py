@@ -19,6 +19,7 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.policies import encouragement
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.repetition import least_repeating
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import FEEDBACK, FILLER_DUE, PROPOSED, RECALL, SESSION, SESSION_ENDED, THEME, WAITING
@@ -74,7 +75,7 @@ class ActionCenter(Node):
 
     @on(SESSION)
     def greet(self, session: SessionStarted) -> None:
-        self._rules = session.rules
+        self._rules = self._phrases.rules = session.rules
         self._instructed = False
         self._task.names = session.names
         self._propose("greeting", self._to_all("greeting" if session.run == 1 else "welcome_back"))
@@ -89,6 +90,7 @@ class ActionCenter(Node):
     def feedback_due(self, feedback: Feedback) -> None:
         recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
         content = self._feedback_text.write(feedback, recalled)
+        self._phrases.said(content.text)
         plain = content.valence == "neutral" or content.degree == "clear"
         follows = self._last_feedback == feedback.attempt and feedback.seat != self._task.seats[0]
         self._last_feedback = feedback.attempt
@@ -153,12 +155,14 @@ class ActionCenter(Node):
             return
         if encouragement.rest_due(len(attempts), parameters.rest_every):
             kind: Kind = "rest"
-        elif parameters.encouragement and encouragement.is_hard(attempts, waiting.level):
+            situation = "rest"
+        elif parameters.encouragement and (why := encouragement.why_hard(attempts, waiting.level)):
             kind = "encouragement"
+            situation = "encouragement_new_level" if why == "new level" and self._rules >= 4 else "encouragement"
         else:
             return
         self._prepared = waiting.attempt
-        self._propose(kind, self._to_all(kind), attempt=waiting.attempt, joins=True)
+        self._propose(kind, self._to_all(situation), attempt=waiting.attempt, joins=True)
 
     def _propose(
         self,
@@ -202,7 +206,13 @@ class ActionCenter(Node):
 
 
 class _Phrases:
-    """Phrases of a theme, chosen at random, but never the same twice in a row."""
+    """Phrases of a theme, chosen at random among those that repeat least of what has just been said.
+
+    The same wording is never used twice in a row. The defaults are for checkpoints of earlier versions.
+    """
+
+    rules = 2
+    _feedback = ""
 
     def __init__(self, theme: Theme, streams: RandomStreams) -> None:
         self.theme = theme
@@ -211,8 +221,18 @@ class _Phrases:
         self._last: dict[str, str] = {}
 
     def __call__(self, situation: str, **slots: str) -> str:
+        return self.beside("", situation, **slots)
+
+    def said(self, feedback: str) -> None:
+        """Remember the last feedback, which the next should not repeat."""
+        self._feedback = feedback
+
+    def beside(self, text: str, situation: str, **slots: str) -> str:
+        """Return a wording that repeats little of ``text``, which is said with it, and then of the last feedback."""
         wordings = self.theme.phrases[situation]
         fresh = [wording for wording in wordings if wording != self._last.get(situation)] or list(wordings)
+        if self.rules >= 4:
+            fresh = least_repeating({wording: wording.format(**slots) for wording in fresh}, text, self._feedback)
         wording = self._streams.choice(fresh, "wording", situation, self.count)
         self._last[situation] = wording
         return wording.format(**slots)

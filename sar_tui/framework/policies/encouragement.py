@@ -1,21 +1,23 @@
 """Encouragement before a hard attempt, and reminders of rest."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 from sar_tui.framework.messages import AttemptEnded
 
 
-def is_hard(attempts: Sequence[AttemptEnded], level: int) -> bool:
-    """Return True if the next attempt is hard: at a new highest level, or after two failures in a row.
+def why_hard(attempts: Sequence[AttemptEnded], level: int) -> Literal["", "failures", "new level"]:
+    """Return why the next attempt is hard: after two failures in a row, or at a new highest level; empty if it is not.
 
     Args:
         attempts: scored so far, oldest first.
         level: of the next attempt.
     """
-    if not attempts:
-        return False
-    failing = [attempt.outcome for attempt in attempts[-2:]] == ["failure", "failure"]
-    return failing or level > max(attempt.level for attempt in attempts)
+    if [attempt.outcome for attempt in attempts[-2:]] == ["failure", "failure"]:
+        return "failures"
+    if attempts and level > max(attempt.level for attempt in attempts):
+        return "new level"
+    return ""
 
 
 def rest_due(attempts: int, every: int) -> bool:

@@ -102,6 +102,42 @@ def test_encouragement_precedes_a_new_level_and_follows_two_failures(new_session
     assert proposals == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
 
 
+def test_encouragement_fits_what_has_just_happened(new_session: NewSession, calm: Theme) -> None:
+    driver = new_session(attempts=6)
+    driver.enter()
+    for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
+        lift_once(driver, time_ms)
+    new_level, missed = proposed(driver, "encouragement")
+    assert new_level.text in calm.phrases["encouragement_new_level"]
+    assert missed.text in calm.phrases["encouragement"]
+
+
+def test_feedback_says_nothing_twice_and_not_what_the_last_feedback_said(new_session: NewSession) -> None:
+    driver = new_session(attempts=8, encouragement=False, rest_every=0, max_level=3)
+    driver.enter()
+    for _ in range(8):
+        lift_once(driver, GOOD)
+    texts = [proposal.text for proposal in proposed(driver, "feedback")]
+    assert [text for text in texts if text.lower().count("goal") > 1] == []
+    openings = [text.split(".")[0] for text in texts]
+    assert all(one != other for one, other in pairwise(openings)), openings
+
+
+def test_a_session_of_earlier_rules_keeps_its_wordings(calm: Theme) -> None:
+    earlier = LiftDriver(Lift, calm, begin=False, attempts=4, lifts=1)
+    earlier.session._rules = 3
+    earlier.session.begin()
+    earlier.enter()
+    lift_once(earlier, GOOD)
+    resumed = LiftDriver(Lift, calm, attempts=4, lifts=1, history=earlier.records)
+    resumed.press("enter")
+    resumed.wait(300)
+    lift_once(resumed, GOOD)
+    for driver in (earlier, resumed):
+        (encouragement,) = proposed(driver, "encouragement")
+        assert encouragement.text in calm.phrases["encouragement"], "before a new level as well"
+
+
 def test_the_first_attempt_gets_no_encouragement(new_session: NewSession) -> None:
     driver = new_session()
     driver.enter()

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.messages import AttemptEnded, Outcome
-from sar_tui.framework.policies.encouragement import is_hard, rest_due
+from sar_tui.framework.policies.encouragement import rest_due, why_hard
 
 LEVELS = st.integers(1, 10)
 
@@ -31,20 +31,20 @@ ATTEMPTS = st.lists(st.builds(attempt, LEVELS, st.sampled_from(["success", "fail
 
 @given(LEVELS)
 def test_the_first_attempt_is_not_called_hard(level: int) -> None:
-    assert not is_hard([], level)
+    assert why_hard([], level) == ""
 
 
 @given(ATTEMPTS.filter(bool), LEVELS)
-def test_an_attempt_is_hard_at_a_new_level_or_after_two_failures(attempts: list[AttemptEnded], level: int) -> None:
+def test_an_attempt_is_hard_after_two_failures_or_at_a_new_level(attempts: list[AttemptEnded], level: int) -> None:
     new = all(earlier.level < level for earlier in attempts)
     failing = len(attempts) > 1 and all(earlier.outcome == "failure" for earlier in attempts[-2:])
-    assert is_hard(attempts, level) == (new or failing)
+    assert why_hard(attempts, level) == ("failures" if failing else "new level" if new else "")
 
 
 def test_one_failure_is_not_two() -> None:
-    assert not is_hard([attempt(3, "failure")], 2)
-    assert is_hard([attempt(3, "failure"), attempt(2, "failure")], 1)
-    assert not is_hard([attempt(3, "failure"), attempt(2, "success")], 3)
+    assert why_hard([attempt(3, "failure")], 2) == ""
+    assert why_hard([attempt(3, "failure"), attempt(2, "failure")], 1) == "failures"
+    assert why_hard([attempt(3, "failure"), attempt(2, "success")], 3) == ""
 
 
 @given(st.integers(0, 200), st.integers(0, 200))

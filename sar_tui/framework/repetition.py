@@ -1,0 +1,35 @@
+"""Wordings that do not repeat what was just said. Pure."""
+
+import re
+from collections.abc import Mapping
+
+_SHORTEST, _STEM = 3, 5
+"""Letters of the shortest word that is compared, and how many are: "reaches" repeats "reached"."""
+_EVERYWHERE = frozenset(
+    """the and you that this was are for with than had have your
+    que los las una con por para como pero del esta este eso sus usted muy hecho sido""".split()
+)
+"""Words that nobody notices when they come again, in English and Spanish."""
+
+
+def repeated(text: str, other: str) -> int:
+    """Return how many words of a text are in another, whatever their endings."""
+    return len(_stems(text) & _stems(other))
+
+
+def least_repeating(wordings: Mapping[str, str], beside: str, before: str) -> list[str]:
+    """Return the wordings that repeat least of the text beside them, and among these, of the text before.
+
+    Args:
+        wordings: the texts that are said, by wording.
+        beside: said in the same breath; empty for nothing.
+        before: said the last time.
+    """
+    repeats = {wording: (repeated(text, beside), repeated(text, before)) for wording, text in wordings.items()}
+    least = min(repeats.values())
+    return [wording for wording, found in repeats.items() if found == least]
+
+
+def _stems(text: str) -> set[str]:
+    words = re.findall(r"[^\W\d_]+", text.lower())
+    return {word[:_STEM] for word in words if len(word) >= _SHORTEST and word not in _EVERYWHERE}
