@@ -153,7 +153,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             programme=plan.programme,
             **provenance,
         )
-        number = sessions.begin_run(database, session_id, **provenance)
+        number = sessions.begin_run(database, session_id, clock_ns=clock.now(), **provenance)
         run = _with_recorder(session_id, number, session, folder, database, held)
         if plan.mode == "live":
             Checkpoints(session, run.recorder, provenance["software"])
@@ -193,7 +193,7 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
             session = _replayed(new_session, database, row["id"], provenance["software"])
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
-        number = sessions.begin_run(database, row["id"], **provenance)
+        number = sessions.begin_run(database, row["id"], clock_ns=clock.now(), **provenance)
         run = _with_recorder(row["id"], number, session, folder, database, held)
         if theme.name != row["theme"]:
             run.theme_notice = (

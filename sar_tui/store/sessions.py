@@ -82,9 +82,15 @@ def create(
             connection.execute("INSERT INTO seats VALUES (?,'B',?)", (session, partner))
 
 
-def begin_run(db: sqlite3.Connection, session: str, *, software: object, machine: object) -> int:
-    """Store a run of this program on a session, and return its number (1, 2, …)."""
-    anchor = {"clock_ns": host_now(), "utc": _utc()}
+def begin_run(
+    db: sqlite3.Connection, session: str, *, software: object, machine: object, clock_ns: int | None = None
+) -> int:
+    """Store a run of this program on a session, and return its number (1, 2, …).
+
+    Args:
+        clock_ns: the present time of the session's clock; None if it is the host's.
+    """
+    anchor = {"clock_ns": host_now() if clock_ns is None else clock_ns, "utc": _utc()}
     with transaction(db) as connection:
         (run,) = connection.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
         connection.execute(

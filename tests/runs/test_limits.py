@@ -25,9 +25,8 @@ ENOUGH = "That is enough for today. Well done."
 
 @pytest.fixture(autouse=True)
 def _at_noon(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let every run begin at noon, at 10 s of the session's clock."""
+    """Let every run begin at noon."""
     monkeypatch.setattr("sar_tui.store.sessions._utc", NOON.isoformat)
-    monkeypatch.setattr("sar_tui.store.sessions.host_now", lambda: 10 * SECOND)
     monkeypatch.setattr("sar_tui.runs.run._now", lambda: NOON)
 
 
