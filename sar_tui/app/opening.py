@@ -78,7 +78,7 @@ class OpeningApp(ThemedApp):
         waiting, self._early_input = self._early_input, None
         home = self.screen_stack[0]
         assert isinstance(home, HomeScreen)
-        home.fill()
+        await home.fill()
         end_loading()
         for event in waiting:
             await self.on_event(event)

@@ -127,7 +127,7 @@ class PatientModeApp(OpeningApp):
             await self.pop_screen()
         else:
             await self.switch_screen(home := HomeScreen())
-            home.fill()
+            await home.fill()
 
     # --- in the mode ------------------------------------------------------------------------------------------
 

@@ -28,11 +28,19 @@ _FIRST = "No session yet. START begins the first one."
 
 
 class ParticipantCard(Vertical):
-    """All that a therapist wants to know before a session."""
+    """All that a therapist wants to know before a session. It is an empty frame until ``open`` is called."""
 
+    _is_open = False
     _found: "CardContents | None" = None
 
+    async def open(self) -> None:
+        """Mount the parts of the card, which take longer than all else on the screen."""
+        self._is_open = True
+        await self.recompose()
+
     def compose(self) -> ComposeResult:
+        if not self._is_open:
+            return
         with Horizontal(id="choices"):
             yield Static("Task", classes="label")
             with Vertical(classes="slot"):

@@ -68,8 +68,9 @@ class HomeScreen(JoiningScreen, StartingScreen):
 
     # --- filling ---------------------------------------------------------------------------------------------
 
-    def fill(self) -> None:
-        """Fill the screen; called once its empty frame is shown, because reading its contents takes a moment."""
+    async def fill(self) -> None:
+        """Fill the screen; called once its empty frame is shown, because its contents take a moment."""
+        await self.query_one(ParticipantCard).open()
         self._is_filled = True
         for name in self.app.catalogue.task_names():
             try:
