@@ -32,7 +32,7 @@ BLOCKS = 5
 MAX_ATTEMPTS = 200
 _TIMEOUT_S = 30.0
 _RESPONSE_MS = 120
-_ENTER, _PROMPT = "Press Enter to", re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
+_ENTER, _PROMPT = "Press Enter", re.compile(rb"Press: ([^\x00-\x20\x7f]+)(?=[\x00-\x20\x7f])")
 
 
 class NoAnswer(TimeoutError):

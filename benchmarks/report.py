@@ -197,7 +197,7 @@ def drawn(title: str, rows: Rows) -> Table:
 
 def page(results: Results) -> str:
     """Return the page of the latest results, in Markdown."""
-    own, quality = results["machine"], results["response"]["quality"]
+    own = results["machine"]
     lines = [
         "# The latest benchmark",
         "",
@@ -207,13 +207,16 @@ def page(results: Results) -> str:
     for title, (head, *rows) in tables(results).items():
         lines += ["", f"## {title}", "", _line(head), _line(["---", *["---:"] * (len(head) - 1)])]
         lines += [_line(row) for row in rows]
+    if "response" in results:
+        lines += ["", _quality(results["response"]["quality"])]
+    return "\n".join(lines) + "\n"
+
+
+def _quality(quality: Mapping[str, Any]) -> str:
+    """Say what sar-tui itself recorded of its timing."""
     late = f"{quality['handler_delay_ms_median']:.2f} ms (median), {quality['handler_delay_ms_max']:.2f} ms (worst)"
     sources = ", ".join(f"{count} × {source}" for source, count in quality["onset_sources"].items())
-    lines += [
-        "",
-        f"As recorded by sar-tui: onset source {sources}; delay from a key's stamp to its handler {late}.",
-    ]
-    return "\n".join(lines) + "\n"
+    return f"As recorded by sar-tui: onset source {sources}; delay from a key's stamp to its handler {late}."
 
 
 def _line(cells: list[str]) -> str:

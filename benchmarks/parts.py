@@ -1,0 +1,87 @@
+"""The parts of the benchmarks, each with its extent."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from benchmarks import agent, commands, many_sessions, operator, paint, response, sensor, simulate
+
+
+class Extent(NamedTuple):
+    """Extent and place of a measurement.
+
+    Attributes:
+        folder: an empty folder on the disk to write to.
+        progress: shows what is measured and its total, and returns a function that is called after each step.
+        quick: measure fewer of everything.
+        asked_trials: the number of reaction times of each program that somebody asked for.
+    """
+
+    folder: Path
+    progress: Callable[[str, int], Callable[[], None]]
+    quick: bool
+    asked_trials: int | None = None
+
+    @property
+    def trials(self) -> int:
+        """The number of reaction times of each program."""
+        return self.asked_trials or (50 if self.quick else 300)
+
+
+def _response(extent: Extent) -> Any:
+    pressed = extent.progress("reaction times", extent.trials * len(response.PROGRAMS))
+    return response.measure(extent.trials, extent.folder, lambda name: pressed())
+
+
+def _paint(extent: Extent) -> Any:
+    starts = 3 if extent.quick else 10
+    return paint.measure(starts, extent.folder, extent.progress("first paint", 2 * (starts + 1)))
+
+
+def _commands(extent: Extent) -> Any:
+    starts = 3 if extent.quick else 10
+    ended = extent.progress("commands", len(commands.PROGRAMS) * (starts + 1))
+    return commands.measure(starts, extent.folder, ended)
+
+
+def _simulate(extent: Extent) -> Any:
+    simulated = extent.progress("simulated sessions", simulate.total_sessions(extent.quick))
+    return simulate.measure(extent.quick, extent.folder, simulated)
+
+
+def _sessions(extent: Extent) -> Any:
+    many, long = (100, 2000) if extent.quick else (many_sessions.MANY, 20_000)
+    listed = extent.progress("lists of sessions", many_sessions.REPEATED)
+    return many_sessions.measure(many, long, extent.folder, listed)
+
+
+def _sensor(extent: Extent) -> Any:
+    streamed = extent.progress("seconds of a sensor's stream", sensor.total_seconds(extent.quick))
+    return sensor.measure(extent.quick, extent.folder, streamed)
+
+
+def _agent(extent: Extent) -> Any:
+    stops = 5 if extent.quick else 25
+    stopped = extent.progress("stops of the agent", stops)
+    spoken = extent.progress("reaction times beside the agent", 2 * extent.trials)
+    return agent.measure(stops, extent.trials, extent.folder, stopped, spoken)
+
+
+def _operator(extent: Extent) -> Any:
+    acts = 10 if extent.quick else 200
+    acted = extent.progress("keys of an operator", 2 * acts)
+    attended = extent.progress("reaction times beside an operator", 2 * extent.trials)
+    return operator.measure(acts, extent.trials, extent.folder, acted, attended)
+
+
+PARTS: Mapping[str, Callable[[Extent], Any]] = {
+    "response": _response,
+    "paint": _paint,
+    "commands": _commands,
+    "simulate": _simulate,
+    "sessions": _sessions,
+    "sensor": _sensor,
+    "agent": _agent,
+    "operator": _operator,
+}
+"""Each part by its name: measures it, and returns its figures."""
