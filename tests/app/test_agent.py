@@ -329,6 +329,27 @@ async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue:
 # --- words --------------------------------------------------------------------------------------------------------
 
 
+async def test_encouragement_replaces_feedback_once_that_could_be_read(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=3)) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.wait(4000)
+        feedback, encouragement = (said["text"] for said in driver.messages("arbiter/action")[-2:])
+        assert driver.said == feedback
+        await driver.wait(20_000)
+        assert driver.said == encouragement
+        assert driver.sees("goal: less than 1 second ✓"), "its figure stays"
+        await driver.do_attempt(await driver.begin())
+        await driver.wait(4000)
+        following = driver.messages("arbiter/action")[-1]
+        assert following["kind"] == "encouragement"
+        await driver.begin()
+        reports = [report for report in driver.messages("output/report") if report["action"] == following["id"]]
+        shown = [report["state"] for report in reports if report["deed"] == "show"]
+        assert shown == ["queued", "aborted"], "the next attempt began before"
+
+
 def longest(theme: Theme, among: list[str]) -> str:
     """Return the longest wording of some phrase keys, with long values in its slots."""
     slots = {**_LONG, "reference": max(theme.vocabulary.values(), key=len)}

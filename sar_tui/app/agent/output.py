@@ -4,12 +4,17 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
+from msgspec.structs import replace
+
 from sar_tui.framework.agent_state import AgentState, clears_words, step
-from sar_tui.framework.clock import MS, Handle
+from sar_tui.framework.clock import MS, SECOND, Handle
 from sar_tui.framework.gesture import Gesture
 from sar_tui.framework.messages import Action, ActionPart, AgentActing, CueGiven, Message, OutputReport, Waiting
 from sar_tui.framework.theme import Theme
 from sar_tui.outputs.output import Output
+
+READING, PER_WORD = 4 * SECOND, 600 * MS
+"""Time in which a text is read by somebody who reads slowly: for any text, and for each word."""
 
 
 class AgentStage(Protocol):
@@ -65,6 +70,8 @@ class DrawnAgent(Output):
         self._stage = stage
         self.state = AgentState()
         self._shown = ""
+        self._read_at = 0
+        self._next: tuple[Action, Handle] | None = None
         self._gestures: deque[tuple[str, str]] = deque()
         self._moving: tuple[str, Handle] | None = None
         self._is_cueing = False
@@ -75,6 +82,8 @@ class DrawnAgent(Output):
         An action is drawn part by part, as the output is asked for it.
         """
         before, self.state = self.state, step(self.state, message)
+        if isinstance(message, Waiting) and message.stage == "paused":
+            self._drop_next()
         match message:
             case Waiting() if clears_words(before, message):
                 self.clear()
@@ -100,18 +109,44 @@ class DrawnAgent(Output):
         self._stage.apply_theme(theme)
 
     def show(self, action: str, text: str, face: str) -> None:
-        """Show words until others replace them, or a trial begins."""
+        """Show words until others replace them, or a trial begins.
+
+        Encouragement replaces feedback once that could be read: one thought at a time.
+        """
+        if text and self._shown and self.action.joins and self.action.kind == "encouragement":
+            self._drop_next()
+            self._next = (self.action, self.clock.call_at(max(self._read_at, self.clock.now()), self._show_next))
+            return
         if text or not self._shown:
             self.clear()
-        self._stage.say(self.action)
-        self.report(action, "show", "started")
+        self._say(self.action)
         if text or not self._shown:
             self._shown = action
         else:
             self.report(action, "show", "done")
 
+    def _say(self, action: Action) -> None:
+        self._stage.say(action)
+        self._read_at = self.clock.now() + READING + PER_WORD * len(action.text.split())
+        self.report(action.id, "show", "started")
+
+    def _show_next(self) -> None:
+        assert self._next
+        (action, _), self._next = self._next, None
+        self.clear()
+        self._say(replace(action, joins=False))
+        self._shown = action.id
+
+    def _drop_next(self) -> None:
+        """Drop the words that have not been shown yet."""
+        if self._next:
+            (action, handle), self._next = self._next, None
+            handle.cancel()
+            self.report(action.id, "show", "aborted")
+
     def clear(self) -> None:
-        """Report the words that were shown as done."""
+        """Report the words that were shown as done, and drop those that would follow."""
+        self._drop_next()
         if self._shown:
             self.report(self._shown, "show", "done")
             self._shown = ""
@@ -154,7 +189,9 @@ class DrawnAgent(Output):
         self.report(action, part, "done")
 
     def stop(self, action: str = "") -> None:
-        """Abort gestures; words stay."""
+        """Abort gestures; words stay, but none follow."""
+        if self._next and action in ("", self._next[0].id):
+            self._drop_next()
         gone = [other for other, _ in self._gestures if action in ("", other)]
         self._gestures = deque(each for each in self._gestures if each[0] not in gone)
         if self._moving and action in ("", self._moving[0]):
@@ -172,6 +209,8 @@ class DrawnAgent(Output):
         """Stop gestures, and report nothing more."""
         if self._moving:
             self._moving[1].cancel()
-        self._moving = None
+        if self._next:
+            self._next[1].cancel()
+        self._moving = self._next = None
         self._gestures.clear()
         self._shown = ""
