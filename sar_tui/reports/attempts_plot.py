@@ -4,7 +4,7 @@ The thesis draws both into one plot with two axes (Figure 4.4), which invites to
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -23,6 +23,8 @@ _SMALLEST = (30, 7)
 """Least width and height."""
 _FOR_BARS, _FOR_TALL_BARS = 9, 16
 """Height from which levels have bars beside their numbers, and bars of two lines."""
+_FOR_LEGEND = 9
+"""Height from which a legend that does not fit beside the heading has a line of its own."""
 
 
 def attempts_figure(
@@ -36,6 +38,7 @@ def attempts_figure(
     color: bool = True,
     results: Sequence[ResultName] = (),
     beside: Sequence[float | None] = (),
+    has_legend: bool = True,
     tr: Language = _ENGLISH,
 ) -> str:
     """Draw the metric over attempts, with the goal as a line, and the levels below.
@@ -51,6 +54,7 @@ def attempts_figure(
         color: use ANSI colours.
         results: of each attempt; if empty, all that have a metric have the same marker.
         beside: metrics and goals of a figure shown beside this one, so that both have the same axes.
+        has_legend: False if the legend is shown elsewhere (`legend`).
         tr: the language of the other words.
 
     Returns:
@@ -64,9 +68,11 @@ def attempts_figure(
     names = results or ["no result" if value is None else "reached" for value in metrics]
     has_empty = None in (*metrics, *beside)
     bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS)
+    explained = legend(goals, results or [name for name in names if name == "no result"], tr)
+    heading = _heading(metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND)
     plotext.clear_figure()
     try:
-        size = width, height - 1 - has_empty - 1 - bar_lines
+        size = width, height - len(heading) - has_empty - 1 - bar_lines
         body = _body(plotext, metrics, goals, size, names, beside, tr)
     finally:
         plotext.clear_figure()
@@ -79,9 +85,7 @@ def attempts_figure(
         below.append(columns.line({n: marker for n, value in enumerate(metrics) if value is None}))
     below.append(tr("level")[:_MARGIN].ljust(_MARGIN) + columns.numbers(levels)[_MARGIN:])
     below += [plotext.colorize(line, "blue") for line in columns.bars(levels, bar_lines)]
-    text = "\n".join(
-        [_heading(metric, goals, names, width, tr, has_legend=bool(results)), *lines[:-1], *below, lines[-1]]
-    )
+    text = "\n".join([*heading, *lines[:-1], *below, lines[-1]])
     return text if color else plotext.uncolorize(text)
 
 
@@ -177,24 +181,23 @@ def _part_of_bar(height: int) -> str:
     return BARS[min(height, len(BARS)) - 1] if height > 0 else " "
 
 
-def _heading(
-    metric: str,
-    goals: Sequence[float],
-    results: Sequence[ResultName],
-    width: int,
-    tr: Language,
-    *,
-    has_legend: bool,
-) -> str:
-    """Return the name of the axis, and at the right as much of the legend as fits."""
-    used = set(results) if has_legend else {"no result"} & set(results)
-    legend = [f"{marker} {tr(name)}" for name, marker in MARKERS.items() if name in used]
+def legend(goals: Sequence[float], results: Collection[ResultName], tr: Language = _ENGLISH) -> list[str]:
+    """Return the parts of the legend: the markers of these results, and the goal, with its value if it is one."""
     goal = tr.figures(f" {goals[0]:g}") if len(set(goals)) == 1 else ""
-    legend += [f"{GOAL} {tr('goal')}{goal}"]
-    left = metric[:width]
-    while legend and len("  ".join([left, *legend])) > width:
-        legend.pop()
-    return left + "  ".join(legend).rjust(width - len(left))
+    return [
+        *(f"{marker} {tr(name)}" for name, marker in MARKERS.items() if name in results),
+        f"{GOAL} {tr('goal')}{goal}",
+    ]
+
+
+def _heading(metric: str, explained: Sequence[str], width: int, *, may_have_two: bool) -> list[str]:
+    """Return the name of the axis, and as much of the legend as fits: at its right, else on a line of its own."""
+    left, parts = metric[:width], list(explained)
+    if may_have_two and len("  ".join([left, *parts])) > width:
+        return [left, *_heading("", parts, width, may_have_two=False)]
+    while parts and len("  ".join([left, *parts] if left else parts)) > width:
+        parts.pop()
+    return [left + "  ".join(parts).rjust(width - len(left))]
 
 
 def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:
@@ -212,8 +215,10 @@ def _limits(values: Sequence[float]) -> tuple[float, float]:
 
 
 def round_numbers(low: float, high: float, most: int) -> list[float]:
-    """Return at most ``most`` round numbers between two bounds, in steps of 1, 2 or 5 times a power of ten."""
+    """Return at most ``most`` round numbers between two bounds, and at least one, in round steps."""
     power = 10 ** math.floor(math.log10((high - low) / most))
     step = next(s for m in (1, 2, 5, 10, 20) if (high - low) / (s := m * power) <= most)
+    if math.ceil(low / step) > math.floor(high / step):  # it leaps over both bounds: the next smaller of 1, 2 and 5
+        step /= 2.5 if f"{step:e}".startswith("5") else 2
     first = math.ceil(low / step)
     return [round(n * step, 10) for n in range(first, math.floor(high / step) + 1)][:most]

@@ -23,7 +23,7 @@ def test_it_shows_results_and_levels_without_practice() -> None:
     lines = trend(DONE, TIME, 54, 14).plain.split("\n")
     assert len(lines) == 14
     assert max(map(len, lines)) <= 54
-    assert "● reached  ○ missed  × no result" in lines[0]
+    assert lines[1].strip() == "● reached  ○ missed  × no result  ╌ goal 520"
     assert lines[-3].split() == ["level", "1", "2", "2"]
 
 

@@ -5,7 +5,7 @@ import pytest
 from sar_tui.framework.messages import Outcome
 from sar_tui.framework.trial_types import Metric
 from sar_tui.reports.attempt_results import ResultName, result_name
-from sar_tui.reports.attempts_plot import BARS, attempts_figure
+from sar_tui.reports.attempts_plot import BARS, attempts_figure, round_numbers
 
 LEVELS = [1, 2, 3, 4, 3, 4, 5, 4]
 METRICS = [680.0, 813.0, 763.0, 1012.0, 818.0, 920.0, 1121.0, None]
@@ -138,6 +138,13 @@ def test_the_legend_names_the_markers_that_are_shown() -> None:
     assert "no result" not in heading
 
 
+def test_a_legend_that_does_not_fit_beside_the_heading_has_a_line_of_its_own() -> None:
+    lines = figure(results=["inaccurate", *RESULTS[1:]], width=70).split("\n")
+    assert len(lines) == 12
+    assert lines[0] == "reaction time (ms)"
+    assert lines[1].strip() == "● reached  ○ missed  ◇ inaccurate  × no result  ╌ goal 1000"
+
+
 def test_success_failure_and_no_result_have_different_markers() -> None:
     body = figure(results=RESULTS).split("\n", 1)[1]
     assert (body.count("●"), body.count("○"), body.count("×")) == (5, 2, 1)
@@ -188,3 +195,9 @@ def test_many_attempts_and_levels_still_fit() -> None:
 
 def test_a_session_without_attempts_is_described_in_a_sentence() -> None:
     assert figure(levels=[], metrics=[]) == "There are no attempts to show yet."
+
+
+def test_there_is_a_number_at_an_axis_however_few_fit() -> None:
+    assert round_numbers(0.05, 4.75, 2) == [2, 4]
+    assert round_numbers(0.0, 1.0, 2) == [0.0, 0.5]
+    assert round_numbers(1.1, 1.4, 1)

@@ -1,6 +1,7 @@
 """The summary of a session: metric and level over attempts, as text and as a plot (Figure 4.4 of the thesis)."""
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from rich.text import Text
 from textual.app import ComposeResult
@@ -11,6 +12,9 @@ from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.results_for_people import axis, result_text
 from sar_tui.framework.trial_types import Metric
 from sar_tui.widgets.language import language_of
+
+if TYPE_CHECKING:  # loaded when a session ends
+    from sar_tui.reports.attempt_results import ResultName
 
 _GAP = 3
 """Columns between the plots of two participants."""
@@ -91,23 +95,38 @@ class Summary(Vertical):
         plot = self.query_one("#plot", Static)
         if not self._attempts:
             return
+        several = len(self._attempts) > 1
         width = plot.size.width // len(self._attempts)
-        figures = [self._figure(each, width, plot.size.height) for each in self._attempts]
+        figures = [self._figure(each, width, plot.size.height - several) for each in self._attempts]
         if not all(figures):
             return
-        text = Text("\n".join(map("".join, zip(*figures, strict=True))))
+        lines = list(map("".join, zip(*figures, strict=True)))
+        text = Text("\n".join([self._legend().rjust(plot.size.width), *lines] if several else lines))
         colors = self.app.theme_variables
         text.highlight_regex(f"[{BARS}]+", colors["text-muted"])
         for name, marker in MARKERS.items():
             text.highlight_regex(f"{marker}+", colors["success" if name == "reached" else "warning"])
         plot.update(text)
 
+    def _legend(self) -> str:
+        """Return the legend of both participants' plots, which has no room beside either heading."""
+        from sar_tui.reports.attempts_plot import legend
+
+        attempts = [attempt for each in self._attempts for attempt in each]
+        _, factor = axis(self._metric, language_of(self.app))
+        results = [self._result(attempt) for attempt in attempts]
+        return "  ".join(legend([(a.goal or 0.0) * factor for a in attempts], results, language_of(self.app)))
+
+    def _result(self, attempt: AttemptEnded) -> "ResultName":
+        from sar_tui.reports.attempt_results import result_name
+
+        return result_name(attempt.outcome, attempt.metric, attempt.goal, self._metric)
+
     def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
         """Return the lines of a plot, all ``width`` wide; none if there is nothing to draw, or no room.
 
         The plots of two participants share the scale of their left axis.
         """
-        from sar_tui.reports.attempt_results import result_name
         from sar_tui.reports.attempts_plot import attempts_figure
 
         tr = language_of(self.app)
@@ -122,13 +141,14 @@ class Summary(Vertical):
             width=width - _GAP if len(self._attempts) > 1 else width,
             height=height,
             color=False,
-            results=[result_name(a.outcome, a.metric, a.goal, self._metric) for a in attempts],
+            results=[self._result(attempt) for attempt in attempts],
             beside=[
                 None if value is None else value * factor
                 for each in self._attempts
                 for a in each
                 for value in (a.metric, a.goal or 0.0)
             ],
+            has_legend=len(self._attempts) == 1,
             tr=tr,
         )
         return [line.ljust(width) for line in figure.splitlines()]
