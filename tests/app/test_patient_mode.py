@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.app import SarTui
-from sar_tui.framework.clock import SECOND
 from sar_tui.plugins import Catalogue
-from sar_tui.store import participants, passphrase, programmes, sessions
+from sar_tui.store import participants, passphrase, programmes
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
 from tests.app.app_driver import SHORT, AppDriver, open_app, stored
@@ -20,11 +19,7 @@ REACHING = {"imu": "simulated", "attempts": 1, "reaches_per_attempt": 1}
 
 @pytest.fixture(autouse=True)
 def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises.
-
-    Runs begin at the tests' clock: by the computer's, what a session did could belong to another day.
-    """
-    monkeypatch.setattr(sessions, "host_now", lambda: 10 * SECOND)
+    """Set a passphrase, which is cheap to check, and two participants; P01 has two exercises."""
     monkeypatch.setattr(passphrase, "_COST", 16)
     Passphrase(data).set(RIGHT)
     programme(data, "P01", "keyboard")
