@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from datetime import date
-from statistics import stdev
+from statistics import fmean, stdev
 from typing import Any, Literal
 
 import msgspec
@@ -39,6 +39,7 @@ class AtGoal(msgspec.Struct, frozen=True):
 class SessionProgress(msgspec.Struct, frozen=True):
     """A session on a line. ``value`` is what the line's verdicts compare: more is better.
 
+    ``level_means``: the mean result at each level that was played.
     ``pain``, ``tiredness``: the worst that was said, 0 to 10; None if nothing is known.
     """
 
@@ -55,6 +56,7 @@ class SessionProgress(msgspec.Struct, frozen=True):
     last_level: int
     mean: float | None
     sd: float | None
+    level_means: dict[int, float]
     qualities: dict[str, float]
     at_goal: AtGoal | None
     side: Side
@@ -213,6 +215,7 @@ def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgre
         last_level=levels[-1],
         mean=point.mean,
         sd=point.sd,
+        level_means=_level_means(results),
         qualities=dict(results.qualities),
         at_goal=_at_goal(rising, point.estimate) if point.estimate else None,
         side=point.side,
@@ -221,6 +224,14 @@ def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgre
         pain=results.felt.pain,
         tiredness=results.felt.fatigue,
     )
+
+
+def _level_means(results: SessionResults) -> dict[int, float]:
+    found: dict[int, list[float]] = {}
+    for each in results.results:
+        if each.metric is not None:
+            found.setdefault(each.level, []).append(each.metric)
+    return {level: fmean(found[level]) for level in sorted(found)}
 
 
 def _at_goal(rising: Sequence[float], estimate: Estimate) -> AtGoal:
@@ -239,7 +250,8 @@ class Comparison(msgspec.Struct, frozen=True):
     """Two sessions side by side.
 
     ``comparable``: they are on one line. ``difference``: later minus earlier value of the line's measure; more is
-    better. ``verdict``: against the MDC95 of the line's baseline.
+    better. ``verdict``: against the MDC95 of the line's baseline. ``shared_levels``: played in both sessions, with a
+    result; ``earlier_mean`` and ``later_mean`` are the means of these levels' means, each level counting the same.
     """
 
     earlier: SessionProgress
@@ -247,6 +259,9 @@ class Comparison(msgspec.Struct, frozen=True):
     comparable: bool
     difference: float | None
     verdict: Verdict
+    shared_levels: list[int]
+    earlier_mean: float | None
+    later_mean: float | None
 
 
 def compare(found: Progress, one: str, other: str) -> Comparison | None:
@@ -256,12 +271,13 @@ def compare(found: Progress, one: str, other: str) -> Comparison | None:
         return None
     (_, line, earlier), (_, other_line, later) = sorted((places[one], places[other]), key=lambda place: place[0])
     comparable = line is other_line
-    if not comparable or earlier.value is None or later.value is None:
-        return Comparison(earlier, later, comparable, None, "not yet known")
-    return Comparison(
-        earlier,
-        later,
-        comparable,
-        later.value - earlier.value,
-        change.difference(later.value, earlier.value, line.baseline),
+    shared = sorted(earlier.level_means.keys() & later.level_means.keys()) if comparable else []
+    earlier_mean, later_mean = (
+        fmean(each.level_means[level] for level in shared) if shared else None for each in (earlier, later)
     )
+    difference: float | None = None
+    verdict: Verdict = "not yet known"
+    if comparable and earlier.value is not None and later.value is not None:
+        difference = later.value - earlier.value
+        verdict = change.difference(later.value, earlier.value, line.baseline)
+    return Comparison(earlier, later, comparable, difference, verdict, shared, earlier_mean, later_mean)

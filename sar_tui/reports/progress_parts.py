@@ -36,7 +36,7 @@ def level_part(
     """
     width, height = size
     said = [*advice, *progress_words.sentences(line, tr)]
-    text = _wrapped(said if height >= _TALL else [" ".join(said)], width)
+    text = wrapped(said if height >= _TALL else [" ".join(said)], width)
     room = height - len(text) - 1
     charts = [draw for has, draw in ((has_levels, level_figure), (has_results, result_figure)) if has(line)]
     if not charts:
@@ -51,7 +51,7 @@ def level_part(
 def results_part(line: LineProgress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
     """Return the mean results as a chart, and accuracy, smoothness and the SD within and between sessions."""
     width, height = size
-    below = _wrapped([*_ends(line, tr), progress_words.spread(line, tr)], width)
+    below = wrapped([*_ends(line, tr), progress_words.spread(line, tr)], width)
     if not has_results(line):
         return below[:height]
     return [*result_figure(line, width, _chart_height(height - len(below) - 1), tr, chosen), "", *below][:height]
@@ -86,7 +86,7 @@ def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
         return [tr("No live session yet.")]
     months = dose_words.calendar(found.days, date.fromisoformat(found.today))[-_MONTHS:]
     lines = [f"{'':9}1   5    10   15   20   25   30", *(f"{month}  {marks}" for month, marks in months)]
-    lines += ["", dose_words.legend(tr), "", *_wrapped([dose_words.recent_text(found.recent, tr)], width), ""]
+    lines += ["", dose_words.legend(tr), "", *wrapped([dose_words.recent_text(found.recent, tr)], width), ""]
     room = max(1, height - len(lines) - 1)
     return [*lines, *dose_words.days_table(found.days[-room:], tr)][:height]
 
@@ -96,10 +96,10 @@ def instruments_part(found: Progress, size: tuple[int, int], tr: Language) -> li
     width, height = size
     if not found.instruments:
         hint = tr("None yet. `sar-tui instrument add {code} FMA-UE 34` adds a score.", code=found.participant)
-        return _wrapped([hint], width)
+        return wrapped([hint], width)
     lines: list[str] = []
     for each in found.instruments:
-        lines += [*_wrapped([progress_words.instrument_change(each, tr)], width), ""]
+        lines += [*wrapped([progress_words.instrument_change(each, tr)], width), ""]
     return lines[:height]
 
 
@@ -149,6 +149,10 @@ def _chart_height(room: int) -> int:
     return max(_FEWEST_OF_A_CHART, min(_MOST_OF_A_CHART, room))
 
 
-def _wrapped(sentences: Sequence[str], width: int) -> list[str]:
+def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]:
     """Return sentences on lines, each sentence beginning a line."""
-    return [line for sentence in sentences for line in textwrap.wrap(sentence, max(20, width))]
+    return [
+        line
+        for sentence in sentences
+        for line in textwrap.wrap(sentence, max(20, width), initial_indent=indent, subsequent_indent=indent)
+    ]

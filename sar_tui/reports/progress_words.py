@@ -8,7 +8,7 @@ from sar_tui.framework.results_for_people import metric_for_people, short_goal
 from sar_tui.framework.task import Task
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
-from sar_tui.reports.progress import AtGoal, Comparison, LineProgress, Progress, SessionProgress
+from sar_tui.reports.progress import AtGoal, LineProgress, Progress, SessionProgress
 from sar_tui.reports.wellbeing import advice, dated_event
 
 _FOLDER = Path(__file__).parent
@@ -272,26 +272,6 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
         tr("A training measure of this program; no diagnosis, and no published important difference (MCID) applies."),
     ]
     return " ".join(said)
-
-
-def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
-    """Return the comparison of two sessions in words. ``line`` is theirs, if they share one."""
-    if line is None or not found.comparable:
-        return tr("These sessions had other settings, or another task: their results cannot be compared.")
-    if found.earlier.value is None or found.later.value is None:
-        return tr("The measure of one of these sessions is not known: no comparison.")
-    change = tr(
-        "From {earlier} to {later}.",
-        earlier=figure(line, found.earlier.value, tr),
-        later=figure(line, found.later.value, tr),
-    )
-    verdict = {
-        "more": tr("That is better, by more than noise (MDC95)."),
-        "less": tr("That is worse, by more than noise (MDC95)."),
-        "noise": tr("That is no more than noise (MDC95)."),
-        "not yet known": tr("How much is noise is not yet known: it needs more sessions."),
-    }[found.verdict]
-    return f"{change} {verdict}"
 
 
 def warnings(found: Progress, tr: Language) -> list[str]:

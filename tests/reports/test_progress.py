@@ -11,7 +11,8 @@ from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.progress.lines import SessionResults
-from sar_tui.reports import dose_words, progress_words
+from sar_tui.progress.task_level import AttemptResult
+from sar_tui.reports import comparison_words, dose_words, progress_words
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
 from sar_tui.reports.progress_figures import level_figure, result_figure
@@ -97,14 +98,43 @@ def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[T
 # --- two sessions ------------------------------------------------------------------------------------------------
 
 
-def test_a_session_without_a_level_at_goal_is_not_compared_and_a_small_window_can_say_so(keyboard: type[Task]) -> None:
-    found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
-    comparison = compare(found, "session000", "session009")
+def fast(number: int, level: int, mean: float) -> SessionResults:
+    """Return a session all of whose results beat the goal of 1000 ms, at two levels."""
+    results = [AttemptResult(level + n % 2, mean + 100 * (n % 2), 20) for n in range(12)]
+    return session(number, results)
+
+
+def compared_in(found: Progress, one: int, other: int, code: str, keyboard: type[Task]) -> str:
+    comparison = compare(found, f"session{one:03}", f"session{other:03}")
     assert comparison is not None
-    for code, said in (("en", "no comparison."), ("es", "no hay comparación.")):
-        text = progress_words.compared(found.lines[0], comparison, progress_words.words(code, keyboard))
-        assert text.endswith(said)
-        assert len(text) <= 76
+    return comparison_words.compared(found.lines[0], comparison, progress_words.words(code, keyboard))
+
+
+def test_sessions_that_all_beat_the_goal_are_compared_by_their_results_and_what_would_help_is_said(
+    keyboard: type[Task],
+) -> None:
+    found = of(keyboard, fast(0, 1, 500.0), fast(1, 2, 400.0), fast(2, 4, 400.0))
+    assert compared_in(found, 0, 1, "en", keyboard) == (
+        "The level at goal of neither is known: every result was better than the goal. Mean at level 2: 0.60 s, then "
+        "0.40 s; how much of that is noise is not known. Harder levels would make it known."
+    )
+    assert "No level was played in both" in compared_in(found, 0, 2, "en", keyboard)
+    spanish = compared_in(found, 0, 1, "es", keyboard)
+    assert "0,60 s, luego 0,40 s" in spanish
+    assert english_in([spanish], SPANISH) == []
+
+
+def test_of_two_sessions_the_one_whose_level_at_goal_is_not_known_is_named(keyboard: type[Task]) -> None:
+    found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
+    assert compared_in(found, 0, 9, "en", keyboard).startswith(
+        "The level at goal of 2026-03-08 is not known: every result was better than the goal. Mean at level 3:"
+    )
+
+
+def test_at_the_hardest_level_a_harder_goal_is_named(keyboard: type[Task]) -> None:
+    hardest = keyboard(keyboard.Parameters()).levels
+    found = of(keyboard, *(fast(n, hardest - 1, 400.0) for n in (1, 2)))
+    assert compared_in(found, 1, 2, "en", keyboard).endswith("a harder goal would begin a new chart.")
 
 
 def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[Task]) -> None:
@@ -113,7 +143,7 @@ def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[
     assert comparison is not None
     assert (comparison.earlier.session, comparison.later.session) == ("session001", "session009")
     assert comparison.verdict == "more"
-    words = progress_words.compared(found.lines[0], comparison, progress_words.words("en", None))
+    words = comparison_words.compared(found.lines[0], comparison, progress_words.words("en", None))
     assert words.endswith("That is better, by more than noise (MDC95).")
 
 
@@ -122,7 +152,7 @@ def test_sessions_on_two_lines_are_not_compared(keyboard: type[Task]) -> None:
     comparison = compare(found, "session001", "session009")
     assert comparison is not None
     assert (comparison.comparable, comparison.difference) == (False, None)
-    assert "cannot be compared" in progress_words.compared(None, comparison, progress_words.words("en", None))
+    assert "cannot be compared" in comparison_words.compared(None, comparison, progress_words.words("en", None))
 
 
 def test_an_unknown_session_is_not_compared(keyboard: type[Task]) -> None:

@@ -12,8 +12,8 @@ from textual.content import Content
 from textual.widgets import Static
 
 from sar_tui.framework.task import Task
+from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
-from sar_tui.reports import progress_words
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
 from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.wellbeing import advice
@@ -31,6 +31,8 @@ _WIDE = 130
 """Columns from which the sessions are shown beside the other parts."""
 _TABLE = 86
 """Columns of the table of sessions where it is beside another part."""
+_HEADING_AND_KEYS = 3
+"""Rows above and below the parts."""
 _COLORS = {POINT: "$accent", BAND: "$text-muted", AREA: "$border", RULE: "$text-muted", CHOSEN: "$accent"}
 NONE_YET = "No session yet."
 
@@ -144,7 +146,9 @@ class ProgressScreen(DismissedOnce[None]):
         is_wide = self.size.width >= _WIDE and line is not None
         beside, part = self.query_one("#beside", Static), self.query_one("#part", Static)
         beside.display = is_wide
-        full, height = self.query_one("#body").size
+        about = self._about_chosen(line) if line else ""
+        self.query_one("#chosen", Static).update(about)
+        full, height = self.size.width, self.size.height - _HEADING_AND_KEYS - max(1, len(about.splitlines()))
         sides = (full - _TABLE, _TABLE) if _PARTS[self._part] != "Sessions" else (_TABLE, full - _TABLE)
         beside.styles.width = sides[1]
         width = (sides[0] if is_wide else full) - 2
@@ -155,7 +159,6 @@ class ProgressScreen(DismissedOnce[None]):
                 beside.update(_colored(parts.level_part(line, size, self._chosen, self._tr)))
             else:
                 beside.update(_colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked)))
-        self.query_one("#chosen", Static).update(self._about_chosen(line) if line else "")
 
     def _title(self, line: LineProgress | None) -> str:
         if line is None:
@@ -190,8 +193,8 @@ class ProgressScreen(DismissedOnce[None]):
         if self._marked == chosen.session:
             felt = "Choose the session to compare it with. Esc: no comparison."
         elif self._marked and (comparison := compare(self._found, self._marked, chosen.session)):
-            felt = progress_words.compared(line, comparison, self._tr)
-        return f"{parts.CURSOR} {when}\n  {felt}"
+            felt = comparison_words.compared(line, comparison, self._tr)
+        return "\n".join([f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")])
 
     # --- keys ----------------------------------------------------------------------------------------------------
 
