@@ -66,6 +66,36 @@ def add_score(
     console().print(f"{stored.instrument} {stored.score:g} of {code}, {stored.date}, is saved.", soft_wrap=True)
 
 
+@app.command("remove")
+def remove_score(
+    context: typer.Context,
+    participant: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)],
+    name: Annotated[str, typer.Argument(metavar="INSTRUMENT", help="The instrument.", show_default=False)],
+    on: Annotated[str, typer.Option("--on", metavar="DATE", show_default=False, help="The day of the score.")],
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Remove a score that was entered by mistake. It no longer counts, and is kept in the database."""
+    from contextlib import closing
+
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.store import instrument_scores, participants
+    from sar_tui.store.database import connect
+
+    home = Home.of(context, data, tasks)
+    with closing(connect(home.folder)) as database:
+        code = participants.check_known(database, participant)
+        removed = instrument_scores.remove(database, code, name, on, author=login_name())
+    if as_json:
+        print_json({"participant": code, **_plain(removed)})
+        return
+    console().print(
+        f"{removed.instrument} {removed.score:g} of {code}, {removed.date}, is removed, and kept in the database.",
+        soft_wrap=True,
+    )
+
+
 def _plain(stored: object) -> dict[str, object]:
     import msgspec
 

@@ -1,10 +1,10 @@
-"""Scores of other instruments, entered by hand and append-only: for a day, the one entered last counts."""
+"""Scores of other instruments, entered by hand and append-only: for a day, what was entered last counts."""
 
 import math
 import sqlite3
 from datetime import UTC, date, datetime
 
-from sar_tui.progress.instruments import INSTRUMENTS, Score
+from sar_tui.progress.instruments import INSTRUMENTS, Instrument, Score
 from sar_tui.store.database import StoreError, transaction
 
 _LONGEST_NOTE = 2000
@@ -16,11 +16,7 @@ def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str) 
     Raises:
         StoreError: there is no such instrument, the score or the date cannot be, or the disk cannot write.
     """
-    instrument = INSTRUMENTS.get(score.instrument.strip().upper())
-    if instrument is None:
-        raise StoreError(
-            f"There is no instrument {score.instrument}. Choose one of: {', '.join(INSTRUMENTS)}.", bad_input=True
-        )
+    instrument = find(score.instrument)
     if not math.isfinite(score.score) or not instrument.lowest <= score.score <= instrument.highest:
         raise StoreError(
             f"A score of {instrument.name} lies between {instrument.lowest:g} and {instrument.highest:g}, "
@@ -30,19 +26,49 @@ def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str) 
     if len(score.note) > _LONGEST_NOTE:
         raise StoreError(f"A note has at most {_LONGEST_NOTE} characters.", bad_input=True)
     checked = Score(instrument.name, _date(score.date), score.score, score.note.strip())
-    row = (participant, checked.instrument, checked.date, checked.score, checked.note)
-    with transaction(db) as connection:
-        connection.execute("INSERT INTO instrument_scores VALUES (?,?,?,?,?,?,?)", (*row, _now(), author))
+    _insert(db, participant, checked, author)
     return checked
+
+
+def remove(db: sqlite3.Connection, participant: str, instrument: str, on: str, *, author: str) -> Score:
+    """Remove a score that was entered by mistake, and return it; its rows stay, with one that says it is removed.
+
+    Raises:
+        StoreError: there is no such instrument, no score of it on that day, or the disk cannot write.
+    """
+    name, day = find(instrument).name, _date(on)
+    for score in scores_of(db, participant):
+        if (score.instrument, score.date) == (name, day):
+            _insert(db, participant, score, author, removed=True)
+            return score
+    raise StoreError(f"{participant} has no score of {name} on {day}.", bad_input=True)
+
+
+def find(name: str) -> Instrument:
+    """Return an instrument by its name, in capital letters or not. Raises StoreError if there is none."""
+    instrument = INSTRUMENTS.get(name.strip().upper())
+    if instrument is None:
+        raise StoreError(f"There is no instrument {name}. Choose one of: {', '.join(INSTRUMENTS)}.", bad_input=True)
+    return instrument
+
+
+def _insert(db: sqlite3.Connection, participant: str, score: Score, author: str, *, removed: bool = False) -> None:
+    row = (participant, score.instrument, score.date, score.score, score.note, _now(), author, removed)
+    with transaction(db) as connection:
+        connection.execute("INSERT INTO instrument_scores VALUES (?,?,?,?,?,?,?,?)", row)
 
 
 def scores_of(db: sqlite3.Connection, participant: str) -> list[Score]:
     """Return the scores of a participant, oldest first."""
     rows = db.execute(
-        "SELECT instrument, date, score, note FROM instrument_scores WHERE participant=? ORDER BY date, recorded_at",
+        "SELECT instrument, date, score, note, removed FROM instrument_scores WHERE participant=?"
+        " ORDER BY date, recorded_at",
         (participant,),
     )
-    return list({(instrument, on): Score(instrument, on, score, note) for instrument, on, score, note in rows}.values())
+    last = {(instrument, on): (score, note, removed) for instrument, on, score, note, removed in rows}
+    return [
+        Score(instrument, on, score, note) for (instrument, on), (score, note, removed) in last.items() if not removed
+    ]
 
 
 def _date(text: str) -> str:

@@ -247,7 +247,7 @@ def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
 
 def _bring_participants(source: sqlite3.Connection, database: sqlite3.Connection) -> None:
     """Copy participants, programmes and what is not of a session, if the database lacks it."""
-    for table in ("participants", "programmes", "wellbeing", "adverse_events"):
+    for table in ("participants", "programmes", "wellbeing", "adverse_events", "instrument_scores"):
         copy_rows(source, database, table, or_ignore=True)
 
 

@@ -231,6 +231,12 @@ def version_10(db: sqlite_utils.Database) -> None:
     )
 
 
+@migrations()
+def version_11(db: sqlite_utils.Database) -> None:
+    """Scores that were entered by mistake: a row says so, and the earlier ones stay."""
+    db.execute("ALTER TABLE instrument_scores ADD COLUMN removed INTEGER NOT NULL DEFAULT 0")
+
+
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")

@@ -29,3 +29,11 @@ def test_a_score_that_cannot_be_is_told_in_a_sentence(call: Call) -> None:
     called = call("instrument", "add", "P01", "BBT", 500, "--on", "2026-05-01")
     assert (called.code, called.out) == (2, "")
     assert "A score of BBT lies between 0 and 150, not at 500." in called.err
+
+
+def test_a_score_entered_by_mistake_is_removed(call: Call) -> None:
+    call("instrument", "add", "P01", "BBT", 30, "--on", "2026-05-01")
+    removed = call("instrument", "remove", "p01", "bbt", "--on", "2026-05-01")
+    assert removed.out == "BBT 30 of P01, 2026-05-01, is removed, and kept in the database.\n"
+    assert call("instrument", "remove", "P01", "BBT", "--on", "2026-05-01").code == 2
+    assert call("progress", "P01", "--json").json["instruments"] == []

@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.progress.instruments import Score
 from sar_tui.store.database import StoreError
-from sar_tui.store.instrument_scores import add, scores_of
+from sar_tui.store.instrument_scores import add, remove, scores_of
 
 
 def test_a_score_is_kept_with_who_entered_it(database: sqlite3.Connection) -> None:
@@ -22,6 +22,21 @@ def test_the_last_entry_for_a_day_counts_and_the_first_is_kept(database: sqlite3
         add(database, "P01", Score("ARAT", "2026-03-01", score), author="ana")
     assert [each.score for each in scores_of(database, "P01")] == [31]
     assert database.execute("SELECT count(*) FROM instrument_scores").fetchone() == (2,)
+
+
+def test_a_score_entered_by_mistake_is_removed_kept_and_can_be_entered_anew(database: sqlite3.Connection) -> None:
+    for day in ("2026-03-01", "2026-04-01"):
+        add(database, "P01", Score("ARAT", day, 30), author="ana")
+    removed = remove(database, "P01", "arat", "2026-03-01", author="ben")
+    assert removed == Score("ARAT", "2026-03-01", 30.0)
+    assert [each.date for each in scores_of(database, "P01")] == ["2026-04-01"]
+    log = database.execute("SELECT recorded_by, removed FROM instrument_scores WHERE date='2026-03-01'").fetchall()
+    assert log == [("ana", 0), ("ben", 1)]
+    with pytest.raises(StoreError, match="P01 has no score of ARAT on 2026-03-01") as refused:
+        remove(database, "P01", "ARAT", "2026-03-01", author="ben")
+    assert refused.value.bad_input
+    add(database, "P01", Score("ARAT", "2026-03-01", 31), author="ana")
+    assert [each.score for each in scores_of(database, "P01")] == [31, 30]
 
 
 @pytest.mark.parametrize(
