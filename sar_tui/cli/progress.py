@@ -1,7 +1,6 @@
 """``sar-tui progress``: a participant over sessions."""
 
 from collections.abc import Callable
-from datetime import date
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -83,7 +82,7 @@ def progress(
             ratings=wellbeing.history(database, code),
             events=adverse_events.listing(database, code),
         )
-    if not (found.lines or found.instruments) and not as_json and html is None:
+    if not (found.lines or found.instruments or found.events) and not as_json and html is None:
         of_task = "" if task is None else f" of the task {task}"
         raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
     if html is not None:
@@ -98,7 +97,8 @@ def progress(
         for line in found.lines:
             tr = progress_words.words(language, find(line.task))
             console().print(progress_words.note(code, line, tr), soft_wrap=True, end="\n\n")
-        _print_instruments(console(), found, language)
+        for text in progress_words.after_notes(found, progress_words.words(language, None)):
+            console().print(text, soft_wrap=True, end="\n\n")
     else:
         _print(console(), found, find, language)
 
@@ -211,9 +211,7 @@ def _print_dose(out: "Console", found: "Progress", tr: "Language") -> None:
     if not found.days:
         return
     out.print(tr("Dose"))
-    for month, marks in dose_words.calendar(found.days, date.fromisoformat(found.today))[-_MONTHS:]:
-        out.print(f"{month}  {marks}")
-    out.print(dose_words.legend(tr), end="\n\n")
+    out.print("\n".join(dose_words.calendar_lines(found, _MONTHS, tr)), soft_wrap=True, end="\n\n")
     out.print(dose_words.recent_text(found.recent, tr), soft_wrap=True)
     last = found.days[-1]
     out.print(

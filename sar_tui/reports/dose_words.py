@@ -5,6 +5,8 @@ from datetime import date, timedelta
 
 from sar_tui.framework.language import Language
 from sar_tui.reports.dose import Day, Dose
+from sar_tui.reports.progress import Progress
+from sar_tui.reports.session_chart import EVENT
 
 MARKS: tuple[tuple[str, str, Callable[[Day], bool]], ...] = (
     ("■", "all planned attempts done", lambda day: day.done >= day.planned),
@@ -41,6 +43,21 @@ def calendar(days: Sequence[Day], today: date) -> list[tuple[str, str]]:
         months[day[:7]] = months.get(day[:7], "") + mark(by_date.get(day))
         at += timedelta(days=1)
     return list(months.items())
+
+
+def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
+    """Return the last months of the calendar under the days, adverse events below their days, and the legend."""
+    shown = calendar(found.days, date.fromisoformat(found.today))[-months:]
+    lines = [f"{'':9}1   5    10   15   20   25   30"]
+    has_event = False
+    for month, marks in shown:
+        lines.append(f"{month}  {marks}")
+        on = {int(event.onset[8:10]) for event in found.events if event.onset[:7] == month}
+        if on:
+            has_event = True
+            lines.append(f"{'':9}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}")
+    meaning = f"{legend(tr)}   {EVENT} {tr('adverse event')}" if has_event else legend(tr)
+    return [*lines, "", meaning]
 
 
 def days_table(days: Sequence[Day], tr: Language) -> list[str]:

@@ -1,6 +1,6 @@
 """Progress of a participant over sessions: lines of comparable sessions, the dose, and other instruments."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import date
 from statistics import fmean, stdev
 from typing import Any, Literal
@@ -40,7 +40,8 @@ class SessionProgress(msgspec.Struct, frozen=True):
     """A session on a line. ``value`` is what the line's verdicts compare: more is better.
 
     ``level_means``: the mean result at each level that was played.
-    ``pain``, ``tiredness``: the worst that was said, 0 to 10; None if nothing is known.
+    ``pain``, ``tiredness``: the worst that was said, 0 to 10; None if nothing is known. ``events``: ids of the adverse
+    events that began in it, or after it and before the participant's next session.
     """
 
     session: str
@@ -64,6 +65,7 @@ class SessionProgress(msgspec.Struct, frozen=True):
     felt: SessionRatings
     pain: int | None
     tiredness: int | None
+    events: list[str]
 
 
 class LineProgress(msgspec.Struct, frozen=True):
@@ -138,11 +140,11 @@ def progress(
         events: adverse events.
     """
     played, day = list(sessions), today or date.today()
-    days = days_of(played)
+    days, began_in = days_of(played), _began_in(played, events)
     return Progress(
         participant=participant,
         today=day.isoformat(),
-        lines=[_line(line) for line in lines(played, find_task)],
+        lines=[_line(line, began_in) for line in lines(played, find_task)],
         days=days,
         recent=recent(days, day),
         tell=tell_therapist(ratings),
@@ -156,7 +158,21 @@ def known_values(line: Line) -> list[float]:
     return [value for point in line.points if (value := line.value(point)) is not None]
 
 
-def _line(line: Line) -> LineProgress:
+def _began_in(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> dict[str, list[str]]:
+    """Return the adverse events of sessions: the session that an event names, or else the last one before it."""
+    shown = [each for each in played if each.results]
+    known = {each.session for each in shown}
+    found: dict[str, list[str]] = {}
+    for event in events:
+        before = [each.session for each in shown if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.onset)] <= event.onset]
+        if event.session in known:
+            found.setdefault(event.session, []).append(event.event)
+        elif before:
+            found.setdefault(before[-1], []).append(event.event)
+    return found
+
+
+def _line(line: Line, began_in: Mapping[str, list[str]]) -> LineProgress:
     last, values = line.last, known_values(line)
     found = change.baseline(values)
     rising = places(line.task) if line.task else []
@@ -173,7 +189,7 @@ def _line(line: Line) -> LineProgress:
         measure=line.measure,
         settings=(settings := _differing(line)),
         titles=_titles(line.task, settings) if line.task else {},
-        sessions=[_session(line, point, rising) for point in line.points],
+        sessions=[_session(line, point, rising, began_in) for point in line.points],
         between_sd=stdev(means) if len(means) > 1 else None,
         baseline=found,
         verdict=change.verdict(values[-1], found) if values else "not yet known",
@@ -198,7 +214,7 @@ def _titles(task: Task, names: Iterable[str]) -> dict[str, str]:
     return {name: titles[name] for name in names}
 
 
-def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgress:
+def _session(line: Line, point: Point, rising: Sequence[float], began_in: Mapping[str, list[str]]) -> SessionProgress:
     results = point.results
     levels = [result.level for result in results.results]
     return SessionProgress(
@@ -223,6 +239,7 @@ def _session(line: Line, point: Point, rising: Sequence[float]) -> SessionProgre
         felt=results.felt,
         pain=results.felt.pain,
         tiredness=results.felt.fatigue,
+        events=began_in.get(results.session, []),
     )
 
 

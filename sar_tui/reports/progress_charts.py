@@ -8,13 +8,14 @@ from sar_tui.framework.results_for_people import axis
 from sar_tui.reports import progress_words
 from sar_tui.reports.dose import Day
 from sar_tui.reports.progress import LineProgress, SessionProgress
+from sar_tui.reports.session_chart import EVENT
 
 Spec = dict[str, Any]
 
 _WIDTH, _HEIGHT, _LOW = 620, 200, 110
 _EDGE = 8
 """Pixels between the ends of the time axis and the first and last session."""
-_INK, _SOFT, _OTHER = "#1f4e79", "#b9c7d6", "#8a4b08"
+_INK, _SOFT, _OTHER, _EVENT = "#1f4e79", "#b9c7d6", "#8a4b08", "#a01010"
 _CONFIG: Spec = {
     "aria": False,  # the page names each chart as a whole
     "font": "sans-serif",
@@ -142,24 +143,28 @@ def quality_charts(line: LineProgress, tr: Language) -> dict[str, Spec]:
 
 
 def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
-    """Chart the worst pain and tiredness of each session; None if nothing was said of either."""
+    """Chart the worst pain and tiredness of each session, and the adverse events; None if there is nothing of them."""
     layers: list[Spec] = []
     every: list[Spec] = []
+    scale: Spec = {
+        "type": "quantitative",
+        "scale": {"domain": [0, 10]},
+        "title": f"{tr('pain')}, {tr('tiredness')}",
+    }
     for name, shape, dash in (("pain", "circle", []), ("tiredness", "square", [4, 3])):
         values = [_row(each, value=given) for each in line.sessions if (given := getattr(each, name)) is not None]
         if not values:
             continue
         every += values
-        y: Spec = {
-            "field": "value",
-            "type": "quantitative",
-            "scale": {"domain": [0, 10]},
-            "title": f"{tr('pain')}, {tr('tiredness')}",
-        }
         ink = _INK if name == "pain" else _OTHER
         point = {"color": ink, "shape": shape, "filled": name == "pain", "size": 40}
         mark = {"type": "line", "color": ink, "strokeDash": dash, "point": point}
-        layers.append({"data": {"values": values}, "mark": mark, "encoding": {"y": y}})
+        layers.append({"data": {"values": values}, "mark": mark, "encoding": {"y": {"field": "value", **scale}}})
+    if events := [_row(each) for each in line.sessions if each.events]:
+        every += events
+        text = {"type": "text", "text": EVENT, "color": _EVENT, "dx": 6, "dy": 8, "fontSize": 16, "fontWeight": "bold"}
+        layers.append({"data": {"values": events}, "mark": {"type": "rule", "color": _EVENT}, "encoding": {}})
+        layers.append({"data": {"values": events}, "mark": text, "encoding": {"y": {"datum": 10, **scale}}})
     for layer in layers:
         layer["encoding"]["x"] = _x(every, line.sessions)
     return _chart(every, layers, _LOW) if layers else None

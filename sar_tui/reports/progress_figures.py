@@ -7,7 +7,7 @@ from sar_tui.framework.results_for_people import axis
 from sar_tui.reports import progress_words, session_chart
 from sar_tui.reports.attempts_plot import round_numbers
 from sar_tui.reports.progress import LineProgress, SessionProgress
-from sar_tui.reports.session_chart import ABOVE, AREA, BAND, BELOW, POINT, RULE, TEN, UNKNOWN, Columns, Value
+from sar_tui.reports.session_chart import ABOVE, AREA, BAND, BELOW, EVENT, POINT, RULE, TEN, UNKNOWN, Columns, Value
 
 _FEWEST_ROWS = 4
 _SIDES = {"easier": ABOVE, "harder": BELOW, "": UNKNOWN}
@@ -113,12 +113,14 @@ def _figure(
     """Draw a chart with its heading and legend, the dates, and the rows of pain and tiredness."""
     width, height = size
     felt = _felt(line.sessions, tr)
-    margin = max(
-        _LEAST_MARGIN, *(len(label) + 1 for _, label in ticks), *(len(name) + 1 for name, *_ in (*felt, *bars))
-    )
+    has_event = [bool(each.events) for each in line.sessions]
+    event = [tr("event")] if any(has_event) else []
+    names = [*(name for name, *_ in (*felt, *bars)), *event]
+    margin = max(_LEAST_MARGIN, *(len(label) + 1 for _, label in ticks), *(len(name) + 1 for name in names))
     columns = Columns(len(values), max(10, width - margin))
     below = [f"{name:<{margin}}{columns.numbers(numbers, form)}" for name, numbers, form in bars]
     below += [f"{name:<{margin}}{columns.figures(numbers)}" for name, numbers in felt]
+    below += [f"{name:<{margin}}{columns.signs(has_event, EVENT)}" for name in event]
     notes = [tr("A column holds up to {most} sessions.", most=columns.most)] if columns.most > 1 else []
     if any(TEN in row[margin:] for row in below):
         notes.append(tr("{sign}: 10 of 10.", sign=TEN))

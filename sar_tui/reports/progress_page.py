@@ -1,8 +1,7 @@
 """Progress as a page to print: one self-contained HTML file with drawn charts and their text alternatives."""
 
 import os
-from collections.abc import Callable, Iterator
-from datetime import date
+from collections.abc import Callable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
@@ -10,6 +9,8 @@ from sar_tui.framework.language import Language
 from sar_tui.framework.task import Task
 from sar_tui.reports import dose_words, progress_charts, progress_words
 from sar_tui.reports.progress import LineProgress, Progress
+from sar_tui.reports.wellbeing import dated_event
+from sar_tui.store.adverse_events import AdverseEvent
 
 _LISTED = 60
 """Sessions in the table of a line; the charts have all."""
@@ -52,7 +53,7 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     if said := progress_words.warnings(found, own):
         body += [f"<p><strong>{escape(text)}</strong></p>" for text in said]
     for line in found.lines:
-        body += _line(line, progress_words.words(code, find_task(line.task)))
+        body += _line(line, found.events, progress_words.words(code, find_task(line.task)))
     if not found.lines:
         body.append(f"<p>{escape(own('There are no finished attempts yet.'))}</p>")
     if found.instruments:
@@ -71,7 +72,7 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     )
 
 
-def _line(line: LineProgress, tr: Language) -> Iterator[str]:
+def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> Iterator[str]:
     yield f"<h2>{escape(progress_words.heading(line, tr))}</h2>"
     yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
     if spec := progress_charts.measure_chart(line, tr):
@@ -84,11 +85,11 @@ def _line(line: LineProgress, tr: Language) -> Iterator[str]:
         caption = tr("Mean result of each session, with the SD between its attempts.")
         yield _figure(spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", "")
     if spec := progress_charts.felt_chart(line, tr):
-        yield _figure(
-            spec,
-            tr("The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10."),
-            progress_words.felt_range(line, tr),
-        )
+        caption = tr("The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10.")
+        began_in = {event for each in line.sessions for event in each.events}
+        told = [dated_event(event, tr) for event in events if event.event in began_in]
+        more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
+        yield _figure(spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more))
     for name, chart in progress_charts.quality_charts(line, tr).items():
         yield _figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(name, tr)), "")
     yield _table(line, tr)
@@ -156,6 +157,6 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
             days=dose_words.days_text(len(days), tr),
         )
         yield _figure(spec, tr("Repetitions of each day."), total)
-    months = dose_words.calendar(days, date.fromisoformat(found.today))[-_MONTHS:]
-    marks = "\n".join(f"{month}  {row}" for month, row in months)
-    yield f"<pre>{escape(marks)}</pre><p>{escape(dose_words.legend(tr))}</p>"
+    *calendar, _, legend = dose_words.calendar_lines(found, _MONTHS, tr)
+    marks = "\n".join(calendar)
+    yield f"<pre>{escape(marks)}</pre><p>{escape(legend)}</p>"

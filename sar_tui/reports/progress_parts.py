@@ -2,7 +2,6 @@
 
 import textwrap
 from collections.abc import Sequence
-from datetime import date
 
 from sar_tui.framework.language import Language
 from sar_tui.reports import dose_words, progress_words
@@ -84,9 +83,12 @@ def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
     width, height = size
     if not found.days:
         return [tr("No live session yet.")]
-    months = dose_words.calendar(found.days, date.fromisoformat(found.today))[-_MONTHS:]
-    lines = [f"{'':9}1   5    10   15   20   25   30", *(f"{month}  {marks}" for month, marks in months)]
-    lines += ["", dose_words.legend(tr), "", *wrapped([dose_words.recent_text(found.recent, tr)], width), ""]
+    lines = [
+        *dose_words.calendar_lines(found, _MONTHS, tr),
+        "",
+        *wrapped([dose_words.recent_text(found.recent, tr)], width),
+        "",
+    ]
     room = max(1, height - len(lines) - 1)
     return [*lines, *dose_words.days_table(found.days[-room:], tr)][:height]
 

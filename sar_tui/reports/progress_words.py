@@ -274,6 +274,12 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
     return " ".join(said)
 
 
+def after_notes(found: Progress, tr: Language) -> list[str]:
+    """Return the paragraphs that follow those on the lines: adverse events, and other instruments."""
+    events = " ".join(dated_event(event, tr) for event in found.events)
+    return [*([events] if events else []), *(instrument_change(each, tr) for each in found.instruments)]
+
+
 def warnings(found: Progress, tr: Language) -> list[str]:
     """Return what the therapist should know of pain and tiredness, and the adverse events with their onset."""
     return [*advice(found.tell, tr), *(dated_event(event, tr) for event in found.events)]

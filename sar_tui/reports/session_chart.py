@@ -15,6 +15,8 @@ TEN = "X"
 """Stands for 10 where there is room for one character."""
 ABOVE, BELOW, UNKNOWN = "^", "v", "?"
 """Stand for a session without a value: it lies above or below what could be measured, or is not known."""
+EVENT = "!"
+"""Stands for an adverse event."""
 BARS = "▁▂▃▄▅▆▇█"
 _WIDEST = 10
 """Most columns that a session has, so that a few sessions stay together."""
@@ -72,6 +74,14 @@ class Columns(msgspec.Struct, frozen=True):
             if len(text) > 1 and self.step < len(text) + 1:
                 text = TEN
             line[column : column + len(text)] = text
+        return "".join(line).rstrip()
+
+    def signs(self, marked: Sequence[bool], sign: str) -> str:
+        """Return a row with a sign in each column that has a marked session."""
+        line = [" "] * self.width
+        for column, sessions in self.groups():
+            if any(marked[session] for session in sessions):
+                line[column] = sign
         return "".join(line).rstrip()
 
     def numbers(self, values: Sequence[float | None], form: str) -> str:

@@ -229,6 +229,35 @@ def test_new_pain_and_adverse_events_are_told_first_in_either_language(keyboard:
     assert spanish[0].startswith("El dolor es nuevo")
 
 
+def fell(onset: str, session: str | None = None, outcome: str = "") -> AdverseEvent:
+    return AdverseEvent(
+        event=onset, version=1, participant="P01", onset=onset, session=session, what="Fell", severity="mild",
+        outcome=outcome,
+    )  # fmt: skip
+
+
+def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day(keyboard: type[Task]) -> None:
+    events = [fell("2026-02-28 09:00"), fell("2026-02-01"), fell("2026-03-02", "session001"), fell("2026-03-02")]
+    found = progress("P01", steady(4), {"keyboard": keyboard}.get, events=events, today=date(2026, 3, 2))
+    (line,) = found.lines
+    assert [each.events for each in line.sessions] == [
+        ["2026-02-28 09:00"], ["2026-03-02"], [], ["2026-03-02"],
+    ]  # fmt: skip
+    tr = progress_words.words("en", keyboard)
+    marks = level_figure(line, 80, 24, tr)[-1]
+    assert (marks.split()[0], marks.count("!")) == ("event", 3)
+    calendar = "\n".join(dose_words.calendar_lines(found, 3, tr))
+    assert "2026-02  ··························■■\n         !                          !\n" in calendar
+    assert "! adverse event" in calendar
+
+
+def test_the_note_tells_of_adverse_events(keyboard: type[Task]) -> None:
+    found = progress("P01", steady(2), {"keyboard": keyboard}.get, events=[fell("2026-03-01", outcome="No injury.")])
+    english, spanish = (progress_words.after_notes(found, progress_words.words(code, None)) for code in ("en", "es"))
+    assert english == ["Adverse event 2026-03-01, mild: Fell. Outcome: No injury."]
+    assert spanish == ["Evento adverso 2026-03-01, leve: Fell. Desenlace: No injury."]
+
+
 def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     felt = [SessionRatings(pain_after=rating) for rating in (1, 4)]
     found = of(keyboard, *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)), *steady(3)[2:])

@@ -14,7 +14,7 @@ from sar_tui.progress.lines import SessionResults
 from sar_tui.reports import progress_charts, progress_page, progress_words
 from sar_tui.reports.progress import progress
 from tests.progress.session_results import adapted, at_one_level, session
-from tests.reports.test_progress import SPANISH, steady
+from tests.reports.test_progress import SPANISH, fell, steady
 from tests.untranslated import english_in
 
 
@@ -114,6 +114,16 @@ def test_pain_and_tiredness_are_charted_on_the_time_axis_of_the_sessions(
     assert domains == {"['2026-02-27T10:00:00', '2026-03-01T10:02:00']"}
 
 
+def test_an_adverse_event_is_told_and_marked_where_pain_is(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+    find = {"keyboard": keyboard}.get
+    found = progress("P01", steady(3), find, events=[fell("2026-02-28", outcome="No injury")])
+    made = progress_page.page(found, find, "en")
+    assert "<strong>Adverse event 2026-02-28, mild: Fell. Outcome: No injury.</strong>" in made
+    assert "!: an adverse event." in made
+    marked = [spec for spec in specs if any(layer["mark"].get("text") == "!" for layer in spec["layer"])]
+    assert [spec["data"]["values"][0]["date"] for spec in marked] == ["2026-02-28"]
+
+
 def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
@@ -136,7 +146,7 @@ def test_every_chart_can_be_drawn(keyboard: type[Task]) -> None:
     find = {"keyboard": keyboard}.get
     felt = SessionRatings(pain_before=2, fatigue_after=4)
     sessions = [session(n, adapted(n), qualities={"sparc": -1.6}, felt=felt) for n in range(5)]
-    found = progress("P01", sessions, find)
+    found = progress("P01", sessions, find, events=[fell("2026-03-01")])
     tr = progress_words.words("es", keyboard)
     (line,) = found.lines
     charts = [
