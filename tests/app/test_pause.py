@@ -144,3 +144,19 @@ async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
         assert (await driver.to_prompt()).text == prompt.text
         assert prompt.text in driver.text
         assert driver.stored("SELECT * FROM trials") == []
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_in_a_pause_the_agent_is_silent_above_the_menu(
+    size: tuple[int, int], data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, encouragement=False), size=size) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        said = driver.said
+        await driver.press("escape")
+        robot, menu = (driver.app.screen.query_one(name).region for name in ("#agent .robot", "#menu"))
+        assert 0 <= menu.y - robot.bottom <= 1
+        assert abs(menu.center[0] - robot.center[0]) <= 1
+        assert not driver.sees(said)
+        await driver.press("enter")
+        assert driver.said == said

@@ -59,11 +59,15 @@ class LayoutScreen(AgentScreen):
         self.set_class(is_roomy(*self.app.size), "roomy")
 
     def _seat_agent(self, where: str) -> None:
-        """Let the agent speak from the middle between two attempts, ``drawn`` above a drawing; else from below."""
+        """Let the agent speak from the middle, ``between`` two attempts or ``drawn`` above a drawing; else from below.
+
+        In a ``pause`` it is silent above the menu.
+        """
         if where != self._agent_seat:
             self._agent_seat, stage = where, self.query_one("#stage")
             self.set_class(bool(where), "middle")
-            self.set_class(where == "between", "between")
+            self.set_class(where in ("between", "pause"), "between")
+            self.set_class(where == "pause", "pausing")
             if where:
                 self.move_child(self.agent, before=stage)
             else:
@@ -73,7 +77,7 @@ class LayoutScreen(AgentScreen):
         """Show one widget in the middle of the screen, or none."""
         self._shown = name
         if name != "message":
-            self._seat_agent("")
+            self._seat_agent("pause" if name == "menu" and self.agent.display else "")
         self.query_one("#stage", ContentSwitcher).current = name
         menu = self.query_one(PauseMenu)
         self.set_focus(menu if name == "menu" else None)

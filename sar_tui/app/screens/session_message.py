@@ -1,6 +1,7 @@
 """The texts of a session's screen: what it waits for, the last result beside its goal, and the rest that is left."""
 
 from sar_tui.app.live import LiveSession
+from sar_tui.app.screens.large_message import is_roomy
 from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.session_layout import LayoutScreen
 from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
@@ -10,8 +11,10 @@ from sar_tui.widgets.goal_bar import GoalBar, bar_of
 
 _BETWEEN = ("attempt", "answer", "rest", "review")
 """Stages between two attempts, and after the last."""
-_DRAWING_HEIGHT = 40
-"""Least rows of a window in which a drawing leaves room above the agent."""
+_BEFORE = ("instructions", "attempt", "paused")
+"""Stages in which the agent is in the middle too, if there is room."""
+_FULL_HEIGHT = 40
+"""Least rows of a window in which a drawing, or the instructions, leave room above the agent."""
 
 
 class MessageScreen(LayoutScreen):
@@ -56,8 +59,9 @@ class MessageScreen(LayoutScreen):
         is_between = waiting.stage in _BETWEEN and waiting.attempt > 1
         bars = [bar for _, bar in sorted(self._bars.items())] if is_between else []
         self.query_one(MessagePanel).show(text, bars, drawing, ask)
-        is_tight = drawing and self.app.size.height < _DRAWING_HEIGHT
-        self._seat_agent("" if not (is_between and self.agent.display) else "drawn" if is_tight else "between")
+        is_tight = (drawing or waiting.stage == "instructions") and self.app.size.height < _FULL_HEIGHT
+        is_in_middle = is_between or (waiting.stage in _BEFORE and is_roomy(*self.app.size))
+        self._seat_agent("" if not (is_in_middle and self.agent.display) else "drawn" if is_tight else "between")
         self._stage("message")
         if waiting.stage == "rest":
             self._count_down(waiting)
