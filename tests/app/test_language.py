@@ -104,7 +104,7 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
         await tour.press(
             "enter", "Intento de práctica 1 de 1", "Pulse Enter para empezar el intento de práctica 1 de 1."
         )
-        tour.look("en menos de 0,85 segundos de media, y acertar 2 de 2.", "nivel 1", "Señales 0 de 2")
+        tour.look("en menos de 0,85 segundos de media, y acertar 2 de 2.", "nivel 1", "Teclas 0 de 2")
         prompt = await driver.begin()
         tour.look(f"Pulse: {prompt.expected}", "Práctica 0 de 1")
         await tour.press("escape", "En pausa", "Tómese su tiempo.", "flechas para elegir, Enter para confirmar")

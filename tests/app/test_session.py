@@ -24,7 +24,7 @@ async def test_a_session_from_the_instructions_to_the_summary(
         assert driver.sees("Press Enter to begin attempt 1 of 2.")
 
         await driver.do_attempt(await driver.begin())
-        assert driver.sees("Prompts 2 of 2")
+        assert driver.sees("Keys 2 of 2")
         assert driver.sees("Attempts 1 of 2")
         assert "0.40 seconds" in driver.said
         assert "you ━━━━━━━━━━━━━━──────────────────────┊ goal: less than 1 second ✓" in driver.text
@@ -224,7 +224,7 @@ async def test_a_session_left_after_its_last_attempt_is_resumed_there(
     async with open_app(data, catalogue, session) as driver:
         assert driver.sees("Press Enter to see how it went.")
         assert "level" not in driver.rows[0]
-        assert driver.sees("Prompts 2 of 2")
+        assert driver.sees("Keys 2 of 2")
         assert driver.sees("Attempts 2 of 2")
         await driver.press("enter")
         assert driver.sees("You did 2 attempts; goal reached in 2.")
