@@ -80,7 +80,7 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show a session: attempts, plot, timing."""
-    from sar_tui.reports import difficulty_changes, rests
+    from sar_tui.reports import difficulty_changes, rests, skipped_attempts
     from sar_tui.reports.output_summary import output_summaries
     from sar_tui.store import adverse_events, wellbeing
     from sar_tui.store import sessions as store
@@ -98,6 +98,7 @@ def show(
         changes = difficulty_changes.lines(database, found["id"]) if moves and not as_json else []
         must_rest = any(found["parameters"].get(f"rest_after_{what}") for what in ("attempts", "minutes"))
         changes += rests.lines(database, found["id"]) if must_rest and not as_json else []
+        changes += skipped_attempts.lines(database, found["id"]) if not as_json else []
         events = adverse_events.listing(database, session=found["id"])
     if as_json:
         known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs}

@@ -149,6 +149,14 @@ def advance(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
     return replace(state, attempt=state.attempt + 1, results=()), True
 
 
+def skip(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
+    """Leave out the attempt that runs or comes next: it is not scored, and nothing follows from it.
+
+    False if there is none after it.
+    """
+    return advance(task, replace(state, results=(), ended=None))
+
+
 def requestable(state: AttemptState) -> tuple[SeatScore, ...]:
     """Return the scores of the last attempt on which a participant may request feedback."""
     seats = state.ended.seats.values() if state.ended else ()

@@ -141,7 +141,14 @@ class Attempts:
 
     def advance(self) -> bool:
         """Move to the next attempt, with the settings changed since the last began; False if there is none."""
-        self.state, is_next = steps.advance(self._task, self.state)
+        return self._go_on(steps.advance(self._task, self.state))
+
+    def skip(self) -> bool:
+        """Leave out the attempt that runs or comes next; False if there is none after it."""
+        return self._go_on(steps.skip(self._task, self.state))
+
+    def _go_on(self, step: tuple[steps.AttemptState, bool]) -> bool:
+        self.state, is_next = step
         if self._coming:
             self._apply_settings()
         return is_next

@@ -100,6 +100,11 @@ class Session:
         return self._event_handler.is_resting
 
     @property
+    def can_skip_attempt(self) -> bool:
+        """True if there is an attempt that a participant may leave out, also while the session is paused."""
+        return self._event_handler.can_skip_attempt
+
+    @property
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
         return next((fault for fault in self.faults if fault.node in self._vital), None) if self.faults else None

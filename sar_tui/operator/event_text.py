@@ -130,10 +130,13 @@ def _setting_changed(change: SettingChanged) -> str:
 
 
 def _pause_or_resume(act: SessionCommand, me: Welcome | None) -> _Text | None:
-    """Describe a pause or its end, unless it is this operator's own act, which the log has already."""
-    if me is None or act.actor == me.name or act.command not in ("pause", "resume"):
+    """Describe a pause, its end or a skipped attempt, unless this operator did it: the log has that already."""
+    is_skipped = act.command == "skip" and act.reason == "attempt"
+    if me is None or act.actor == me.name or not (is_skipped or act.command in ("pause", "resume")):
         return None
     who = participant_name(me) if act.actor == "participant" else short_name(act.actor)
+    if is_skipped:
+        return f"{who} skipped the attempt.", "bad"
     if act.command == "resume":
         return f"{who} resumed.", "plain"
     why = f": {PAUSE_REASONS[act.reason]}" if act.reason in PAUSE_REASONS else ""

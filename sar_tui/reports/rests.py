@@ -25,7 +25,8 @@ def lines(database: sqlite3.Connection, session: str) -> list[str]:
         if began and began[0] != run:
             began = None
         if isinstance(message, SessionCommand):
-            ended_by = message.actor if message.command == "skip" and began else ended_by
+            is_end = message.command == "skip" and message.reason != "attempt"
+            ended_by = message.actor if is_end and began else ended_by
         elif message.stage == "rest" and began is None:
             began, ended_by = (run, at, message.attempt - 1), ""
         elif began and message.stage not in ("rest", "paused"):

@@ -7,6 +7,7 @@ import pytest
 
 from sar_tui.app.app import SarTui
 from sar_tui.plugins import Catalogue
+from sar_tui.reports import skipped_attempts
 from sar_tui.store import participants, passphrase, programmes
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.passphrase import Passphrase
@@ -100,11 +101,31 @@ async def test_who_has_severe_pain_before_an_exercise_is_told_to_rest(data: Path
 
 async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
-        await driver.press("enter", "enter", "escape", "down", "down", "down", "enter", "down", "enter")
+        await driver.press("enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "enter")
         await driver.wait(300)
         await driver.press("enter")
         assert driver.sees("Exercise 2 of 2")
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
+
+
+async def test_an_attempt_can_be_left_out_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P01", "keyboard", language="es")
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter", "enter", "enter", "escape")
+        assert driver.sees("Saltar este intento")
+        await driver.press("down", "down", "down", "enter")
+        assert driver.sees("Pulse Enter para el intento 2 de 2.")
+        await driver.do_attempt(await driver.begin())
+        await driver.see_the_summary()
+        assert driver.sees("Ha hecho 1 intento")
+        session = driver.session_id
+    assert stored(data, "SELECT attempt FROM attempts") == [(2,)]
+    assert stored(data, "SELECT status FROM sessions") == [("completed",)]
+    database = connect(data)
+    assert skipped_attempts.lines(database, session) == [
+        "Attempt 1 was skipped by the participant, before its first trial ended."
+    ]
+    database.close()
 
 
 KEYS = ["ctrl+q", "ctrl+c", "ctrl+z", "ctrl+backslash", "ctrl+p", "f2", "f3", "f4", "f10", "delete", "escape", "ctrl+s"]

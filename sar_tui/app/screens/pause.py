@@ -1,4 +1,4 @@
-"""The pause menu: go on, tired, in pain, finished, for the therapist. Only ending the session asks again."""
+"""The pause menu: go on, tired, in pain, not this attempt, finished, for the therapist. Only the end asks again."""
 
 from textual.message import Message
 from textual.widgets.option_list import Option
@@ -14,8 +14,8 @@ _WORDS = {
     "finished": ("End the session now?", "What you did is kept. You cannot go on with this session later."),
 }
 _CHOICES = {
-    "": ("go on", "tired", "pain", "finished", "therapist"),
-    "tired": ("go on", "pain", "finished", "therapist"),
+    "": ("go on", "tired", "pain", "skip", "finished", "therapist"),
+    "tired": ("go on", "pain", "skip", "finished", "therapist"),
     "pain": ("go on", "finished", "therapist"),
     "finished": ("go on", "end"),
 }
@@ -23,6 +23,7 @@ _LABELS = {
     "go on": "Go on",
     "tired": "I am tired",
     "pain": "I am in pain",
+    "skip": "Skip this attempt",
     "finished": "I am finished",
     "end": "Yes, end the session",
     "therapist": "For the therapist",
@@ -42,15 +43,16 @@ class PauseMenu(OptionList):
     class TherapistAsked(Message):
         """The therapist wants to change something."""
 
-    def open(self, reason: str) -> None:
-        """Show the choices after a pause for ``reason``."""
+    def open(self, reason: str, *, can_skip: bool = False) -> None:
+        """Show the choices after a pause for ``reason``. ``can_skip``: the attempt may be left out."""
         tr = language_of(self.app)
         title, words = _WORDS.get(reason, _WORDS[""])
         self.border_title = tr(title)
         self.border_subtitle = tr("arrows to choose, Enter to confirm")
         self.clear_options()
         self.add_option(Option(f"{tr(words)}\n", disabled=True))
-        self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in _CHOICES.get(reason, _CHOICES[""])])
+        choices = [choice for choice in _CHOICES.get(reason, _CHOICES[""]) if choice != "skip" or can_skip]
+        self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in choices])
         self.highlighted = 1
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -62,6 +64,8 @@ class PauseMenu(OptionList):
                 self.highlighted = 1
                 self.post_message(self.TherapistAsked())
                 return
+            case "skip":
+                act = SessionCommand(command="skip", reason="attempt")
             case "end":
                 act = SessionCommand(command="end", reason="finished")
             case reason:

@@ -86,7 +86,8 @@ class SessionScreen(KeysScreen):
         elif waiting.stage == "paused":
             self._show_position(waiting)
             self._show_trials(waiting.trial - 1)
-            self.query_one(PauseMenu).open(waiting.reason)
+            can_skip = bool(self.app.patient) and self._live.run.session.can_skip_attempt
+            self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip)
             self._stage("menu")
 
     def _update_motion(self, waiting: Waiting) -> None:

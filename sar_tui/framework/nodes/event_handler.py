@@ -144,17 +144,33 @@ class EventHandler(AttemptFlow):
                 self._void("repeat")
                 self._begin_trial()
             case "skip":
-                self._skip()
+                self._skip(act.reason)
             case "mark":
                 if mark := marks.find(self.task.marks, act.reason):
                     self._mark(mark)
 
-    def _skip(self) -> None:
-        """End the prompt as missed, or a rest that must be taken."""
-        if self.is_resting:
+    def _skip(self, what: str) -> None:
+        """End the prompt as missed, or a rest that must be taken; or leave out an ``attempt``."""
+        if what == "attempt":
+            self._skip_attempt()
+        elif self.is_resting:
             self._end_rest()
         elif self._phase in IN_TRIAL:
             self._finish(Result(correct=False, flags=("skipped",)))
+
+    @property
+    def can_skip_attempt(self) -> bool:
+        """True if an attempt is under way, or waits to be begun."""
+        from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
+        return self._is_under_way or from_phase is Phase.READY
+
+    def _skip_attempt(self) -> None:
+        """Leave out the attempt that is under way or comes next. What was done of it stays; nothing is scored."""
+        if self.can_skip_attempt and not self._blockers.has_disk_failed:
+            self._void("skipped")
+            goes_on = self._attempts.skip()
+            self._phase, self._paused_from = Phase.PAUSED, Phase.READY if goes_on else Phase.REVIEW
+            self._resume()
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
