@@ -142,11 +142,25 @@ def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Ta
     return [_line(*members) for members in grouped.values()]
 
 
-def comparable(sessions: Iterable[SessionResults], task: Task) -> Line | None:
-    """Return the line that a live session of a task, with its settings and one participant, would join; or None."""
+def comparable(sessions: Iterable[SessionResults], task: Task, *, at_any_goal: bool = False) -> Line | None:
+    """Return the line that a live session of a task, with its settings and one participant, would join; or None.
+
+    Args:
+        sessions: in the order in which they were played.
+        task: with its settings.
+        at_any_goal: look also at sessions that differ in the goal alone. Their results are set against that of
+            ``task``, as results do not depend on the goal.
+    """
     settings = settings_of(task)
-    members = [each for each in sessions if is_comparable(each, task, settings)]
+    members = [
+        each for each in sessions if is_comparable(_at_goal(each, task) if at_any_goal else each, task, settings)
+    ]
     return _line(type(task), settings, members) if members else None
+
+
+def _at_goal(session: SessionResults, task: Task) -> SessionResults:
+    """Return a session with the goal of a task in place of its own."""
+    return msgspec.structs.replace(session, parameters={**session.parameters, "threshold": task.parameters.threshold})
 
 
 def settings_of(task: Task) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """The level at which a live session starts: from the last session's estimate, its last level, or as it is set."""
 
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import msgspec
 
@@ -9,10 +10,18 @@ from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.policies.difficulty import POLICIES
 from sar_tui.framework.task import Task
 from sar_tui.progress.lines import Point, SessionResults, comparable
+from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store.results import newest_of
 
 LOOKED_AT = 16
 """Newest sessions that the estimate is made from: the slope that they share hardly changes with more."""
+
+
+class Start(NamedTuple):
+    """The level at which a session starts, and why, in words; empty if there is nothing to say."""
+
+    level: int
+    why: str
 
 
 def with_start_level(database: sqlite3.Connection, task: Task, participant: str) -> TaskParameters:
@@ -34,13 +43,43 @@ def _moves(task: Task) -> bool:
 
 def started_after(task: Task, sessions: Iterable[SessionResults]) -> TaskParameters:
     """Return the same from a participant's newest sessions of the task, the oldest of them first."""
+    return msgspec.structs.replace(task.parameters, start_level=start_after(task, sessions).level)
+
+
+def start_after(task: Task, sessions: Iterable[SessionResults]) -> Start:
+    """Return the same as a level, and why.
+
+    After a change of the goal alone, the level follows from the same results and the new goal.
+    """
     given = task.parameters
-    line = comparable(sessions, task) if _moves(task) else None
-    if line is None:
-        return given
-    wanted = _level(line.points[-1], task, by_estimate=given.start_from == "estimate")
-    level = max(given.min_level, min(wanted, given.max_level, task.levels))
-    return msgspec.structs.replace(given, start_level=level)
+    if not _moves(task):
+        return Start(given.start_level, "as set" if given.start_from == "fixed" else "")
+    played = list(sessions)
+    if line := comparable(played, task):
+        last, at = line.points[-1], "the last times"
+    elif line := comparable(played, task, at_any_goal=True):
+        last, at = _around_goal(line.points, task), "earlier times and the new goal"
+        if last.side == "harder" and given.start_from == "estimate":
+            return Start(given.start_level, "no result so far reaches the new goal")
+    else:
+        return Start(given.start_level, "the first session with these settings" if played else "")
+    by_estimate = given.start_from == "estimate" and last.estimate is not None
+    level = max(given.min_level, min(_level(last, task, by_estimate=by_estimate), given.max_level, task.levels))
+    return Start(level, f"from {at}" if by_estimate else "as the last one ended")
+
+
+def _around_goal(points: Sequence[Point], task: Task) -> Point:
+    """Return the newest sessions as one: as many as have results on both sides of the goal, or all."""
+    results: list[AttemptResult] = []
+    found = points[-1]
+    for point in reversed(points):
+        results[:0] = point.results.results
+        together = msgspec.structs.replace(points[-1].results, results=tuple(results))
+        line = comparable([together], task, at_any_goal=True)
+        found = line.points[-1] if line else found
+        if found.estimate:
+            break
+    return found
 
 
 def _level(last: Point, task: Task, *, by_estimate: bool) -> int:

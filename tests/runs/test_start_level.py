@@ -92,9 +92,21 @@ def test_a_policy_that_leaves_the_level_to_the_therapist_starts_where_they_set_i
     assert play(2, difficulty_policy=policy)[0][0] == 1
 
 
-def test_after_a_change_of_the_goal_the_start_level_is_used(play: Any) -> None:
+def test_after_a_change_of_the_goal_alone_the_level_follows_from_the_times_and_the_new_goal(play: Any) -> None:
     play()
-    assert play(2, threshold=900.0)[0][0] == 1
+    same, _ = play(2)
+    harder, _ = play(3, threshold=850.0)
+    assert 1 < harder[0] < same[0]
+
+
+def test_the_start_level_is_used_if_no_result_reaches_the_new_goal(play: Any) -> None:
+    play()
+    assert play(2, threshold=200.0, start_level=2, start_from="estimate")[0][0] == 2
+
+
+def test_after_a_change_of_what_is_measured_the_start_level_is_used(play: Any) -> None:
+    play()
+    assert play(2, choice_set="arrow keys")[0][0] == 1
 
 
 def test_a_simulated_session_always_starts_at_the_start_level(data: Path, catalogue: Catalogue, play: Any) -> None:

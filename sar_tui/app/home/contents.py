@@ -22,7 +22,7 @@ from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.progress.lines import Point, SessionResults, lines
 from sar_tui.reports.wellbeing import advice, marks
 from sar_tui.runs.plan import Failed, set_up
-from sar_tui.runs.start_level import LOOKED_AT, started_after
+from sar_tui.runs.start_level import LOOKED_AT, start_after
 from sar_tui.store import participants, programmes, provenance, results, sessions, wellbeing
 
 _LISTED = 30
@@ -92,14 +92,14 @@ def _programme(
     try:
         parameters = build(kind.Parameters, usable(kind.Parameters, saved.parameters)[0])
         task = set_up(kind, parameters)
-        level = started_after(task, played).start_level
-        goal = task.target(level).threshold
+        start = start_after(task, played)
+        goal = task.target(start.level).threshold
         prompts = task.trials_per_attempt
     except (ParameterError, Failed) as error:
         return None, str(error)
     except PLUGIN_ERRORS:
         return None, "The task cannot be set up."
-    return Programme(saved.version, parameters.attempts, prompts, short_goal(kind.metric, goal), level), ""
+    return Programme(saved.version, parameters.attempts, prompts, short_goal(kind.metric, goal), *start), ""
 
 
 class Waiting(msgspec.Struct, frozen=True):

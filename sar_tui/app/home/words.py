@@ -15,13 +15,17 @@ _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct",
 
 
 class Programme(msgspec.Struct, frozen=True):
-    """Figures of the next session of a task; ``version`` is that of its programme, 0 without one."""
+    """Figures of the next session of a task.
+
+    ``version`` is that of its programme, 0 without one; ``why`` says why it starts at the level.
+    """
 
     version: int
     attempts: int
     prompts: int
     goal: str
     level: int
+    why: str = ""
 
 
 class Past(msgspec.Struct, frozen=True):
@@ -73,7 +77,10 @@ def span_words(days: int) -> str:
 
 
 def programme_words(programme: Programme, *, is_roomy: bool) -> str:
-    """Return a programme in a line: "v3: 10 × 20 · goal 1.0 s · start level 4"."""
+    """Return a programme in a line: "v3: 10 × 20 · goal 1.0 s · start level 4".
+
+    With more room, or if settings were changed, it also says why it starts there.
+    """
     amount = f"{programme.attempts} × {programme.prompts}"
     version = f"v{programme.version}: " if programme.version else ""
     if is_roomy:
@@ -81,11 +88,13 @@ def programme_words(programme: Programme, *, is_roomy: bool) -> str:
         amount = f"{attempts} of {programme.prompts}"
         version = f"version {programme.version}: " if programme.version else "none saved: "
     goal = f" · goal {programme.goal}" if programme.goal else ""
-    return f"{version}{amount}{goal} · start level {programme.level}"
+    is_told = programme.why and (is_roomy or any(what in programme.why for what in ("settings", "new goal")))
+    why = f" ({programme.why})" if is_told else ""
+    return f"{version}{amount}{goal} · start level {programme.level}{why}"
 
 
 def progress_words(past: Sequence[Past], others: int) -> str:
-    """Return how the level went over comparable sessions: "Level 4, up 3 in 2 weeks".
+    """Return how the level went over comparable sessions: "Played at level 4, up 3 in 2 weeks".
 
     ``others`` is the number of earlier sessions that had other settings.
     """
@@ -93,7 +102,7 @@ def progress_words(past: Sequence[Past], others: int) -> str:
     if not known:
         return ""
     (began, first), (ended, last) = known[0], known[-1]
-    said = f"Level {last}"
+    said = f"Played at level {last}"
     if len(known) > 1:
         change = f"up {last - first}" if last > first else f"down {first - last}" if last < first else "as before"
         days = (ended - began).days

@@ -70,10 +70,10 @@ def test_a_programme_is_said_in_a_line_that_fits() -> None:
     ("levels", "said"),
     [
         ([], ""),
-        ([2], "Level 2"),
-        ([1, 2, 2, 4], "Level 4, up 3 in 2 weeks"),
-        ([4, 2], "Level 2, down 2 in 2 weeks"),
-        ([3, 4, 3], "Level 3, as before in 2 weeks"),
+        ([2], "Played at level 2"),
+        ([1, 2, 2, 4], "Played at level 4, up 3 in 2 weeks"),
+        ([4, 2], "Played at level 2, down 2 in 2 weeks"),
+        ([3, 4, 3], "Played at level 3, as before in 2 weeks"),
     ],
 )
 def test_progress_is_the_change_of_the_level(levels: list[int], said: str) -> None:
@@ -83,7 +83,7 @@ def test_progress_is_the_change_of_the_level(levels: list[int], said: str) -> No
 
 def test_sessions_with_other_settings_are_named_and_not_compared() -> None:
     said = progress_words([past(3, 2), past(3, None), past(0, 4)], others=5)
-    assert said == "Level 4, up 2 in 3 days (5 earlier with other settings)"
+    assert said == "Played at level 4, up 2 in 3 days (5 earlier with other settings)"
 
 
 def test_the_last_session_is_a_sentence() -> None:
