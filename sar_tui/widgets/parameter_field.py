@@ -64,7 +64,9 @@ class ParameterField(Widget):
         """The saved value or the default; after an edit, a bool or the typed text."""
         self.problem = ""
         """Problem of the value; empty for none."""
-        self._drawn = (self.is_changed, self.problem)
+        self.used_by = ""
+        """Policies that use it, if none of them is chosen; empty if it has an effect."""
+        self._drawn = (self.is_changed, self.problem, self.used_by)
 
     def compose(self) -> ComposeResult:
         value = show(self.value)
@@ -84,8 +86,8 @@ class ParameterField(Widget):
 
     def render(self) -> Content:
         """Draw everything except the value, for which room is left."""
-        mark = "!" if self.problem else "●" if self.is_changed else ""
-        colour = "$warning" if self.problem else ""
+        mark = "!" if self.problem else "–" if self.used_by else "●" if self.is_changed else ""
+        colour = "$warning" if self.problem else "$text-muted" if self.used_by else ""
         strength = "bold" if self.has_focus_within else ""
         return Content.assemble(
             (f"{mark:{_MARK}}", colour or "$accent"),
@@ -101,8 +103,9 @@ class ParameterField(Widget):
         bounds = self.field.bounds if self.field.kind not in ("choice", "bool") and not self.known else ""
         limits = f"{bounds} {self.field.unit}".strip() if bounds else ""
         default = f"Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
+        unused = f"Without effect now: only with {self.used_by}." if self.used_by else ""
         return " ".join(
-            filter(None, (self.field.help, f"{limits[:1].upper()}{limits[1:]}." if limits else "", default))
+            filter(None, (unused, self.field.help, f"{limits[:1].upper()}{limits[1:]}." if limits else "", default))
         )
 
     @property
@@ -146,10 +149,10 @@ class ParameterField(Widget):
         """Draw the title without highlight."""
         self.refresh()
 
-    def show_problem(self, problem: str) -> None:
-        """Mark a problem (empty for none), or a value that differs from its default."""
-        self.problem = problem
-        drawn = self.is_changed, self.problem
+    def show_problem(self, problem: str, used_by: str = "") -> None:
+        """Mark a problem, that it has no effect without the policies in ``used_by``, or that its value is another."""
+        self.problem, self.used_by = problem, used_by
+        drawn = self.is_changed, self.problem, self.used_by
         if drawn != self._drawn:
             self._drawn = drawn
             if self.is_mounted:

@@ -84,6 +84,17 @@ def a_participant(data: Path) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20)
 
 
+@pytest.mark.usefixtures("a_participant")
+async def test_settings_of_a_rule_that_is_not_chosen_are_marked(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        await go_to(driver, "target_share")
+        assert meaning(driver).startswith("Without effect now: only with target.")
+        assert driver.sees("– Target")
+        await go_to(driver, "consecutive_successes")
+        assert not meaning(driver).startswith("Without effect")
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_there_is_one_field_for_each_declared_parameter(
@@ -265,6 +276,7 @@ async def test_saved_settings_apply_to_the_participants_next_session(data: Path,
         assert driver.app.screen.query_one("#parameter-choice_set").query_one(Choice).value == "arrow keys"
         await save(driver)
         assert driver.sees("saved: version 2")
+        assert driver.sees("The next session starts at level 1.")
         await driver.press("escape", *["right"] * 3, "enter", "enter")
         assert driver.sees("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")

@@ -16,8 +16,9 @@ from sar_tui.framework.parameter_changes import changes
 from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
+from sar_tui.framework.unused_settings import without_effect
 from sar_tui.plugins import PluginError
-from sar_tui.runs.plan import check_outputs
+from sar_tui.runs.plan import Failed, check_outputs, set_up
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
@@ -39,6 +40,7 @@ class SettingsScreen(DismissedOnce[None]):
 
     help_text = (
         "The groups at the left count the settings that differ from the defaults (●) or must be fixed (!). "
+        "A setting marked – has no effect with the rule that is chosen. "
         "Below the fields: what the focused one means, and the values it may have.\n\n"
         "Page Down and Page Up go from group to group, the arrows from field to field. / finds a setting by a word "
         "(F3 where a text is typed). Ctrl-R resets a setting; on a group, all its settings.\n\n"
@@ -117,9 +119,9 @@ class SettingsScreen(DismissedOnce[None]):
     @on(ParameterField.Changed)
     async def _check(self) -> None:
         """Check each value, and all of them together, because valid values may conflict."""
-        problems = self._problems()
+        problems, unused = self._problems(), without_effect(self._values())
         for widget in self._fields:
-            widget.show_problem(problems.get(widget.field.name, ""))
+            widget.show_problem(problems.get(widget.field.name, ""), unused.get(widget.field.name, ""))
         self._count()
         self._show_help()
         unsaved = "not saved" if self._shown() != self._saved else ""
@@ -283,6 +285,19 @@ class SettingsScreen(DismissedOnce[None]):
         self._saved = self._shown()
         self.query_one("#top", Static).update(self._title())
         status.update(f"saved: version {self._programme.version}")
+        self.query_one("#meaning", Static).update(self._next_start(parameters))
+
+    def _next_start(self, parameters: TaskParameters) -> str:
+        """Say where the next session starts, and why."""
+        from sar_tui.runs.start_level import LOOKED_AT, start_after
+        from sar_tui.store.results import newest_of
+
+        try:
+            task = set_up(self._motor_task, parameters)
+            start = start_after(task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT))
+        except Failed as error:
+            return str(error)
+        return f"The next session starts at level {start.level}{f' ({start.why})' if start.why else ''}."
 
     # --- presets, defaults, leaving -------------------------------------------------------------------------
 
