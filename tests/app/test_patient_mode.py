@@ -169,6 +169,15 @@ async def test_screens_around_a_session_name_no_key_that_leaves(data: Path, cata
         assert not driver.sees("Quit")
 
 
+async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("down", "enter", "enter")
+        assert driver.screen_name == "SensorCheckScreen"
+        await driver.press("f1")
+        assert driver.sees("without a sensor it waits for one.")
+        assert not driver.sees("F2 on the first screen")
+
+
 async def test_the_help_names_no_way_out(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         for _ in range(2):

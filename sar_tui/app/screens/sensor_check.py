@@ -45,13 +45,13 @@ _HELP = (
     "Lay the hand flat and still: z points up, and the bias of each axis is shown.",
     "Zero removes that bias, if the sensor can. A test shows what a session would measure: "
     "rest, reach out and back, and rest. It is not stored.",
-    "The session may begin at any time; without a sensor it waits for one. To try the task without: Escape, then "
-    "F2 on the first screen, and set Motion sensor to simulated.",
+    "The session may begin at any time; without a sensor it waits for one.",
 )
-_HELP_OF_TWO = (
-    *_HELP[:2],
-    "The session may begin at any time; without both sensors it waits for them. To try the task without: Escape, then "
-    "F2 on the first screen, and set Sensor on the left and Sensor on the right to simulated.",
+_HELP_OF_TWO = (*_HELP[:2], "The session may begin at any time; without both sensors it waits for them.")
+_WITHOUT = "To try the task without: Escape, then F2 on the first screen, and set Motion sensor to simulated."
+_WITHOUT_BOTH = (
+    "To try the task without: Escape, then F2 on the first screen, and set Sensor on the left and Sensor on the right "
+    "to simulated."
 )
 
 
@@ -97,10 +97,15 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
     @property
     def help_text(self) -> str:
-        """Help on placing the sensor, on zero and test, and on sessions without a sensor."""
-        return (
-            "\n\n".join(self.tr(paragraph) for paragraph in (_HELP_OF_TWO if len(self.sensors) > 1 else _HELP)) + "\n"
-        )
+        """Help on placing the sensor, on zero and test, and on sessions without a sensor.
+
+        In patient mode it names no way to the settings, as there is none.
+        """
+        are_two = len(self.sensors) > 1
+        paragraphs = [self.tr(paragraph) for paragraph in (_HELP_OF_TWO if are_two else _HELP)]
+        if not self.app.patient:
+            paragraphs.append(self.tr(_WITHOUT_BOTH if are_two else _WITHOUT))
+        return "\n\n".join(paragraphs) + "\n"
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
