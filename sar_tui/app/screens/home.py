@@ -33,7 +33,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
     help_text = (
         "Choose who trains; Enter, and Enter again starts. Type part of a code to find it. The right arrow leads to "
         "task, theme, START, sessions.\n"
-        "Level: the middle one of a session's second half. The chart holds sessions with the same settings.\n"
+        "Played at level: the middle one of a session's second half. F4 estimates the level at goal.\n"
         "Enter resumes an interrupted session; Delete dismisses it, and takes that back. New participant shows "
         "everyone's sessions.\n"
     )

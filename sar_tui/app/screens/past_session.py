@@ -1,11 +1,13 @@
 """The summary of a past session."""
 
+from datetime import datetime
 from typing import Any, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import Static
 
+from sar_tui.app.home.words import day_words, status_words
 from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
 from sar_tui.reports.wellbeing import session_lines
@@ -34,10 +36,7 @@ class PastSessionScreen(DismissedOnce[None]):
 
     def compose(self) -> ComposeResult:
         row = self._row
-        began = sessions.local_time(row["started_at"])
-        yield Static(
-            f"{sessions.participant_codes(row)} · {row['task']} · {began} · {row['status']}", id="top", markup=False
-        )
+        yield Static(self._title(), id="top", markup=False)
         metric = provenance.metric(row["software"])
         try:
             task = self.app.catalogue.task(row["task"])
@@ -48,6 +47,16 @@ class PastSessionScreen(DismissedOnce[None]):
             yield Summary(metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="summary")
         yield Static("", id="felt", markup=False)
         yield KeyFooter()
+
+    def _title(self) -> str:
+        """Return who, what and when: "P01 · Keyboard reaction · Tue 17 Nov, 15:04 · completed"."""
+        row = self._row
+        began = datetime.fromisoformat(row["started_at"]).astimezone()
+        title = row["software"].get("task", {}).get("title", row["task"])
+        when = f"{day_words(began.date(), self.app.today())}, {began:%H:%M}"
+        return " · ".join(
+            (sessions.participant_codes(row), title, when, status_words(row["status"]) or str(row["status"]))
+        )
 
     def action_report_event(self) -> None:
         """Record an adverse event that began in this session."""
