@@ -111,19 +111,24 @@ async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, cat
 async def test_an_attempt_can_be_left_out_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
     programme(data, "P01", "keyboard", language="es")
     async with open_app(data, catalogue, patient="P01") as driver:
-        await driver.press("enter", "enter", "enter", "escape")
-        assert driver.sees("Saltar este intento")
+        await driver.press("enter")
+        await driver.answer(await driver.to_first_prompt())
+        await driver.press("escape")
+        for words in ("Saltar este intento", "Para el terapeuta"):
+            assert driver.sees(words), words
         await driver.press("down", "down", "down", "enter")
         assert driver.sees("Pulse Enter para el intento 2 de 2.")
+        assert driver.sees("Teclas 0 de 2")
         await driver.do_attempt(await driver.begin())
         await driver.see_the_summary()
         assert driver.sees("Ha hecho 1 intento")
         session = driver.session_id
     assert stored(data, "SELECT attempt FROM attempts") == [(2,)]
+    assert stored(data, "SELECT attempt, trial FROM trials") == [(1, 1), (2, 1), (2, 2)]
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
     database = connect(data)
     assert skipped_attempts.lines(database, session) == [
-        "Attempt 1 was skipped by the participant, before its first trial ended."
+        "Attempt 1 was skipped by the participant, after 1 of 2 trials."
     ]
     database.close()
 

@@ -65,6 +65,8 @@ class SessionScreen(KeysScreen):
         entered = before is None or before.stage != waiting.stage
         if before is None:
             self._show_trials(0)
+        if before is not None and before.stage == "paused" and waiting.attempt > before.attempt:
+            self._show_trials(0)  # the attempt was skipped
         if self._marks.follow():
             self._show_position(waiting)
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":

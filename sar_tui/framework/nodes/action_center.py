@@ -153,6 +153,8 @@ class ActionCenter(Node):
             self._prepared = waiting.attempt
             self._propose("rest", self._task.tr("Start when you are ready."), "rested", attempt=waiting.attempt)
             return
+        if self._rules >= 4 and attempts and attempts[-1].attempt < waiting.attempt - 1:
+            return  # the last attempt was skipped: nothing has just happened that this could fit
         if encouragement.rest_due(len(attempts), parameters.rest_every):
             kind: Kind = "rest"
             situation = "rest"
