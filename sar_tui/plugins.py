@@ -8,13 +8,14 @@ import importlib
 import inspect
 import sys
 import types
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import platformdirs
 
 import sar_tui
+from sar_tui.framework.entry_points import entry_points
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown
     from sar_tui.framework.task import Task
 
 _PACKAGE = "sar_tui_tasks"
+_GROUP = "sar_tui.tasks"
 _installed: dict[str, str] = {}
 """Tasks of installed packages by the module of their class."""
 DEFAULT_THEME = "calm"
@@ -57,14 +59,14 @@ class Catalogue:
     def task_names(self) -> list[str]:
         """Return the names of all tasks, including those that fail to load."""
         folders = (path.parent.name for path in _children(self._tasks, "task.py"))
-        return sorted({*folders, *(entry.name for entry in _installed_tasks())})
+        return sorted({*folders, *(entry.name for entry in entry_points(_GROUP))})
 
     def task(self, name: str) -> "type[Task]":
         """Load a task by name. Raises PluginError."""
         for path in _children(self._tasks, "task.py"):
             if path.parent.name == name:
                 return load_task(path.parent)
-        for entry in _installed_tasks():
+        for entry in entry_points(_GROUP):
             if entry.name == name:
                 return _from_entry_point(entry)
         raise PluginError(f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}.")
@@ -189,12 +191,6 @@ def _package_of(folder: Path) -> str:
             del sys.modules[loaded]
         _make_package(name, [str(folder)])
     return name
-
-
-def _installed_tasks() -> "Iterable[EntryPoint]":
-    from importlib.metadata import entry_points
-
-    return entry_points(group="sar_tui.tasks")
 
 
 def _from_entry_point(entry: "EntryPoint") -> "type[Task]":

@@ -1,7 +1,6 @@
 """Motion sensors by name: the included ones, and those of plug-ins (entry points of the group ``sar_tui.inputs``)."""
 
 from collections.abc import Callable
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 from urllib.parse import parse_qsl
@@ -9,6 +8,7 @@ from urllib.parse import parse_qsl
 import msgspec
 
 from sar_tui.framework.clock import Clock
+from sar_tui.framework.entry_points import entry_points
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import ImuSource, SourceError

@@ -2,9 +2,9 @@
 
 import difflib
 from collections.abc import Callable, Sequence
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, get_args
 
+from sar_tui.framework.entry_points import entry_points
 from sar_tui.framework.messages import ActionPart
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import TONES, Theme

@@ -363,4 +363,5 @@ def _outputs() -> tuple[str, ...]:
     """Return the outputs that need nothing after their name."""
     from sar_tui.outputs.outputs import output_names
 
-    return tuple(name for name in ("screen", "speech", "tones", "servo") if name in output_names())
+    known = output_names()
+    return tuple(name for name in ("screen", "speech", "tones", "servo") if name in known)
