@@ -108,12 +108,10 @@ class Agent(Horizontal):
             self._put(self._more, self._joined)
         elif text:
             self._has_words = True
-            self.add_class("speaks")
+            self.update_classes({"speaks": True} | {name: valence == name for name in _VALENCES})
             self._said.update(text)
             self._joined = ""
             self._put(self._more, "")
-            for name in _VALENCES:
-                self.set_class(valence == name, name)
         if face:
             self.look(face)
 

@@ -1,7 +1,9 @@
 """Footer that lists the keys of a screen."""
 
+from textual.app import ComposeResult
 from textual.screen import Screen
 from textual.widgets import Footer
+from textual.widgets._footer import FooterKey
 
 
 class KeyFooter(Footer):
@@ -11,6 +13,13 @@ class KeyFooter(Footer):
     """
 
     _keys: tuple[tuple[object, ...], ...] | None = None
+
+    def compose(self) -> ComposeResult:
+        for part in super().compose():
+            if isinstance(part, FooterKey) and not part.has_class("-command-palette"):
+                # otherwise each key is styled as compact, its default, and then again
+                part.set_reactive(FooterKey.compact, self.compact)
+            yield part
 
     def bindings_changed(self, screen: Screen[object]) -> None:
         """Compose the keys anew if they differ from those shown."""

@@ -48,8 +48,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
         Binding("escape", "to_participants", "Who", show=False, id="to-participants"),
     ]
 
-    HORIZONTAL_BREAKPOINTS = [(0, ""), (100, "-wide")]
-    VERTICAL_BREAKPOINTS = [(0, ""), (30, "-tall")]
+    HORIZONTAL_BREAKPOINTS = [(100, "-wide")]
+    VERTICAL_BREAKPOINTS = [(30, "-tall")]
 
     def __init__(self) -> None:
         super().__init__()

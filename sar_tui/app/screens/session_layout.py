@@ -65,9 +65,8 @@ class LayoutScreen(AgentScreen):
         """
         if where != self._agent_seat:
             self._agent_seat, stage = where, self.query_one("#stage")
-            self.set_class(bool(where), "middle")
-            self.set_class(where in ("between", "pause"), "between")
-            self.set_class(where == "pause", "pausing")
+            between = where in ("between", "pause")
+            self.update_classes({"middle": bool(where), "between": between, "pausing": where == "pause"})
             if where:
                 self.move_child(self.agent, before=stage)
             else:
