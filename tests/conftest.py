@@ -36,6 +36,7 @@ _GARBAGE = 200_000
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep the tests away from the tasks, themes and data of the user who runs them, and from a slow disk."""
+    gc.set_threshold(_GARBAGE, 20, 20)  # for the collection of tests, too
     if "TMPDIR" not in os.environ and _has_room(_MEMORY):
         # Every trial is synced to the disk: in memory the tests take half the time.
         os.environ["TMPDIR"] = tempfile.tempdir = str(_MEMORY)
@@ -59,7 +60,6 @@ def pytest_collection_finish() -> None:
     let_programs_heed_signals()
     gc.collect()
     gc.freeze()
-    gc.set_threshold(_GARBAGE, 20, 20)
 
 
 def _has_room(folder: Path) -> bool:

@@ -73,7 +73,8 @@ async def test_a_task_that_raises_before_its_first_screen_asks_for_the_experimen
     def fail(*_: object) -> str:
         raise RuntimeError("a wire is loose")
 
-    loose = type("Loose", (keyboard,), {member: property(fail) if member == "trials_per_attempt" else fail})
+    body = {member: property(fail) if member == "trials_per_attempt" else fail}
+    loose = type("Loose", (keyboard,), body | {"__module__": __name__})
     async with open_app(data, catalogue, plan(catalogue, loose)) as driver:
         await driver.wait(1000)
         assert driver.sees("Please fetch the experimenter")

@@ -2,9 +2,9 @@
 
 import math
 import statistics
+from typing import Any
 
 import pytest
-from scipy import stats
 
 from sar_tui.progress.change import baseline, difference, mdc95, verdict
 
@@ -19,7 +19,7 @@ def test_the_mdc95_is_that_of_the_published_example() -> None:
     assert mdc95(sem) == pytest.approx(21, abs=0.1)
 
 
-def test_an_sem_from_three_sessions_needs_a_larger_difference() -> None:
+def test_an_sem_from_three_sessions_needs_a_larger_difference(stats: Any) -> None:
     assert mdc95(1.0, 3) == pytest.approx(stats.t.ppf(0.975, 2) * math.sqrt(2))
     assert mdc95(1.0, 1000) == pytest.approx(mdc95(1.0), rel=0.01)
 

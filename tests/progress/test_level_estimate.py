@@ -2,9 +2,9 @@
 
 import math
 import random
+from typing import Any
 
 import pytest
-from scipy import stats
 
 from sar_tui.progress.level_estimate import (
     Attempt,
@@ -42,7 +42,7 @@ def test_without_noise_the_level_at_goal_is_exact() -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_slope_and_its_error_are_those_of_scipy(seed: int) -> None:
+def test_the_slope_and_its_error_are_those_of_scipy(seed: int, stats: Any) -> None:
     attempts = session(seed)
     judge = stats.linregress([each.difficulty for each in attempts], [each.distance for each in attempts])
     slope = slope_of(attempts)
@@ -52,7 +52,7 @@ def test_the_slope_and_its_error_are_those_of_scipy(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_robust_line_crosses_the_goal_within_the_band(seed: int) -> None:
+def test_a_robust_line_crosses_the_goal_within_the_band(seed: int, stats: Any) -> None:
     attempts = session(seed)
     distances, levels = [each.distance for each in attempts], [each.difficulty for each in attempts]
     judge = stats.theilslopes(distances, levels, method="joint")
@@ -60,7 +60,7 @@ def test_a_robust_line_crosses_the_goal_within_the_band(seed: int) -> None:
     assert estimate.low < -judge.intercept / judge.slope < estimate.high
 
 
-def test_the_band_is_fiellers_set() -> None:
+def test_the_band_is_fiellers_set(stats: Any) -> None:
     """Its ends are where the line's own 95 % error reaches the goal."""
     attempts = session(2, n=5)[:5] + session(3)[5:]
     estimate = found(attempts)
