@@ -25,6 +25,7 @@ COMMANDS = {
     "show": "sessions:show",
     "wellbeing": "wellbeing:wellbeing",
     "adverse": "adverse:app",
+    "export": "export:export",
     "detect": "detect:detect",
     "reanalyse": "reanalyse:reanalyse",
     "progress": "progress:progress",

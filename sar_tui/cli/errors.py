@@ -76,6 +76,7 @@ def _expected(error: Exception) -> tuple[int, str] | None:
     """Return the exit code and the message of an expected error, else None."""
     import sqlite3
 
+    from sar_tui.export.errors import ExportError
     from sar_tui.framework.declaration import ParameterError
     from sar_tui.link.errors import LinkError
     from sar_tui.plugins import PluginError
@@ -83,7 +84,7 @@ def _expected(error: Exception) -> tuple[int, str] | None:
     from sar_tui.store import database
 
     match error:
-        case database.StoreError():
+        case database.StoreError() | ExportError():
             return BAD_INPUT if error.bad_input else FAILED, str(error)
         case Refused() | PluginError() | ParameterError() | LinkError():
             return BAD_INPUT, str(error)

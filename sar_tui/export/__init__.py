@@ -1,0 +1,1 @@
+"""Data that leaves: sessions as files that other programs read."""

@@ -1,0 +1,96 @@
+"""The contents of an export, as every format gets them: tables whose rows come from the database one by one."""
+
+import sqlite3
+from collections.abc import Iterator, Mapping
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
+
+from sar_tui.export.columns import Table, Values
+from sar_tui.export.json_columns import Declared, declared_keys
+from sar_tui.export.privacy import Privacy
+from sar_tui.export.selection import Selection
+from sar_tui.export.tables.attempts import attempts
+from sar_tui.export.tables.participants import PARTICIPANTS
+from sar_tui.export.tables.sessions import sessions
+from sar_tui.export.tables.trials import trials
+from sar_tui.plugins import PluginError
+
+if TYPE_CHECKING:
+    from sar_tui.plugins import Catalogue
+
+
+class Contents:
+    """The tables of the selected sessions, without what does not leave.
+
+    Attributes:
+        sessions: their rows, as `store.sessions.listing` returns them. For choosing what to write: what is written
+            comes from ``rows``.
+        tables: with the columns that leave.
+        left_out: columns that the sessions have and that do not leave, as "trials.details_remark".
+    """
+
+    def __init__(
+        self, database: sqlite3.Connection, selection: Selection, privacy: Privacy, catalogue: "Catalogue"
+    ) -> None:
+        self._database = database
+        self._privacy = privacy
+        self.sessions = selection.sessions
+        whole = (
+            PARTICIPANTS,
+            sessions({row["id"]: row["status"] for row in selection.sessions}),
+            attempts(database, selection.ids),
+            trials(database, selection.ids, _declared(catalogue, selection.tasks)),
+        )
+        self._whole = {table.name: table for table in whole}
+        self.tables = tuple(map(privacy.leaving, whole))
+        self.left_out = [
+            f"{table.name}.{column.name}"
+            for table in whole
+            for column in table.columns
+            if not privacy.leaves(column)
+        ]  # fmt: skip
+        codes = (code for row in selection.sessions for code in (row["participant"], row["partner"]))
+        self._owners = {"session": selection.ids, "participant": list(dict.fromkeys(filter(None, codes)))}
+
+    def owners(self, table: Table) -> list[str]:
+        """Return the sessions, or the participants, that the table has rows of. They are for ``rows``, not to leave."""
+        return self._owners[table.of]
+
+    @property
+    def steps(self) -> int:
+        """The number of calls of ``rows`` that yield everything."""
+        return sum(len(self.owners(table)) for table in self.tables)
+
+    def rows(self, table: Table, owner: str) -> Iterator[Values]:
+        """Yield the rows of one session or participant in a table: a value for each of its columns, None if missing."""
+        whole = self._whole[table.name]
+        found = whole.rows(self._database, owner)
+        kept = [index for index, column in enumerate(whole.columns) if self._privacy.leaves(column)]
+        if len(kept) < len(whole.columns):
+            found = map(_picker(kept), found)
+        return self._privacy.changed(table, found)
+
+
+def _picker(kept: list[int]) -> Any:
+    return itemgetter(*kept) if len(kept) > 1 else lambda row: tuple(row[index] for index in kept)
+
+
+def _declared(catalogue: "Catalogue", tasks: list[str]) -> Mapping[str, Declared]:
+    """Return the details that tasks declare; a task that is not installed declares none."""
+    found: dict[str, Declared] = {}
+    for name in tasks:
+        try:
+            details = declared_keys(catalogue.task(name).Details)
+        except PluginError:
+            continue
+        for key, declared in details.items():
+            known = found.get(key)
+            same = known is None or known.meaning == declared.meaning
+            found[key] = (
+                declared
+                if known is None
+                else Declared(
+                    known.meaning if same else f"{known.meaning} {declared.meaning}", known.types | declared.types
+                )
+            )
+    return found

@@ -1,0 +1,111 @@
+"""A CSV file a table (RFC 4180), and ``datapackage.json``, which describes every column (Table Schema)."""
+
+import csv
+import hashlib
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import msgspec
+
+from sar_tui import __version__
+from sar_tui.export.columns import Column, Table, Values
+from sar_tui.export.contents import Contents
+
+_BLOCK = 1 << 20
+
+
+class CsvFormat:
+    """UTF-8, a header line, lines that end with CR LF. A missing value is an empty field, booleans are true or false.
+
+    Numbers have all digits that the database has: whole numbers as such, others in the shortest form that is read back
+    as the same double.
+    """
+
+    name = "csv"
+    title = "a CSV file a table, with datapackage.json"
+
+    def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
+        """Write a file for each table, and the description of all."""
+        for table in contents.tables:
+            with (folder / _file(table)).open("w", encoding="utf-8", newline="") as file:
+                writer = csv.writer(file)
+                writer.writerow([column.name for column in table.columns])
+                booleans = [index for index, column in enumerate(table.columns) if column.type == "boolean"]
+                for owner in contents.owners(table):
+                    writer.writerows(_with_booleans(contents.rows(table, owner), booleans))
+                    progress()
+        package = {
+            "profile": "tabular-data-package",
+            "name": "sar-tui-export",
+            "title": "Sessions of motor tasks, exported by sar-tui",
+            "sar_tui": __version__,
+            "resources": [_resource(table, folder / _file(table)) for table in contents.tables],
+        }
+        (folder / "datapackage.json").write_bytes(msgspec.json.format(msgspec.json.encode(package)) + b"\n")
+
+
+def _file(table: Table) -> str:
+    return f"{table.name}.csv"
+
+
+_WORDS = {True: "true", False: "false", None: None}
+
+
+def _with_booleans(rows: Iterable[Values], booleans: list[int]) -> Iterable[list[Any]]:
+    for row in rows:
+        written = list(row)
+        for index in booleans:
+            written[index] = _WORDS[written[index]]
+        yield written
+
+
+def _resource(table: Table, path: Path) -> dict[str, Any]:
+    with path.open("rb") as file:
+        digest = _sha256(file)
+    return {
+        "name": table.name,
+        "title": table.title,
+        "path": path.name,
+        "profile": "tabular-data-resource",
+        "format": "csv",
+        "mediatype": "text/csv",
+        "encoding": "utf-8",
+        "bytes": path.stat().st_size,
+        "hash": f"sha256:{digest}",
+        "dialect": {"delimiter": ",", "lineTerminator": "\r\n", "quoteChar": '"', "doubleQuote": True, "header": True},
+        "schema": {
+            "fields": [_field(column) for column in table.columns],
+            "missingValues": [""],
+            "primaryKey": list(table.key),
+            "foreignKeys": [
+                {
+                    "fields": list(each.columns),
+                    "reference": {"resource": each.table, "fields": list(each.key)},
+                }
+                for each in table.references
+            ],
+        },
+    }
+
+
+def _field(column: Column) -> dict[str, Any]:
+    constraints: dict[str, Any] = {}
+    if column.required:
+        constraints["required"] = True
+    if column.levels:
+        constraints["enum"] = list(column.levels)
+    return {
+        "name": column.name,
+        "type": column.type,
+        "description": column.meaning,
+        **({"unit": column.unit} if column.unit else {}),
+        **({"constraints": constraints} if constraints else {}),
+    }
+
+
+def _sha256(file: BinaryIO) -> str:
+    digest = hashlib.sha256()
+    while block := file.read(_BLOCK):
+        digest.update(block)
+    return digest.hexdigest()

@@ -1,0 +1,110 @@
+"""Columns out of a JSON column whose keys differ between tasks: details of trials, qualities of attempts."""
+
+import re
+import sqlite3
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from sar_tui.export.columns import Column, Type
+from sar_tui.store.stored_json import read_json
+
+_TYPES: dict[str, Type] = {"integer": "integer", "real": "number", "true": "boolean", "false": "boolean"}
+"""The types of SQLite's ``json_each`` that are no text; a list or an object leaves as JSON in a text."""
+_OF_PYTHON: dict[type, Type] = {
+    msgspec.inspect.IntType: "integer",
+    msgspec.inspect.FloatType: "number",
+    msgspec.inspect.BoolType: "boolean",
+}
+_UNITS = {"_ms": "ms", "_ns": "ns", "_cm": "cm", "_hz": "Hz", "_rad_s": "rad/s"}
+"""Units, by the ending of a name that has one."""
+_UNKNOWN = "Not described: its task is not installed, or no longer declares it."
+
+
+class Declared(msgspec.Struct, frozen=True):
+    """A declared key of a JSON column: its meaning, and the types of its values."""
+
+    meaning: str
+    types: frozenset[Type]
+
+
+def declared_keys(struct: type[msgspec.Struct]) -> dict[str, Declared]:
+    """Return the fields of a declaration, such as a task's ``Details``."""
+    found = msgspec.inspect.type_info(struct)
+    assert isinstance(found, msgspec.inspect.StructType)
+    return {field.encode_name: _declared(field.type) for field in found.fields}
+
+
+def _declared(kind: msgspec.inspect.Type) -> Declared:
+    meaning = ""
+    while isinstance(kind, msgspec.inspect.Metadata):
+        meaning = (kind.extra_json_schema or {}).get("description", meaning)
+        kind = kind.type
+    kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else (kind,)
+    types = (_OF_PYTHON.get(type(each), "string") for each in kinds if not isinstance(each, msgspec.inspect.NoneType))
+    return Declared(meaning, frozenset(types))
+
+
+def columns(
+    database: sqlite3.Connection,
+    sessions: Sequence[str],
+    table: str,
+    column: str,
+    declared: Mapping[str, Declared],
+) -> dict[str, Column]:
+    """Return the columns for the keys of a JSON column, by key: those declared, and others that the sessions hold.
+
+    What nobody declares may be anything: its texts leave only if texts are asked for.
+    """
+    found: dict[str, set[Type]] = {key: set(one.types) for key, one in declared.items()}
+    rows = database.execute(
+        f"SELECT DISTINCT part.key, part.type FROM {table}, json_each({table}.{column}) AS part"
+        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({table}.{column})='object'"
+        " ORDER BY part.key",
+        (msgspec.json.encode(list(sessions)).decode(),),
+    )
+    for key, kind in rows:
+        found.setdefault(key, set())
+        if kind != "null":
+            found[key].add(_TYPES.get(kind, "string"))
+    made: dict[str, Column] = {}
+    for key, types in found.items():
+        type = _common(types)
+        is_open = key in declared or type != "string"
+        made[key] = Column(
+            name=_name(column, key, {each.name for each in made.values()}),
+            meaning=declared[key].meaning if key in declared else _UNKNOWN,
+            type=type,
+            unit=next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), ""),
+            treatment="open" if is_open else "text",
+        )
+    return made
+
+
+def _common(types: set[Type]) -> Type:
+    """Return the type that holds values of all these types."""
+    if types == {"integer", "number"}:
+        return "number"
+    return next(iter(types)) if len(types) == 1 else "string"
+
+
+def _name(column: str, key: str, taken: set[str]) -> str:
+    """Return a name that R and MATLAB take as well."""
+    name = f"{column}_{re.sub(r'[^0-9A-Za-z_]', '_', key)}"
+    while name in taken:
+        name += "_"
+    return name
+
+
+def object_of(text: str | None) -> dict[str, Any]:
+    """Return the object of a JSON column; empty if there is none."""
+    found = read_json(text) if text is not None else None
+    return found if isinstance(found, dict) else {}
+
+
+def value_for(column: Column, value: Any) -> Any:
+    """Return a JSON value as a value of a column."""
+    if value is None or isinstance(value, str) or column.type != "string":
+        return value
+    return msgspec.json.encode(value).decode()

@@ -1,0 +1,108 @@
+"""The sessions that an export takes."""
+
+import sqlite3
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from sar_tui.export.errors import ExportError
+from sar_tui.store.participants import check_code
+from sar_tui.store.sessions import find, listing
+
+Row = dict[str, Any]
+
+
+class Request(msgspec.Struct, frozen=True, kw_only=True):
+    """The sessions that are asked for: by name, those of a participant, or all.
+
+    Attributes:
+        names: ids, beginnings of ids, or ``last``.
+        participant: a code; empty if not of one participant.
+        everything: all sessions.
+        simulated: sessions that were not played by a person, and only those.
+        mixed: both.
+    """
+
+    names: tuple[str, ...] = ()
+    participant: str = ""
+    everything: bool = False
+    simulated: bool = False
+    mixed: bool = False
+
+
+class Selection(msgspec.Struct, frozen=True):
+    """Sessions in the order in which they were stored, and sentences on those that cannot be exported."""
+
+    sessions: tuple[Row, ...]
+    refused: tuple[str, ...] = ()
+
+    @property
+    def ids(self) -> list[str]:
+        """The ids of the sessions."""
+        return [row["id"] for row in self.sessions]
+
+    @property
+    def tasks(self) -> list[str]:
+        """The names of their tasks."""
+        return sorted({row["task"] for row in self.sessions})
+
+
+def select(database: sqlite3.Connection, folder: Path, request: Request) -> Selection:
+    """Return the sessions that are asked for. One that runs is left out.
+
+    Raises:
+        ExportError: there is none that can be exported, or the request is not clear.
+        StoreError: a named session does not exist, or the code is not valid.
+    """
+    ways = sum([bool(request.names), bool(request.participant), request.everything])
+    if ways != 1:
+        raise ExportError(
+            "Say which sessions: name them (`sar-tui sessions` lists them), or give --participant CODE, or --all.",
+            bad_input=True,
+        )
+    if request.simulated and request.mixed:
+        raise ExportError("--simulated takes simulated sessions only, --mixed both: give one of them.", bad_input=True)
+    if request.names:
+        chosen = _named(database, folder, request)
+    else:
+        code = check_code(request.participant) if request.participant else None
+        rows = listing(database, folder, participant=code)[::-1]
+        chosen = [row for row in rows if _is_wanted(row, request)]
+        if not chosen:
+            raise ExportError(_none(rows, request, code), bad_input=True)
+    ended = [row for row in chosen if row["status"] != "running"]
+    running = [row for row in chosen if row["status"] == "running"]
+    refused = tuple(f"Session {row['id']} is running. It is left out: export it when it has ended." for row in running)
+    if not ended:
+        raise ExportError(" ".join(f"Session {row['id']} is running: export it when it has ended." for row in running))
+    return Selection(tuple(ended), refused)
+
+
+def _named(database: sqlite3.Connection, folder: Path, request: Request) -> list[Row]:
+    found = {row["id"]: row for row in (find(database, folder, name) for name in request.names)}
+    for row in found.values():
+        if not _is_wanted(row, request):
+            live = row["mode"] == "live"
+            raise ExportError(
+                f"Session {row['id']} is {row['mode']}: "
+                + ("leave out --simulated, " if live else "add --simulated to export such sessions, ")
+                + "or add --mixed to export both kinds together.",
+                bad_input=True,
+            )
+    order = {id: number for number, (id,) in enumerate(database.execute("SELECT id FROM sessions ORDER BY rowid"))}
+    return sorted(found.values(), key=lambda row: order[row["id"]])
+
+
+def _is_wanted(row: Row, request: Request) -> bool:
+    return request.mixed or (row["mode"] == "live") != request.simulated
+
+
+def _none(rows: Sequence[Row], request: Request, code: str | None) -> str:
+    of = f" of {code}" if code else ""
+    kind = "" if request.mixed else " simulated" if request.simulated else " live"
+    said = f"There is no{kind} session{of}."
+    if rows and not request.simulated:
+        said += " There are simulated ones: --simulated exports them."
+    return said

@@ -1,0 +1,1 @@
+"""The tables that leave, a file each."""

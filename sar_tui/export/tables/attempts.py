@@ -1,0 +1,102 @@
+"""Attempts: a row for each seat that took part."""
+
+import math
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+from sar_tui.export.columns import MODE, PARTICIPANT, SEAT, SESSION, TASK, TO_SESSION, Column, Table, Values, as_bool
+from sar_tui.export.columns import stored as _stored
+from sar_tui.export.json_columns import columns, object_of, value_for
+from sar_tui.export.seats import codes_by_seat
+from sar_tui.framework.policies.feedback import POLICIES
+
+_CHOICE = {
+    "schedule": _stored(
+        "attempts.choice.schedule", "string", "The rule that decides when feedback is due.", levels=tuple(POLICIES)
+    ),
+    "due": _stored("attempts.choice.due", "boolean", "True if feedback was due."),
+    "why": _stored("attempts.choice.why", "string", "The reason, in a sentence."),
+    "since": _stored(
+        "attempts.choice.since", "integer", "Scored attempts since the last feedback, including this one."
+    ),
+    "interval": _stored("attempts.choice.interval", "integer", "Attempts after which feedback is due."),
+    "tolerance": _stored(
+        "attempts.choice.tolerance", "number", "Largest distance from the goal without feedback, in the metric's unit."
+    ),
+    "attempts": _stored("attempts.choice.attempts", "integer", "Number of attempts that the feedback sums up."),
+    "content": _stored("attempts.choice.content", "string", "Feedback is about results, performance, or both."),
+    "form": _stored("attempts.choice.form", "string", "Feedback is qualitative, quantitative, or both."),
+    "compared_with": _stored("attempts.choice.compared_with", "string", "What the result is compared with."),
+    "degree": _stored("attempts.choice.degree", "string", "Distance of the result from the goal."),
+    "delay_ms": _stored(
+        "attempts.choice.delay_ms", "number", "From the end of the attempt to its feedback.", unit="ms"
+    ),
+}
+_PLAIN = (
+    SESSION,
+    MODE,
+    TASK,
+    PARTICIPANT,
+    _stored("attempts.attempt", "integer", "Number of the attempt in the session, from 1.", required=True),
+    SEAT,
+    _stored("attempts.run", "integer", "The run of the program in which it ended.", required=True),
+    _stored("attempts.practice", "boolean", "True for practice, which never changes the level."),
+    _stored("attempts.level", "integer", "The level it was done at."),
+    _stored("attempts.metric", "number", "The result; missing if no response could be timed."),
+    _stored("attempts.metric_unit", "string", "The unit of the result, the goal and the tolerance."),
+    _stored("attempts.goal", "number", "The goal of the metric."),
+    _stored("attempts.accuracy", "number", "Share of right responses, 0 to 1."),
+    _stored("attempts.correct", "integer", "Number of right responses."),
+    _stored("attempts.trials", "integer", "Number of prompts."),
+    _stored(
+        "attempts.outcome",
+        "string",
+        "Success: better than the goal, and accurate enough.",
+        levels=("success", "failure"),
+    ),
+    _stored(
+        "attempts.feedback",
+        "string",
+        "The feedback that followed; none if none was due or asked for.",
+        levels=("positive", "neutral", "negative", "none"),
+    ),
+    _stored("attempts.started_ns", "integer", "When it began, steady clock of its run.", unit="ns"),
+    _stored("attempts.ended_ns", "integer", "Its last response, steady clock of its run.", unit="ns"),
+)
+
+
+def attempts(database: sqlite3.Connection, sessions: Sequence[str]) -> Table:
+    """Return the table of the attempts of these sessions, with a column for each of their qualities."""
+    qualities = columns(database, sessions, "attempts", "qualities", {})
+    named = {
+        key: Column(each.name, "Mean over the right trials of the attempt, or another measure of it.", each.type,
+                    each.unit, treatment=each.treatment)
+        for key, each in qualities.items()
+    }  # fmt: skip
+    choice = [Column(f"choice_{key}", each.meaning, each.type, each.unit, each.levels) for key, each in _CHOICE.items()]
+    return Table(
+        name="attempts",
+        title="An attempt at a seat",
+        columns=(*_PLAIN, *choice, *named.values()),
+        key=("session", "attempt", "seat"),
+        rows=partial(_rows, named),
+        references=(TO_SESSION,),
+    )
+
+
+def _rows(qualities: Mapping[str, Column], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    codes = codes_by_seat(database, session)
+    for id, mode, task, attempt, seat, run, practice, level, metric, *rest, chosen, measured in database.execute(
+        "SELECT sessions.id, mode, task, attempt, seat, run, practice, level, metric, metric_unit, goal, accuracy,"
+        " correct, trials, outcome, feedback, started_ns, ended_ns, choice, qualities"
+        " FROM attempts JOIN sessions ON sessions.id=session WHERE session=? ORDER BY attempt, seat",
+        (session,),
+    ):
+        result = metric if metric is not None and math.isfinite(metric) else None
+        decided, found = object_of(chosen), object_of(measured)
+        yield (
+            id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, result, *rest,
+            *(decided.get(key) for key in _CHOICE),
+            *(value_for(column, found.get(key)) for key, column in qualities.items()),
+        )  # fmt: skip

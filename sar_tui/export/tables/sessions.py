@@ -1,0 +1,121 @@
+"""Sessions: a row each."""
+
+import sqlite3
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
+from sar_tui.export.columns import MODE, SESSION, TASK, Column, Reference, Table, Values, stored
+from sar_tui.export.json_columns import object_of
+
+_SOFTWARE = {
+    "sar_tui": stored("sessions.software.sar_tui", "string", "Version of sar-tui at the start of the session."),
+    "python": stored("sessions.software.python", "string", "Version of Python."),
+    "task.title": stored("sessions.software.task.title", "string", "The task's name for people.", name="task_title"),
+    "task.version": stored(
+        "sessions.software.task.version",
+        "string",
+        "Version of the task; results of different versions cannot be compared.",
+        name="task_version",
+    ),
+    "task.source": stored(
+        "sessions.software.task.source",
+        "string",
+        "The task is built in, a user's own, or of an installed package.",
+        name="task_source",
+    ),
+    "task.hash": stored(
+        "sessions.software.task.hash", "string", "SHA-256 of the files of the task's folder.", name="task_sha256"
+    ),
+    "theme.hash": stored(
+        "sessions.software.theme.hash", "string", "SHA-256 of the files of the theme's folder.", name="theme_sha256"
+    ),
+    "task.metric.name": stored(
+        "sessions.software.task.metric.name", "string", "The measure of an attempt.", name="metric_name"
+    ),
+    "task.metric.unit": stored("sessions.software.task.metric.unit", "string", "Its unit.", name="metric_unit"),
+    "task.metric.better": stored(
+        "sessions.software.task.metric.better",
+        "string",
+        "The better results are the lower ones, or the higher ones.",
+        name="metric_better",
+        levels=("lower", "higher"),
+    ),
+}
+_MACHINE = {
+    "system": stored("sessions.machine.system", "string", "Operating system."),
+    "processor": stored("sessions.machine.processor", "string", "Architecture of the processor."),
+    "cores": stored("sessions.machine.cores", "integer", "Number of the processor's cores."),
+    "clock": stored("sessions.machine.clock", "string", "The steady clock that stamps are taken from."),
+    "terminal": stored("sessions.machine.terminal", "string", "Program or kind of the terminal."),
+    "ssh": stored("sessions.machine.ssh", "boolean", "True if the terminal was connected through SSH."),
+    "multiplexer": stored(
+        "sessions.machine.multiplexer", "string", "The terminal multiplexer that the program ran in; missing: none."
+    ),
+    "flags": stored(
+        "sessions.machine.flags",
+        "string",
+        "Conditions known to make timing less exact, with spaces between them.",
+        name="timing_flags",
+    ),
+}
+_COLUMNS = (
+    SESSION,
+    MODE,
+    TASK,
+    stored("sessions.theme", "string", "Name of the agent's theme."),
+    stored(
+        "sessions.status",
+        "string",
+        "The session had all its attempts (completed), was ended by a person (aborted), was cut off (interrupted), or "
+        "was cut off and given up (dismissed).",
+        levels=("completed", "aborted", "interrupted", "dismissed"),
+        required=True,
+    ),
+    stored("sessions.started_at", "datetime", "When it began, UTC."),
+    stored("sessions.ended_at", "datetime", "When it ended, UTC."),
+    stored("seats.participant", "string", "Code of the participant at seat A."),
+    stored("seats.participant", "string", "Code of the participant at seat B, in a task for two.", name="partner"),
+    stored("sessions.seed", "integer", "Seed of all that is random."),
+    stored("sessions.programme", "integer", "Version of the participant's programme; missing: there was none."),
+    *_SOFTWARE.values(),
+    *_MACHINE.values(),
+)
+
+
+def sessions(statuses: Mapping[str, str]) -> Table:
+    """Return the table of sessions.
+
+    Args:
+        statuses: of the sessions, by id: a session that is stored as running may have been cut off.
+    """
+    return Table(
+        name="sessions",
+        title="A session",
+        columns=_COLUMNS,
+        key=("session",),
+        rows=partial(_rows, statuses),
+        references=(Reference(("participant",), "participants", ("participant",)),),
+    )
+
+
+def _rows(statuses: Mapping[str, str], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    for row in database.execute(
+        "SELECT id, mode, task, theme, NULL, started_at, ended_at, own.participant, other.participant, seed, programme,"
+        " software, machine FROM sessions"
+        " LEFT JOIN seats AS own ON own.session=id AND own.seat='A'"
+        " LEFT JOIN seats AS other ON other.session=id AND other.seat='B' WHERE id=?",
+        (session,),
+    ):
+        *plain, software, machine = row
+        plain[4] = statuses[session]
+        yield (*plain, *_parts(object_of(software), _SOFTWARE), *_parts(object_of(machine), _MACHINE))
+
+
+def _parts(value: dict[str, Any], columns: Mapping[str, Column]) -> Iterator[Any]:
+    """Yield the parts of a JSON object, by their paths."""
+    for path in columns:
+        part: Any = value
+        for key in path.split("."):
+            part = part.get(key) if isinstance(part, dict) else None
+        yield " ".join(map(str, part)) if isinstance(part, list) else part

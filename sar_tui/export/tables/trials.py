@@ -1,0 +1,126 @@
+"""Trials: a row for each seat that took part, with the details of its task as columns."""
+
+import math
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from sar_tui.export.columns import (
+    MODE,
+    PARTICIPANT,
+    SEAT,
+    SESSION,
+    TASK,
+    TO_SESSION,
+    Column,
+    Table,
+    Values,
+    as_bool,
+    stored,
+)
+from sar_tui.export.json_columns import Declared, columns, object_of, value_for
+from sar_tui.export.seats import codes_by_seat
+
+_TIMING = {
+    "onset_source": stored(
+        "trials.timing.onset_source",
+        "string",
+        "The onset was stamped when its frame was flushed to the terminal, at the refresh, or on a virtual clock.",
+    ),
+    "handler_delay_ms": stored(
+        "trials.timing.handler_delay_ms", "number", "From the stamp of the key to its handling.", unit="ms"
+    ),
+    "loop_lag_ms": stored(
+        "trials.timing.loop_lag_ms",
+        "number",
+        "Largest lag of the program's event loop while the response was awaited.",
+        unit="ms",
+    ),
+    "false_starts": stored("trials.timing.false_starts", "integer", "Number of keys in the foreperiod."),
+    "presentation": stored("trials.timing.presentation", "integer", "1, or more if pauses cancelled the prompt."),
+    "foreperiod_ms": stored(
+        "trials.timing.foreperiod_ms", "number", "Random wait before the prompt.", unit="ms"
+    ),
+    "flags": stored(
+        "trials.timing.flags", "string", "Reasons to look at the trial twice, with spaces between them; empty: none."
+    ),
+}  # fmt: skip
+_PLAIN = (
+    SESSION,
+    MODE,
+    TASK,
+    PARTICIPANT,
+    stored("trials.attempt", "integer", "Number of the attempt in the session, from 1.", required=True),
+    stored("trials.trial", "integer", "Number of the trial in the attempt, from 1.", required=True),
+    SEAT,
+    stored("trials.run", "integer", "The run of the program.", required=True),
+    stored("attempts.practice", "boolean", "True for practice; missing if the attempt was cut off."),
+    stored("attempts.level", "integer", "The level of the attempt; missing if the attempt was cut off."),
+    stored("trials.stimulus", "string", "The prompt."),
+    stored("trials.response", "string", "The pressed key; missing for a miss."),
+    stored("trials.correct", "boolean", "True if the response was right."),
+    stored(
+        "trials.onset_ns",
+        "integer",
+        "When the prompt was on the terminal; in the reaching task: movement onset. Steady clock of the run.",
+        unit="ns",
+    ),
+    stored(
+        "trials.response_ns",
+        "integer",
+        "When the response came; in the reaching task: movement end. Steady clock of the run.",
+        unit="ns",
+    ),
+    stored(
+        "trials.reaction_time_ms",
+        "number",
+        "Response minus onset; in the reaching task: from the go signal to movement onset. Missing for a miss.",
+        unit="ms",
+    ),
+    *_TIMING.values(),
+)
+
+
+def trials(database: sqlite3.Connection, sessions: Sequence[str], declared: Mapping[str, Declared]) -> Table:
+    """Return the table of the trials of these sessions.
+
+    Args:
+        declared: the details that the tasks of these sessions declare, by name.
+    """
+    details = columns(database, sessions, "trials", "details", declared)
+    return Table(
+        name="trials",
+        title="A trial at a seat",
+        columns=(*_PLAIN, *details.values()),
+        key=("session", "attempt", "trial", "seat"),
+        rows=partial(_rows, details),
+        references=(TO_SESSION,),
+    )
+
+
+def _rows(details: Mapping[str, Column], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    codes = codes_by_seat(database, session)
+    (mode, task) = database.execute("SELECT mode, task FROM sessions WHERE id=?", (session,)).fetchone()
+    for row in database.execute(
+        "SELECT trials.attempt, trial, trials.seat, trials.run, practice, level, stimulus, response, trials.correct,"
+        " onset_ns, response_ns, reaction_time_ms, timing, details FROM trials LEFT JOIN attempts ON"
+        " attempts.session=trials.session AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"
+        " WHERE trials.session=? ORDER BY trials.attempt, trial, trials.seat",
+        (session,),
+    ):
+        attempt, trial, seat, run, practice, level, stimulus, response, correct, onset, end, reaction, timed, told = row
+        found = object_of(told)
+        yield (
+            session, mode, task, codes.get(seat), attempt, trial, seat, run, as_bool(practice), level, stimulus,
+            response, as_bool(correct), onset, end,
+            reaction if reaction is not None and math.isfinite(reaction) else None,
+            *_timing(object_of(timed)),
+            *(value_for(column, found.get(key)) for key, column in details.items()),
+        )  # fmt: skip
+
+
+def _timing(timing: dict[str, Any]) -> Iterator[Any]:
+    for key in _TIMING:
+        value = timing.get(key)
+        yield " ".join(value) if isinstance(value, list) else value

@@ -1,0 +1,167 @@
+"""The folder that an export makes: absent or complete, whatever happens while it is written."""
+
+import contextlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from glob import escape
+from pathlib import Path
+
+import filelock
+import msgspec
+
+from sar_tui.drivers.private_folder import make_private
+from sar_tui.export.errors import ExportError
+
+MANIFEST = "sar-tui-export.json"
+"""The file in an export that says what it holds, and by which a later export knows its own folder."""
+_LOCK = ".sar-tui-lock"
+"""Held in the hidden folder while it is written, so that one that was left behind is recognised."""
+_BEFORE = "-before"
+"""Ending of the hidden name under which an earlier export waits for a moment while the new one takes its place."""
+
+
+class _Manifest(msgspec.Struct):
+    """The parts of a manifest that say if its folder may be replaced."""
+
+    format: str
+    files: list["_File"]
+
+
+class _File(msgspec.Struct):
+    path: str
+
+
+@contextmanager
+def target(folder: Path, format: str) -> Iterator[Path]:
+    """Give a hidden folder beside the target to write into; it takes the target's place when the block is over.
+
+    If the block raises, or the program is killed, the target is as it was. What a killed program left is removed by the
+    next export to the same target. All files get mode 0600, all folders 0700.
+
+    Raises:
+        ExportError: the target is a file, a disk, or holds other files than those of an export in this format.
+    """
+    folder = folder.resolve()
+    parent = folder.parent
+    _remove_left_behind(folder)
+    check(folder, format)
+    make_private(parent)
+    hidden = Path(tempfile.mkdtemp(prefix=_prefix(folder), dir=parent))
+    lock = filelock.FileLock(hidden / _LOCK, mode=0o600)
+    try:
+        lock.acquire(blocking=False)
+        yield hidden
+        check(folder, format)  # again: somebody may have put files there meanwhile
+        lock.release()
+        (hidden / _LOCK).unlink(missing_ok=True)
+        _sync(hidden)
+        _put_in_place(hidden, folder)
+    except BaseException:
+        lock.release()
+        shutil.rmtree(hidden, ignore_errors=True)
+        raise
+
+
+def check(folder: Path, format: str) -> None:
+    """Raise ExportError unless a folder is absent, empty, or holds an export in this format and nothing else."""
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise ExportError(f"{folder} is a file. Name a folder that does not exist yet, or is empty.", bad_input=True)
+    if folder.is_mount():
+        raise ExportError(f"{folder} is a whole disk. Name a folder on it: {folder / 'export'}", bad_input=True)
+    if folder == Path.cwd():
+        raise ExportError(f"{folder} is the folder you are in. Name another one: --to export", bad_input=True)
+    present = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()}
+    if not present:
+        return
+    made = _manifest(folder / MANIFEST)
+    if made is None:
+        raise ExportError(
+            f"{folder} holds other files, and an export never mixes with them. Name a folder that is empty, or does "
+            "not exist yet.",
+            bad_input=True,
+        )
+    if made.format != format:
+        raise ExportError(
+            f"{folder} holds an export in the format {made.format}. Name another folder for {format}.", bad_input=True
+        )
+    if others := sorted(present - {file.path for file in made.files} - {MANIFEST}):
+        raise ExportError(
+            f"{folder} holds an earlier export, and files that are not of it, such as {others[0]}. Move them, or name "
+            "another folder.",
+            bad_input=True,
+        )
+
+
+def _manifest(path: Path) -> _Manifest | None:
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=_Manifest)
+    except (OSError, msgspec.MsgspecError):
+        return None
+
+
+def _prefix(folder: Path) -> str:
+    return f".{folder.name}.sar-tui-"
+
+
+def _sync(folder: Path) -> None:
+    """Make everything in a folder private, and write it to the disk."""
+    for path in [*folder.rglob("*"), folder]:
+        path.chmod(0o700 if path.is_dir() else 0o600)
+        if path.is_file():
+            with path.open("rb+") as file:
+                os.fsync(file.fileno())
+        else:
+            _sync_names(path)
+
+
+def _sync_names(folder: Path) -> None:
+    """Write the names in a folder to the disk, where the system can do that."""
+    if os.name == "posix":
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
+
+
+def _put_in_place(hidden: Path, folder: Path) -> None:
+    before = None
+    if folder.exists():
+        before = hidden.with_name(f"{hidden.name}{_BEFORE}")
+        folder.rename(before)
+    try:
+        hidden.rename(folder)
+    except BaseException:
+        if before is not None:
+            before.rename(folder)
+        raise
+    _sync_names(folder.parent)
+    if before is not None:
+        shutil.rmtree(before, ignore_errors=True)
+
+
+def _remove_left_behind(folder: Path) -> None:
+    """Remove hidden folders that a killed export left; put back the earlier export if it was just being replaced."""
+    for path in sorted(folder.parent.glob(f"{escape(_prefix(folder))}*")) if folder.parent.is_dir() else ():
+        if path.name.endswith(_BEFORE):
+            if not folder.exists():
+                with contextlib.suppress(OSError):
+                    path.rename(folder)
+            shutil.rmtree(path, ignore_errors=True)
+        elif not _is_locked(path):
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _is_locked(path: Path) -> bool:
+    lock = filelock.FileLock(path / _LOCK, mode=0o600)
+    try:
+        lock.acquire(blocking=False)
+    except (filelock.Timeout, OSError):
+        return True
+    lock.release()
+    return False

@@ -1,0 +1,138 @@
+"""``sar-tui export`` as a person calls it."""
+
+import errno
+import json
+import os
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.export import registry
+from sar_tui.store import locks
+from sar_tui.store.database import connect
+from tests.export.exported import read_csv
+from tests.program import Call
+
+
+@pytest.fixture
+def live(call: Call, simulated: str, tmp_path: Path) -> str:
+    """A session that counts as live, beside a simulated one; its id."""
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P02")
+    with closing(connect(tmp_path / "data")) as database:
+        database.execute("UPDATE sessions SET mode='live' WHERE id=?", (simulated,))
+    return simulated
+
+
+def ids(folder: Path) -> set[str]:
+    return {row["session"] for row in read_csv(folder, "sessions")}
+
+
+def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(call: Call, live: str, tmp_path: Path) -> None:
+    assert call("export", "--all", "--to", tmp_path / "live") == (0, f"1 session in {tmp_path / 'live'}\n", "")
+    assert ids(tmp_path / "live") == {live}
+    call("export", "--all", "--simulated", "--to", tmp_path / "simulated")
+    call("export", "--all", "--mixed", "--to", tmp_path / "mixed")
+    assert ids(tmp_path / "mixed") - ids(tmp_path / "simulated") == {live}
+    assert {row["mode"] for row in read_csv(tmp_path / "simulated", "trials")} == {"simulated"}
+    assert "is simulated: add --simulated" in call("export", "last", "--to", tmp_path / "x").err
+    assert not (tmp_path / "x").exists()
+
+
+def test_sessions_are_chosen_by_id_and_by_participant(call: Call, live: str, tmp_path: Path) -> None:
+    one = call("export", live[:6], live, "--to", tmp_path / "one", "--json").json
+    assert (one["sessions"], one["problems"]) == ([live], [])
+    assert call("export", "-p", "p01", "--to", tmp_path / "two").code == 0
+    assert ids(tmp_path / "two") == {live}
+    manifest = json.loads((tmp_path / "two" / "sar-tui-export.json").read_text())
+    assert (manifest["format"], manifest["sessions"]) == ("csv", [live])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "Say which sessions"),
+        (("--all", "-p", "P01"), "Say which sessions"),
+        (("--all", "--mixed", "--simulated"), "give one of them"),
+        (("zzz",), "There is no session zzz"),
+        (("-p", "P99"), "There is no live session of P99"),
+        (("--all", "--format", "xls"), "There is no format xls. Choose one of: csv"),
+    ],
+)
+def test_what_cannot_be_exported_is_a_sentence(
+    call: Call, live: str, tmp_path: Path, words: tuple[str, ...], said: str
+) -> None:
+    called = call("export", *words, "--to", tmp_path / "out")
+    assert (called.code, called.out) == (2, "")
+    assert said in called.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_session_that_runs_is_named_and_the_rest_leaves(call: Call, live: str, tmp_path: Path) -> None:
+    with closing(connect(tmp_path / "data")) as database:
+        database.execute("UPDATE sessions SET status='running' WHERE id<>?", (live,))
+        (running,) = database.execute("SELECT id FROM sessions WHERE id<>?", (live,)).fetchone()
+    lock = locks.hold(tmp_path / "data", "session", running)
+    try:
+        called = call("export", "--all", "--mixed", "--to", tmp_path / "out")
+        alone = call("export", running, "--simulated", "--to", tmp_path / "alone")
+    finally:
+        lock.release()
+    assert called.code == 1
+    assert called.err == f"! Session {running} is running. It is left out: export it when it has ended.\n"
+    assert ids(tmp_path / "out") == {live}
+    assert (alone.code, (tmp_path / "alone").exists()) == (1, False)
+    assert call("export", running, "--simulated", "--to", tmp_path / "alone").code == 0, "it was interrupted"
+
+
+def test_a_full_disk_leaves_no_target_and_the_database_as_it_was(
+    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = (tmp_path / "data" / "sar-tui.db").read_bytes()
+
+    def full(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("os.fsync", full)
+    called = call("export", "--all", "--to", tmp_path / "out")
+    assert called.code == 1
+    assert called.err.startswith("The disk is full")
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]
+    assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
+
+
+def test_a_program_that_may_write_no_more_leaves_no_target(call: Call, live: str, tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    done = subprocess.run(
+        [sys.executable, "-m", "sar_tui", "export", "--all", "--mixed", "--to", tmp_path / "out"],
+        env={**os.environ, "SAR_TUI_DATA": str(tmp_path / "data")},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["data"]
+
+
+def test_an_installed_package_adds_a_format(
+    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Count:
+        name = "count"
+        title = "the number of rows"
+
+        def write(self, contents: Any, folder: Path, progress: Any) -> None:
+            counts = {t.name: sum(1 for o in contents.owners(t) for _ in contents.rows(t, o)) for t in contents.tables}
+            (folder / "count.json").write_text(json.dumps(counts))
+
+    class Entry:
+        load = staticmethod(lambda: Count)
+
+    monkeypatch.setattr(registry, "_installed", lambda: {"count": Entry})
+    assert call("export", "--all", "--format", "count", "--to", tmp_path / "out").code == 0
+    assert json.loads((tmp_path / "out" / "count.json").read_text())["sessions"] == 1

@@ -1,0 +1,145 @@
+"""The folder of an export is absent or complete, whatever happens, and other files are never touched."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sar_tui.export.errors import ExportError
+from sar_tui.export.manifest import write_manifest
+from sar_tui.export.target import target
+
+
+def made(folder: Path, text: str = "1") -> None:
+    """Make an export that holds one file."""
+    with target(folder, "csv") as hidden:
+        (hidden / "a.csv").write_text(text)
+        write_manifest(hidden, format="csv")
+
+
+def fail(folder: Path, error: BaseException) -> None:
+    """Fail when a file was written."""
+    with target(folder, "csv") as hidden:
+        (hidden / "a.csv").write_text("2")
+        raise error
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_the_folder_appears_when_it_is_complete(tmp_path: Path) -> None:
+    folder = tmp_path / "deep" / "out"
+    with target(folder, "csv") as hidden:
+        (hidden / "a.csv").write_text("1")
+        assert not folder.exists()
+        write_manifest(hidden, format="csv")
+    assert names(folder) == ["a.csv", "sar-tui-export.json"]
+    assert names(folder.parent) == ["out"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+def test_only_its_owner_can_read_it(tmp_path: Path) -> None:
+    made(tmp_path / "out")
+    assert {path.stat().st_mode & 0o777 for path in (tmp_path / "out").iterdir()} == {0o600}
+    assert (tmp_path / "out").stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_a_failure_leaves_nothing_behind_and_an_earlier_export_whole(tmp_path: Path, error: BaseException) -> None:
+    made(tmp_path / "old")
+    for name in ("old", "new"):
+        with pytest.raises(type(error)):
+            fail(tmp_path / name, error)
+    assert names(tmp_path) == ["old"]
+    assert (tmp_path / "old" / "a.csv").read_text() == "1"
+
+
+def test_an_earlier_export_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    made(tmp_path / "out")
+    with target(tmp_path / "out", "csv") as hidden:
+        (hidden / "b.csv").write_text("2")
+        write_manifest(hidden, format="csv")
+    assert names(tmp_path / "out") == ["b.csv", "sar-tui-export.json"]
+    assert names(tmp_path) == ["out"]
+
+
+def test_other_files_are_never_touched(tmp_path: Path) -> None:
+    foreign, mixed, file = tmp_path / "foreign", tmp_path / "mixed", tmp_path / "file"
+    foreign.mkdir()
+    (foreign / "thesis.tex").write_text("x")
+    made(mixed)
+    (mixed / "plots").mkdir()
+    (mixed / "plots" / "mine.R").write_text("x")
+    file.write_text("x")
+    for folder, said in ((foreign, "holds other files"), (mixed, "plots/mine.R"), (file, "is a file")):
+        with pytest.raises(ExportError, match=said), target(folder, "csv"):
+            pytest.fail("nothing may be written")
+    made(tmp_path / "out")
+    with pytest.raises(ExportError, match="in the format csv"), target(tmp_path / "out", "mat"):
+        pytest.fail("nothing may be written")
+
+
+def test_files_that_somebody_puts_there_meanwhile_are_not_touched(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+
+    def disturbed() -> None:
+        with target(tmp_path / "out", "csv") as hidden:
+            write_manifest(hidden, format="csv")
+            (tmp_path / "out" / "thesis.tex").write_text("x")
+
+    with pytest.raises(ExportError, match="other files"):
+        disturbed()
+    assert names(tmp_path / "out") == ["thesis.tex"]
+    assert names(tmp_path) == ["out"]
+
+
+WRITES_ON = """
+import sys
+from pathlib import Path
+from sar_tui.export.target import target
+with target(Path(sys.argv[1]), "csv") as hidden:
+    (hidden / "a.csv").write_text("half")
+    print("there", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills a process")
+def test_what_a_killed_export_left_is_removed_by_the_next_and_that_of_a_running_one_is_not(tmp_path: Path) -> None:
+    made(tmp_path / "out")
+    programs = [
+        subprocess.Popen(
+            [sys.executable, "-c", WRITES_ON, tmp_path / "out"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        for _ in range(2)
+    ]
+    try:
+        for program in programs:
+            assert program.stdout
+            assert program.stdout.readline()
+        programs[0].send_signal(signal.SIGKILL)
+        programs[0].wait()
+        assert (tmp_path / "out" / "a.csv").read_text() == "1"
+        assert len(names(tmp_path)) == 3
+        made(tmp_path / "out", "2")
+        assert len(names(tmp_path)) == 2, "that of the running program is still there"
+    finally:
+        for program in programs:
+            program.kill()
+            program.communicate()
+    made(tmp_path / "out", "3")
+    assert names(tmp_path) == ["out"]
+
+
+def test_an_earlier_export_is_put_back_if_the_program_was_killed_while_it_was_replaced(tmp_path: Path) -> None:
+    made(tmp_path / "out")
+    shutil.move(tmp_path / "out", tmp_path / ".out.sar-tui-abc-before")
+    with pytest.raises(OSError, match="full"), target(tmp_path / "out", "csv"):
+        raise OSError("full")
+    assert names(tmp_path) == ["out"]
+    assert (tmp_path / "out" / "a.csv").read_text() == "1"
