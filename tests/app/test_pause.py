@@ -161,3 +161,5 @@ async def test_in_a_pause_the_agent_is_silent_above_the_menu(
         assert not driver.sees("Skip this attempt"), "only somebody who trains alone decides that alone"
         await driver.press("enter")
         assert driver.said == said
+        await driver.press("escape", "down", "enter", "enter")
+        assert driver.app.screen.query_one("#agent .robot").region.x == robot.x, "without words it stays there"
