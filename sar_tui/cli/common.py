@@ -174,7 +174,15 @@ def progress_bar(**options: Any) -> "Progress":
 
     error = console(error=True)
     error.quiet = not error.is_terminal  # rich 14.0 prints an empty line even if the bar is disabled
-    return Progress(console=error, transient=True, disable=not error.is_terminal, **options)
+    # If rich put streams of its own before those of `visible_output`, its commands would be shown instead of obeyed.
+    return Progress(
+        console=error,
+        transient=True,
+        disable=not error.is_terminal,
+        redirect_stdout=False,
+        redirect_stderr=False,
+        **options,
+    )
 
 
 def print_json(value: object) -> None:
