@@ -56,8 +56,7 @@ def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
         if on:
             has_event = True
             lines.append(f"{'':9}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}")
-    meaning = f"{legend(tr)}   {EVENT} {tr('adverse event')}" if has_event else legend(tr)
-    return [*lines, "", meaning]
+    return [*lines, "", legend(tr), *([f"{EVENT} {tr('adverse event')}"] if has_event else [])]
 
 
 def days_table(days: Sequence[Day], tr: Language) -> list[str]:

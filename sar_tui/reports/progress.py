@@ -164,11 +164,11 @@ def _began_in(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) 
     known = {each.session for each in shown}
     found: dict[str, list[str]] = {}
     for event in events:
-        before = [each.session for each in shown if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.onset)] <= event.onset]
+        before = [each for each in shown if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.onset)] <= event.onset]
         if event.session in known:
             found.setdefault(event.session, []).append(event.event)
         elif before:
-            found.setdefault(before[-1], []).append(event.event)
+            found.setdefault(max(before, key=lambda each: each.began).session, []).append(event.event)
     return found
 
 

@@ -157,6 +157,6 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
             days=dose_words.days_text(len(days), tr),
         )
         yield _figure(spec, tr("Repetitions of each day."), total)
-    *calendar, _, legend = dose_words.calendar_lines(found, _MONTHS, tr)
-    marks = "\n".join(calendar)
-    yield f"<pre>{escape(marks)}</pre><p>{escape(legend)}</p>"
+    lines = dose_words.calendar_lines(found, _MONTHS, tr)
+    calendar, legend = "\n".join(lines[: lines.index("")]), "   ".join(lines[lines.index("") + 1 :])
+    yield f"<pre>{escape(calendar)}</pre><p>{escape(legend)}</p>"

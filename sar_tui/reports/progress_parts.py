@@ -63,7 +63,7 @@ def sessions_part(
     width, height = size
     at_goal = f"at goal ({line.axis.unit or line.axis.name})"
     heads = ("date", "levels", "mean ± SD", "correct", "goals", at_goal, "pain", "tired")
-    shown = _window(len(line.sessions), max(1, height - 1), chosen)
+    shown = window(len(line.sessions), max(1, height - 1), chosen)
     rows = [[tr(head) for head in heads]]
     rows += [_cells(line, line.sessions[number], tr) for number in shown]
     widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
@@ -91,18 +91,6 @@ def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
     ]
     room = max(1, height - len(lines) - 1)
     return [*lines, *dose_words.days_table(found.days[-room:], tr)][:height]
-
-
-def instruments_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]:
-    """Return the scores of other instruments, with what is published of their changes."""
-    width, height = size
-    if not found.instruments:
-        hint = tr("None yet. `sar-tui instrument add {code} FMA-UE 34` adds a score.", code=found.participant)
-        return wrapped([hint], width)
-    lines: list[str] = []
-    for each in found.instruments:
-        lines += [*wrapped([progress_words.instrument_change(each, tr)], width), ""]
-    return lines[:height]
 
 
 def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
@@ -141,7 +129,7 @@ def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[s
     ]
 
 
-def _window(count: int, rows: int, chosen: int) -> range:
+def window(count: int, rows: int, chosen: int) -> range:
     """Return the numbers of the rows to show, with the chosen one among them."""
     first = max(0, min(chosen - rows // 2, count - rows))
     return range(first, min(count, first + rows))

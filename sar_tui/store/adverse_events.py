@@ -3,7 +3,7 @@
 import re
 import secrets
 import sqlite3
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any, Literal, get_args
 
 import msgspec
@@ -60,6 +60,25 @@ def check_onset(text: str) -> str:
     if began > datetime.now():
         raise StoreError(f"The onset {onset} is in the future.", bad_input=True)
     return onset.replace("T", " ")
+
+
+def session_at(db: sqlite3.Connection, participant: str, onset: str) -> str | None:
+    """Return the live session of a participant that was under way at an onset; None without a time, or a session.
+
+    Raises:
+        StoreError: the onset is not valid.
+    """
+    checked = check_onset(onset)
+    if len(checked) == len("2026-03-01"):
+        return None
+    at = datetime.fromisoformat(checked).astimezone(UTC)
+    row = db.execute(
+        "SELECT sessions.id FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+        " WHERE participant=? AND mode='live' AND started_at < ? AND ended_at >= ?"
+        " ORDER BY seats.rowid DESC LIMIT 1",
+        (participant, (at + timedelta(minutes=1)).isoformat(), at.isoformat()),
+    ).fetchone()
+    return row[0] if row else None
 
 
 def report(

@@ -17,12 +17,7 @@ def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str) 
         StoreError: there is no such instrument, the score or the date cannot be, or the disk cannot write.
     """
     instrument = find(score.instrument)
-    if not math.isfinite(score.score) or not instrument.lowest <= score.score <= instrument.highest:
-        raise StoreError(
-            f"A score of {instrument.name} lies between {instrument.lowest:g} and {instrument.highest:g}, "
-            f"not at {score.score:g}.",
-            bad_input=True,
-        )
+    check_score(instrument, score.score)
     if len(score.note) > _LONGEST_NOTE:
         raise StoreError(f"A note has at most {_LONGEST_NOTE} characters.", bad_input=True)
     checked = Score(instrument.name, _date(score.date), score.score, score.note.strip())
@@ -50,6 +45,16 @@ def find(name: str) -> Instrument:
     if instrument is None:
         raise StoreError(f"There is no instrument {name}. Choose one of: {', '.join(INSTRUMENTS)}.", bad_input=True)
     return instrument
+
+
+def check_score(instrument: Instrument, score: float) -> None:
+    """Raise StoreError if an instrument has no such score."""
+    if not math.isfinite(score) or not instrument.lowest <= score <= instrument.highest:
+        raise StoreError(
+            f"A score of {instrument.name} lies between {instrument.lowest:g} and {instrument.highest:g}, "
+            f"not at {score:g}.",
+            bad_input=True,
+        )
 
 
 def _insert(db: sqlite3.Connection, participant: str, score: Score, author: str, *, removed: bool = False) -> None:

@@ -13,9 +13,9 @@ from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import sessions
+from sar_tui.store import adverse_events, sessions
 from sar_tui.store.database import connect
-from tests.app.app_driver import AppDriver, open_app
+from tests.app.app_driver import AppDriver, known, open_app
 
 
 async def open_progress(driver: AppDriver, catalogue: Catalogue) -> None:
@@ -109,3 +109,58 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
     written = sorted(data.glob("*.html"))
     assert [path.name for path in written] == ["progress-P01-keyboard-2.html", "progress-P01-keyboard.html"]
     assert "Keyboard reaction" in written[0].read_text(encoding="utf-8")
+
+
+async def test_scores_are_entered_in_their_range_and_removed_where_they_are_shown(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data)
+    async with open_app(data, catalogue) as driver:
+        await open_progress(driver, catalogue)
+        await driver.press("left")
+        assert driver.sees("No score of another instrument yet. A enters one.")
+        assert "Compare" not in driver.rows[-1]
+        assert "Remove" not in driver.rows[-1]
+        await driver.press("a", "enter", "A", "enter")
+        assert driver.sees("Score, 0 to 57 points; higher is better")
+        await driver.press(*"58")
+        assert driver.sees("A score of ARAT lies between 0 and 57, not at 58.")
+        await driver.press("backspace", "7", "enter", "enter", *"left", "enter")
+        assert driver.sees("ARAT 57 points left")
+        await driver.press("delete")
+        assert driver.sees("The database keeps it")
+        await driver.press("enter")
+        assert driver.sees("No score of another instrument yet.")
+        assert driver.stored("SELECT score, removed FROM instrument_scores") == [(57.0, 0), (57.0, 1)]
+
+
+async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(data: Path, catalogue: Catalogue) -> None:
+    trained(data, catalogue, 1000)
+    async with open_app(data, catalogue) as driver:
+        await open_progress(driver, catalogue)
+        await driver.press("left", "left")
+        assert driver.sees("No adverse event is recorded. A records one.")
+        assert "Change" not in driver.rows[-1]
+        await driver.press("a", *"Cramp", "enter", *"mild", "enter", "enter", "enter")
+        assert driver.sees("mild Cramp")
+        assert driver.sees("Outcome not yet recorded.")
+        await driver.press("enter", *"Gone", "enter")
+        assert driver.sees("mild: Cramp. Outcome: Gone.")
+        await driver.press("right", "right")
+        assert any(row.split() == ["event", "!"] for row in driver.rows)
+        (event,) = adverse_events.listing(driver.app.database)
+        assert (event.version, event.outcome) == (2, "Gone")
+
+
+async def test_the_keys_below_are_those_of_the_part(data: Path, catalogue: Catalogue) -> None:
+    trained(data, catalogue, 1000, 1000)
+    async with open_app(data, catalogue) as driver:
+        await open_progress(driver, catalogue)
+        shown: dict[str, list[str]] = {"Compare": [], "Add": []}
+        for part in ("Level", "Results", "Sessions", "Dose", "Events", "Instruments"):
+            assert driver.sees(f"[{part}]")
+            for word, where in shown.items():
+                where.extend([part] if word in driver.rows[-1] else [])
+            assert "←→ Part" in driver.rows[-1]
+            await driver.press("tab")
+        assert shown == {"Compare": ["Level", "Results", "Sessions"], "Add": ["Events", "Instruments"]}

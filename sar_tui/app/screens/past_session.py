@@ -62,7 +62,10 @@ class PastSessionScreen(DismissedOnce[None]):
         """Record an adverse event that began in this session."""
         from sar_tui.app.screens.adverse_event import AdverseEventScreen
 
-        self.app.push_screen(AdverseEventScreen(self._row), lambda _: self._show_wellbeing())
+        row = self._row
+        codes = [code for code in (row["participant"], row["partner"]) if code]
+        form = AdverseEventScreen(codes, sessions.local_time(row["started_at"]), row["id"])
+        self.app.push_screen(form, lambda _: self._show_wellbeing())
 
     def action_progress(self) -> None:
         """Show the participant's progress in this task; of two participants, that of the one on the left."""

@@ -1,21 +1,21 @@
 """Progress of a participant in a task over sessions, for the therapist."""
 
 import sqlite3
-from collections.abc import Callable
 from typing import Any, ClassVar
 
-from textual import work
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static
 
+from sar_tui.app.screens.chart_colors import colored
+from sar_tui.app.screens.progress_records import RECORDS, Records
+from sar_tui.app.screens.progress_reports import Reports
 from sar_tui.framework.task import Task
 from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress
-from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
 from sar_tui.reports.wellbeing import advice
 from sar_tui.store import adverse_events, wellbeing
 from sar_tui.store.database import StoreError, explain
@@ -24,7 +24,9 @@ from sar_tui.store.results import sessions_of
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.key_footer import KeyFooter
 
-_PARTS = ("Level", "Results", "Sessions", "Dose", "Instruments")
+_PARTS = ("Level", "Results", "Sessions", "Dose", *RECORDS)
+_OF_SESSIONS = ("Level", "Results", "Sessions")
+"""Parts in which a session is chosen; with the list of sessions beside it, also the dose."""
 _PAGE = 10
 """Sessions that Page Up and Page Down go back and on."""
 _WIDE = 130
@@ -33,11 +35,10 @@ _TABLE = 86
 """Columns of the table of sessions where it is beside another part."""
 _HEADING_AND_KEYS = 3
 """Rows above and below the parts."""
-_COLORS = {POINT: "$accent", BAND: "$text-muted", AREA: "$border", RULE: "$text-muted", CHOSEN: "$accent"}
 NONE_YET = "No session yet."
 
 
-class ProgressScreen(DismissedOnce[None]):
+class ProgressScreen(Records, Reports, DismissedOnce[None]):
     """A chart of the sessions and what can be said of them, in parts; one session is chosen in all of them."""
 
     help_text = (
@@ -47,11 +48,14 @@ class ProgressScreen(DismissedOnce[None]):
         "Left and Right: the parts. Up and Down: choose a session. C marks it, and compares it with the next that you "
         "choose. N: a note to paste into a record. H writes a page with charts to print.\n\n"
         "Sessions with other settings are never in one chart: S shows those.\n\n"
+        "Adverse events and scores of other instruments are entered in their parts, with A. Enter changes an event, "
+        "such as its outcome; Del removes a score that was entered by mistake.\n\n"
         "These are training measures. They are no diagnosis.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,f4", "leave", "Back", id="back"),
-        Binding("right,tab", "part(1)", "Part", key_display="←→", id="next-part"),
+        Binding("right", "part(1)", "Part", key_display="←→", id="next-part"),
+        Binding("tab", "part(1)", "Part", show=False, id="next-part-by-tab"),
         Binding("left,shift+tab", "part(-1)", "Previous part", show=False, id="previous-part"),
         Binding("down", "choose(1)", "Next session", show=False, id="next-session"),
         Binding("up", "choose(-1)", "Previous session", show=False, id="previous-session"),
@@ -59,8 +63,11 @@ class ProgressScreen(DismissedOnce[None]):
         Binding("pageup", f"choose(-{_PAGE})", "Ten back", show=False, id="sessions-back"),
         Binding("home", "choose_end(0)", "First session", show=False, id="first-session"),
         Binding("end", "choose_end(-1)", "Last session", show=False, id="last-session"),
+        Binding("a", "add_record", "Add", id="add-record"),
+        Binding("enter", "change_event", "Change", id="change-event"),
+        Binding("delete,backspace", "remove_score", "Remove", key_display="Del", id="remove-score"),
         Binding("c", "compare", "Compare", id="compare"),
-        Binding("s", "other_settings", "Settings", id="other-settings"),
+        Binding("s", "other_settings", "Charts", id="other-settings"),
         Binding("n", "note", "Note", id="note"),
         Binding("h", "page", "Page", id="page"),
     ]
@@ -94,6 +101,15 @@ class ProgressScreen(DismissedOnce[None]):
 
     def _read(self) -> None:
         """Read the sessions once the empty screen is shown: a thousand of them take a moment."""
+        if self._load():
+            assert self._found
+            self._line = len(self._found.lines) - 1
+            self._chosen = len(line.sessions) - 1 if (line := self._shown_line) else 0
+            self.refresh_bindings()
+            self._show()
+
+    def _load(self) -> bool:
+        """Read all that is shown, and return True; say why if it cannot be read."""
         find = {self._motor_task.name: self._motor_task}.get
         try:
             database = self.app.database
@@ -110,29 +126,42 @@ class ProgressScreen(DismissedOnce[None]):
             self.query_one("#part", Static).update(
                 Content(f"The sessions cannot be read: {error if isinstance(error, StoreError) else explain(error)}")
             )
-            return
-        self._line = len(self._found.lines) - 1
-        self._chosen = len(line.sessions) - 1 if (line := self._shown_line) else 0
-        self.refresh_bindings()
-        self._show()
+            return False
+        return True
 
     @property
     def _shown_line(self) -> LineProgress | None:
         return self._found.lines[self._line] if self._found and self._found.lines else None
 
+    @property
+    def _part_name(self) -> str:
+        return _PARTS[self._part]
+
+    @property
+    def _shows_sessions(self) -> bool:
+        """True if a session can be chosen: one is marked in a chart, or in the list of sessions."""
+        return self._part_name in _OF_SESSIONS or (self._part_name == "Dose" and self.size.width >= _WIDE)
+
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        match action:
-            case "other_settings":
-                return self._found is not None and len(self._found.lines) > 1
-            case "compare" | "choose" | "choose_end":
-                return self._shown_line is not None and len(self._shown_line.sessions) > 1
-            case "note" | "page":
-                return self._shown_line is not None
-        return super().check_action(action, parameters)
+        line, records = self._shown_line, self._count_records()
+        has_sessions = line is not None and len(line.sessions) > 1 and self._shows_sessions
+        enabled = {
+            "other_settings": self._shows_sessions and self._found is not None and len(self._found.lines) > 1,
+            "compare": has_sessions,
+            "choose": has_sessions or records > 1,
+            "choose_end": has_sessions or records > 1,
+            "add_record": self._found is not None and self._part_name in RECORDS,
+            "change_event": self._part_name == "Events" and records > 0,
+            "remove_score": self._part_name == "Instruments" and records > 0,
+            "note": line is not None,
+            "page": line is not None,
+        }
+        return enabled[action] if action in enabled else super().check_action(action, parameters)
 
     # --- what is shown ------------------------------------------------------------------------------------------
 
     def on_resize(self) -> None:
+        self.refresh_bindings()
         if self._found:
             self.call_after_refresh(self._show)
 
@@ -143,22 +172,23 @@ class ProgressScreen(DismissedOnce[None]):
         self.query_one("#top", Static).update(self._title(line))
         named = [(f"[{name}]", "$accent bold") if n == self._part else f" {name} " for n, name in enumerate(_PARTS)]
         self.query_one("#parts", Static).update(Content.assemble(*named))
-        is_wide = self.size.width >= _WIDE and line is not None
+        is_wide = self.size.width >= _WIDE and line is not None and self._shows_sessions
         beside, part = self.query_one("#beside", Static), self.query_one("#part", Static)
         beside.display = is_wide
-        about = self._about_chosen(line) if line else ""
+        about = self._about_chosen(line) if line and self._shows_sessions else ""
         self.query_one("#chosen", Static).update(about)
-        full, height = self.size.width, self.size.height - _HEADING_AND_KEYS - max(1, len(about.splitlines()))
-        sides = (full - _TABLE, _TABLE) if _PARTS[self._part] != "Sessions" else (_TABLE, full - _TABLE)
+        self.query_one("#chosen").display = bool(about)
+        full, height = self.size.width, self.size.height - _HEADING_AND_KEYS - len(about.splitlines())
+        sides = (full - _TABLE, _TABLE) if self._part_name != "Sessions" else (_TABLE, full - _TABLE)
         beside.styles.width = sides[1]
         width = (sides[0] if is_wide else full) - 2
-        part.update(_colored(self._lines_of_part((width, height))))
+        part.update(colored(self._lines_of_part((width, height))))
         if is_wide and line:
             size = (sides[1] - 2, height)
-            if _PARTS[self._part] == "Sessions":
-                beside.update(_colored(parts.level_part(line, size, self._chosen, self._tr)))
+            if self._part_name == "Sessions":
+                beside.update(colored(parts.level_part(line, size, self._chosen, self._tr)))
             else:
-                beside.update(_colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked)))
+                beside.update(colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked)))
 
     def _title(self, line: LineProgress | None) -> str:
         if line is None:
@@ -170,11 +200,11 @@ class ProgressScreen(DismissedOnce[None]):
     def _lines_of_part(self, size: tuple[int, int]) -> list[str]:
         assert self._found
         line, tr = self._shown_line, self._tr
-        match _PARTS[self._part]:
+        match self._part_name:
             case "Dose":
                 return parts.dose_part(self._found, size, tr)
-            case "Instruments":
-                return parts.instruments_part(self._found, size, tr)
+            case "Events" | "Instruments":
+                return self._lines_of_records(size)
             case _ if line is None:
                 return [NONE_YET]
             case "Level":
@@ -201,18 +231,23 @@ class ProgressScreen(DismissedOnce[None]):
     def action_part(self, step: int) -> None:
         """Show another part."""
         self._part = (self._part + step) % len(_PARTS)
+        self.refresh_bindings()
         if self._found:
             self._show()
 
     def action_choose(self, step: int) -> None:
-        """Choose an earlier or later session."""
-        if line := self._shown_line:
+        """Choose an earlier or later session, event or score."""
+        if self._part_name in RECORDS:
+            self._choose_record(step)
+        elif line := self._shown_line:
             self._chosen = max(0, min(len(line.sessions) - 1, self._chosen + step))
             self._show()
 
     def action_choose_end(self, session: int) -> None:
-        """Choose the first or the last session."""
-        if line := self._shown_line:
+        """Choose the first or the last session, event or score."""
+        if self._part_name in RECORDS:
+            self._choose_record(-self._count_records() if session == 0 else self._count_records())
+        elif line := self._shown_line:
             self._chosen = session % len(line.sessions)
             self._show()
 
@@ -235,65 +270,8 @@ class ProgressScreen(DismissedOnce[None]):
 
     def action_leave(self) -> None:
         """End a comparison, or go back."""
-        if self._marked:
+        if self._marked and self._shows_sessions:
             self._marked = None
             self._show()
         else:
             self.dismiss()
-
-    def action_note(self) -> None:
-        """Show a paragraph to paste into a record."""
-        from sar_tui.app.screens.progress_note import ProgressNoteScreen
-
-        if (line := self._shown_line) and self._found:
-            instruments = self._found.instruments
-
-            def text(language: str) -> str:
-                tr = progress_words.words(language, self._motor_task)
-                others = [progress_words.instrument_change(each, tr) for each in instruments]
-                return "\n\n".join([progress_words.note(self._participant, line, tr), *others])
-
-            self.app.push_screen(ProgressNoteScreen(text))
-
-    def action_page(self) -> None:
-        """Write a page with charts into the data folder."""
-        if self._found:
-            self.notify("Drawing the page …", timeout=3)
-            self._write_page(self._found)
-
-    @work(thread=True, exclusive=True, group="page")
-    def _write_page(self, found: Progress) -> None:
-        from sar_tui.reports.progress_page import ChartsMissing, page, write_page
-
-        find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get
-        name = f"progress-{self._participant}-{self._motor_task.name}"
-        try:
-            text = page(found, find, "en")
-            path = self.app.folder / f"{name}.html"
-            number = 1
-            while path.exists():
-                number += 1
-                path = self.app.folder / f"{name}-{number}.html"
-            write_page(text, path)
-        except ChartsMissing as error:
-            self.app.call_from_thread(self.notify, str(error), severity="warning", timeout=20)
-        except OSError as error:
-            said = f"The page cannot be written: {error.strerror or error}."
-            self.app.call_from_thread(self.notify, said, severity="error", timeout=20)
-        else:
-            said = f"{path} is written. Open it in a browser, which can also print it."
-            self.app.call_from_thread(self.notify, said, timeout=12)
-
-
-def _colored(lines: list[str]) -> Content:
-    """Return lines of text, with the characters of charts in their colours."""
-    pieces: list[str | tuple[str, str]] = []
-    for line in lines:
-        for character in f"{line}\n":
-            style = _COLORS.get(character, "")
-            last = pieces[-1] if pieces else None
-            if isinstance(last, tuple) and last[1] == style:
-                pieces[-1] = (last[0] + character, style)
-            else:
-                pieces.append((character, style))
-    return Content.assemble(*pieces)
