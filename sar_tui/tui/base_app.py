@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from textual import events
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.dom import DOMNode
 from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.geometry import Size
@@ -128,6 +129,11 @@ class BaseApp(App[int]):
             event = events.Resize(capped(event.size), capped(event.size))
         if not await in_order(self, event):
             await super().on_event(event)
+
+    def update_styles(self, node: DOMNode, animate: bool = True) -> None:
+        """Style a node and those below it, except a widget that is not mounted yet: mounting styles it."""
+        if node.parent is not None or node is self:
+            super().update_styles(node, animate)
 
     # --- what may come from anywhere ----------------------------------------------------------------------
 
