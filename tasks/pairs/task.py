@@ -151,7 +151,9 @@ class PairsTask(Task):
         return tr("The goal of each: the right letter in less than {time} on average.", time=time)
 
     def when_to_respond(self) -> str:
-        return self.tr("Respond as soon as the signal appears.")
+        if self._reaching:
+            return self.tr("Set off as soon as GO appears.")
+        return self.tr("Press your letter as soon as it appears.")
 
     # --- prompts --------------------------------------------------------------------------------------------
 

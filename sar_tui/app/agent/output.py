@@ -127,7 +127,8 @@ class DrawnAgent(Output):
 
     def _say(self, action: Action) -> None:
         self._stage.say(action)
-        self._read_at = self.clock.now() + READING + PER_WORD * len(action.text.split())
+        begun = max(self._read_at, self.clock.now()) if action.joins else self.clock.now()
+        self._read_at = begun + READING + PER_WORD * len(action.text.split())
         self.report(action.id, "show", "started")
 
     def _show_next(self) -> None:
