@@ -9,6 +9,8 @@ from msgspec import Meta, inspect
 
 _LONG = 60
 """Largest number of characters of a value that an error message quotes."""
+ENDLESS = 1e5
+"""Upper bounds from here on are not told: nobody gets near them."""
 
 
 def meta(
@@ -58,6 +60,7 @@ class Field(msgspec.Struct, frozen=True):
     """A declared parameter, as needed by forms, checks and documentation (see ``meta``).
 
     ``ge`` and ``le``: inclusive bounds of a number. ``least`` and ``most``: bounds of the length of a text or list.
+    ``labels``: choices as they are shown, if they are shown in another way than they are stored.
     """
 
     name: str
@@ -75,12 +78,13 @@ class Field(msgspec.Struct, frozen=True):
     most: int | None = None
     group: str = ""
     renamed: dict[str, str] = {}
+    labels: dict[str, str] = {}
 
     @property
     def bounds(self) -> str:
         """The allowed values, in words: "1 to 200"."""
         if self.choices:
-            return ", ".join(self.choices)
+            return ", ".join(self.labels.get(choice, choice) for choice in self.choices)
         if self.kind == "list":
             return f"{self.items}{self._range}, spaced"
         return "yes or no" if self.kind == "bool" else self._range.strip()
@@ -90,7 +94,7 @@ class Field(msgspec.Struct, frozen=True):
         """The bounds of a number, or of each in a list: " 1 to 200"; empty without bounds."""
         if self.ge is None or self.le is None:
             return ""
-        return f" {self.ge:g} to {self.le:g}" if self.le < 1e5 else f" {self.ge:g} or more"
+        return f" {self.ge:g} to {self.le:g}" if self.le < ENDLESS else f" {self.ge:g} or more"
 
     def problem(self, value: object) -> str:
         """Return why ``value`` is invalid and what is allowed, in one sentence."""

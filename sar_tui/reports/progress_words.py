@@ -6,6 +6,7 @@ from pathlib import Path
 from sar_tui.framework.language import Language, language
 from sar_tui.framework.results_for_people import metric_for_people, short_goal
 from sar_tui.framework.task import Task
+from sar_tui.framework.translated_settings import COMMON
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.reports.progress import AtGoal, LineProgress, Progress, SessionProgress
@@ -15,8 +16,8 @@ _FOLDER = Path(__file__).parent
 
 
 def words(code: str, kind: type[Task] | None) -> Language:
-    """Return the language of a report, with the translations of a task."""
-    return language(code, _FOLDER, *([Path(inspect.getfile(kind)).parent] if kind else []))
+    """Return the language of a report, with the titles of settings and the translations of a task."""
+    return language(code, COMMON, _FOLDER, *([Path(inspect.getfile(kind)).parent] if kind else []))
 
 
 def day(stamp: str) -> str:
@@ -236,15 +237,15 @@ def heading(line: LineProgress, tr: Language) -> str:
     if line.mode != "live":
         parts.append(tr(line.mode))
     parts += [
-        f"{tr(line.titles.get(name, name))} {_setting(value)}"
+        f"{tr(line.titles.get(name, name))} {_setting(value, tr)}"
         for name, value in line.settings.items()
         if name != "threshold" or line.goal is None
     ]
     return " · ".join(parts)
 
 
-def _setting(value: object) -> str:
-    return " ".join(map(str, value)) if isinstance(value, list) else str(value)
+def _setting(value: object, tr: Language) -> str:
+    return " ".join(map(str, value)) if isinstance(value, list) else tr(str(value))
 
 
 def note(participant: str, line: LineProgress, tr: Language) -> str:

@@ -1,6 +1,6 @@
 """A field for one of a few values, with a list that opens on demand."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from textual import on
@@ -51,6 +51,7 @@ class Choice(Widget, can_focus=True):
     Args:
         values: to choose from.
         value: the current one; it need not be one of ``values``.
+        labels: values as they are shown; others are shown as they are.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space,down,up", "open", "Show", show=False, id="choices")]
@@ -73,16 +74,20 @@ class Choice(Widget, can_focus=True):
             super().__init__()
             self.value = value
 
-    def __init__(self, values: Sequence[str], value: str) -> None:
+    def __init__(self, values: Sequence[str], value: str, labels: Mapping[str, str] = {}) -> None:
         super().__init__()
         self._values = values
+        self._labels = labels
         self.set_reactive(Choice.value, value)
 
     def render(self) -> Content:
         """Draw the value, cut to fit, and the arrow."""
         arrow = "▲" if self.children else "▼"
-        words = Content(self.value).truncate(self.content_size.width - 2, ellipsis=True, pad=True)
+        words = Content(self._label(self.value)).truncate(self.content_size.width - 2, ellipsis=True, pad=True)
         return Content.assemble(words, " ", (arrow, "$foreground 50%"))
+
+    def _label(self, value: str) -> str:
+        return self._labels.get(value, value)
 
     def watch_value(self) -> None:
         """Report the new value."""
@@ -92,7 +97,7 @@ class Choice(Widget, can_focus=True):
         """Show the list, with the cursor on the value."""
         if self.children:
             return
-        values = ChoiceList(*map(Content, self._values), compact=True)
+        values = ChoiceList(*(Content(self._label(value)) for value in self._values), compact=True)
         if self.value in self._values:
             values.highlighted = self._values.index(self.value)
         self.mount(values)

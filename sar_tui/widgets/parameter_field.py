@@ -10,7 +10,8 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input
 
-from sar_tui.framework.declaration import Field, show
+from sar_tui.framework.declaration import ENDLESS, Field, show
+from sar_tui.framework.language import Language
 from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.word_picker import WordPicker
 
@@ -41,6 +42,7 @@ class ParameterField(Widget):
         field: the declaration.
         value: the current value.
         known: values of a text to pick from, if they are known; of a list of words, the words.
+        tr: the language of the note, in which ``field`` already is.
     """
 
     DEFAULT_CSS = f"""
@@ -56,9 +58,10 @@ class ParameterField(Widget):
     class Focused(Message):
         """The field is edited now."""
 
-    def __init__(self, field: Field, value: object, known: Sequence[str] = ()) -> None:
+    def __init__(self, field: Field, value: object, known: Sequence[str] = (), tr: Language | None = None) -> None:
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
+        self.tr = tr or Language()
         self.known = tuple(known)
         self.value = value
         """The saved value or the default; after an edit, a bool or the typed text."""
@@ -72,9 +75,9 @@ class ParameterField(Widget):
         value = show(self.value)
         match self.field.kind:
             case "choice":
-                yield Choice(self.field.choices, str(self.value))
+                yield Choice(self.field.choices, str(self.value), self.field.labels)
             case "bool":
-                yield Choice(_YES_NO, show(bool(self.value)))
+                yield Choice(_YES_NO, show(bool(self.value)), {"yes": self.tr("yes"), "no": self.tr("no")})
             case "text" if self.known:
                 yield Choice([*self.known, *([] if value in self.known else [value])], value)
             case "list" if self.known:
@@ -100,13 +103,28 @@ class ParameterField(Widget):
         """The problem, or the meaning of the parameter, its limits and its default."""
         if self.problem:
             return self.problem
-        bounds = self.field.bounds if self.field.kind not in ("choice", "bool") and not self.known else ""
-        limits = f"{bounds} {self.field.unit}".strip() if bounds else ""
-        default = f"Default: {show(self.field.default) or 'none'}." if self.is_changed else ""
-        unused = f"Without effect now: only with {self.used_by}." if self.used_by else ""
-        return " ".join(
-            filter(None, (unused, self.field.help, f"{limits[:1].upper()}{limits[1:]}." if limits else "", default))
-        )
+        said = [self.field.help, self._limits()]
+        if self.used_by:
+            said.insert(0, self.tr("Without effect now: only with {rules}.", rules=self.used_by))
+        if self.is_changed:
+            default = show(self.field.default)
+            shown = self.field.labels.get(default, default) or self.tr("none")
+            said.append(self.tr("Default: {value}.", value=shown))
+        return " ".join(filter(None, said))
+
+    def _limits(self) -> str:
+        """Return the bounds of a number, or what a list may hold, as a sentence; empty where there is a choice."""
+        field, tr = self.field, self.tr
+        if field.kind in ("choice", "bool", "text") or self.known:
+            return ""
+        low, high = (f"{field.ge:g}", f"{field.le:g}") if field.ge is not None and field.le is not None else ("", "")
+        if field.kind == "list":
+            of_numbers = tr("Numbers {low} to {high}, spaced.", low=low, high=high) if low else tr("Numbers, spaced.")
+            return of_numbers if field.items == "numbers" else tr("Words, spaced.")
+        if not low:
+            return ""
+        said = tr("{low} to {high}", low=low, high=high) if (field.le or 0) < ENDLESS else tr("{low} or more", low=low)
+        return f"{said} {field.unit}".strip() + "."
 
     @property
     def is_changed(self) -> bool:

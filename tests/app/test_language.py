@@ -12,12 +12,15 @@ import sar_tui.app
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.screens.session import SessionScreen
+from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.app.screens.wellbeing import ENDS, PLACES, WellbeingScreen
 from sar_tui.checks.task_translations import texts_in
-from sar_tui.framework.language import read_words, slot_problem
+from sar_tui.framework.language import language, read_words, slot_problem
 from sar_tui.framework.messages import SensorChanged, SensorState
+from sar_tui.framework.parameters import fields
 from sar_tui.framework.topics import SENSOR
-from sar_tui.plugins import Catalogue
+from sar_tui.framework.translated_settings import COMMON, texts
+from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.attempt_results import MARKERS
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.wellbeing import NOT_SAID
@@ -71,7 +74,7 @@ def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() ->
     rooms = (APP, package / "widgets", package / "tui")
     code = [*(path for room in rooms for path in room.rglob("*.py")), package / "reports" / "attempts_plot.py"]
     bindings = [*BaseApp.BINDINGS, *SarTui.BINDINGS, *SessionScreen.BINDINGS, *SensorCheckScreen.BINDINGS]
-    bindings += WellbeingScreen.BINDINGS
+    bindings += [*WellbeingScreen.BINDINGS, *SettingsScreen.BINDINGS]
     labels = {binding.description for binding in bindings if isinstance(binding, Binding) and binding.show}
     answers = {NOT_SAID, *PLACES.values(), *chain.from_iterable(ENDS.values())}
     texts = {"palette", *labels, *MARKERS, *answers}.union(*(texts_in(path.read_text("utf-8")) for path in code))
@@ -186,6 +189,31 @@ async def test_an_interrupted_session_is_resumed_in_its_language(data: Path, cat
         tour = Tour(driver)
         tour.look("Nos alegra verle de nuevo", "Seguimos con el intento 1 de 2.", "Pulse Enter para seguir.")
         assert tour.found(catalogue) == []
+
+
+@pytest.mark.parametrize("name", ["keyboard", "pairs", "reaching"])
+def test_every_setting_has_a_title_and_a_meaning_in_spanish(catalogue: Catalogue, name: str) -> None:
+    kind = catalogue.task(name)
+    own = language("es", COMMON, task_folder(kind))
+    units = {"ms", "s", "min", "%", "cm", "rad/s"}
+    missing = {text for field in fields(kind.Parameters) for text in texts(field)} - own.texts.keys() - units
+    assert not missing
+    assert not [text for english, text in own.texts.items() if slot_problem(english, text)]
+
+
+async def test_settings_are_in_the_language_of_the_saved_sessions(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", language="es")
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        assert driver.sees("Configuración de P01 para Reacción con el teclado: versión 1")
+        assert driver.sees("Teclas por intento")
+        assert driver.sees("Número de teclas de un intento. De 1 a 200.")
+        assert "Ctrl-S Guardar" in driver.rows[-1]
+        await driver.press("/", *"manos", "escape", "down", "enter", "down", "enter", "ctrl+s")
+        assert driver.sees("● Teclas ambas manos → flechas")
+        await driver.press(*"más fácil", "enter")
+        assert driver.sees("guardada: versión 2")
+        assert driver.sees("La próxima sesión empieza en el nivel 1.")
 
 
 async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalogue: Catalogue) -> None:

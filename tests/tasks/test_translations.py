@@ -10,10 +10,11 @@ from sar_tui.checks.task_translations import declared, numbers, problems, remark
 from sar_tui.framework import language as module
 from sar_tui.framework.language import language, read_words, slot_problem
 from sar_tui.framework.messages import Action, Feedback, Prompt, Waiting
-from sar_tui.framework.parameters import build
+from sar_tui.framework.parameters import build, fields
 from sar_tui.framework.phrase_keys import holds_number
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
+from sar_tui.framework.translated_settings import texts as setting_texts
 from sar_tui.framework.trial_types import Situation, Stimulus
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import make_plan
@@ -51,7 +52,9 @@ def test_every_text_of_a_task_is_translated_and_no_translation_is_obsolete(name:
     folder = task_folder(kind)
     texts = declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
     own = read_words(folder / "words.es.toml")
-    assert set(own) == texts - set(read_words(Path(module.__file__).parent / "words.es.toml"))
+    needed = texts - set(read_words(Path(module.__file__).parent / "words.es.toml"))
+    of_settings = {text for field in fields(kind.Parameters) for text in (*setting_texts(field), *field.choices)}
+    assert needed <= set(own) <= needed | of_settings
     assert [problem for text, word in own.items() if (problem := slot_problem(text, word))] == []
     assert problems(kind) == []
 

@@ -12,6 +12,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+from sar_tui.framework.language import Language
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.option_list import OptionList
 
@@ -21,21 +22,23 @@ class ChoosePresetScreen(DismissedOnce[str | None], ModalScreen[str | None]):
 
     Args:
         summaries: of each preset, by its name.
+        tr: the language of the settings.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
 
-    def __init__(self, summaries: Mapping[str, str]) -> None:
+    def __init__(self, summaries: Mapping[str, str], tr: Language) -> None:
         super().__init__()
+        self.tr = tr
         self._summaries = summaries
 
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog"):
-            yield Static("Which preset?", classes="headline")
-            yield Static("It fills in the settings that it sets. Nothing is saved yet.", markup=False)
+            yield Static(self.tr("Which preset?"), classes="headline")
+            yield Static(self.tr("It fills in the settings that it sets. Nothing is saved yet."), markup=False)
             options = [Option(Content(f"{name}\n  {text}"), id=name) for name, text in self._summaries.items()]
             yield OptionList(*options, id="presets", markup=False)
-            yield Static("Arrows and Enter to choose, Esc to cancel.", classes="muted")
+            yield Static(self.tr("Arrows and Enter to choose, Esc to cancel."), classes="muted")
 
     @on(OptionList.OptionSelected)
     def _chosen(self, event: OptionList.OptionSelected) -> None:

@@ -13,6 +13,7 @@ from textual.widgets import Input, Static
 from textual.widgets.option_list import Option
 
 from sar_tui.framework.declaration import Field
+from sar_tui.framework.language import Language
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.option_list import OptionList
 
@@ -38,6 +39,7 @@ class FindSettingScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     Args:
         fields: the settings.
         own: the heading of those that have none.
+        tr: the language of the settings.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -46,19 +48,22 @@ class FindSettingScreen(DismissedOnce[str | None], ModalScreen[str | None]):
         Binding("up", "move(-1)", "Previous", show=False, id="find-previous"),
     ]
 
-    def __init__(self, fields: Sequence[Field], own: str) -> None:
+    def __init__(self, fields: Sequence[Field], own: str, tr: Language) -> None:
         super().__init__()
+        self.tr = tr
         self._fields = tuple(fields)
         self._own = own
 
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog"):
-            yield Static("Find a setting", classes="headline")
-            yield Input(placeholder="a word, such as goal", id="word")
+            yield Static(self.tr("Find a setting"), classes="headline")
+            yield Input(placeholder=self.tr("a word, such as goal"), id="word")
             found = OptionList(id="found", markup=False, compact=True)
             found.can_focus = False
             yield found
-            yield Static("Type a word, choose with the arrows, Enter goes there, Esc cancels.", classes="muted")
+            yield Static(
+                self.tr("Type a word, choose with the arrows, Enter goes there, Esc cancels."), classes="muted"
+            )
 
     def on_mount(self) -> None:
         self._find("")

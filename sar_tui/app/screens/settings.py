@@ -1,10 +1,11 @@
 """Settings: the therapist's form, made from the task's declaration."""
 
+import functools
 from typing import Any, ClassVar
 
 from textual import on, work
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
+from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Button, Static
@@ -12,18 +13,22 @@ from textual.widgets.option_list import Option
 
 from sar_tui.drivers.login_name import login_name
 from sar_tui.framework.declaration import ParameterError, show
+from sar_tui.framework.language import Language, language
 from sar_tui.framework.parameter_changes import changes
-from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, fields, grouped
+from sar_tui.framework.parameters import TaskParameters, build, changed, current_values, grouped
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
+from sar_tui.framework.translated_settings import COMMON, translated
 from sar_tui.framework.unused_settings import without_effect
-from sar_tui.plugins import PluginError
+from sar_tui.plugins import PluginError, task_folder
 from sar_tui.runs.plan import Failed, check_outputs, set_up
 from sar_tui.store import programmes
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
 from sar_tui.tui.dismissed_once import DismissedOnce
+from sar_tui.tui.language import app_language
+from sar_tui.tui.language import translated as translated_keys
 from sar_tui.widgets.field_panel import FieldPanel
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.option_list import OptionList
@@ -33,20 +38,20 @@ _LEVELS = ("start_level", "min_level", "max_level")
 """Parameters that are levels: their help says what the level is."""
 _COUNT = 4
 """Columns for the number of settings that differ."""
+_HELP = (
+    "The groups at the left count the settings that differ from the defaults (●) or must be fixed (!). A setting "
+    "marked – has no effect with the rule that is chosen. Below the fields: what the focused one means, and the values "
+    "it may have.",
+    "Page Down and Page Up go from group to group, the arrows from field to field. / finds a setting by a word (F3 "
+    "where a text is typed). Ctrl-R resets a setting; on a group, all its settings.",
+    "Nothing is saved until you save, with a reason: the next session then runs with the new version. Earlier versions "
+    "are kept.",
+)
 
 
 class SettingsScreen(DismissedOnce[None]):
     """Groups at the left, the fields of one group at the right, the help of the focused field below."""
 
-    help_text = (
-        "The groups at the left count the settings that differ from the defaults (●) or must be fixed (!). "
-        "A setting marked – has no effect with the rule that is chosen. "
-        "Below the fields: what the focused one means, and the values it may have.\n\n"
-        "Page Down and Page Up go from group to group, the arrows from field to field. / finds a setting by a word "
-        "(F3 where a text is typed). Ctrl-R resets a setting; on a group, all its settings.\n\n"
-        "Nothing is saved until you save, with a reason: the next session then runs with the new version. Earlier "
-        "versions are kept.\n"
-    )
     AUTO_FOCUS = "ParameterField Input, ParameterField Choice"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "save", "Save", id="save"),
@@ -65,22 +70,40 @@ class SettingsScreen(DismissedOnce[None]):
         super().__init__()
         self._participant = participant
         self._motor_task = task
+        self._programme = programmes.newest(self.app.database, self._participant, self._motor_task.name)
         self._panels: list[FieldPanel] = []
         self._fields: list[ParameterField] = []
         self._warning = ""
 
+    @functools.cached_property
+    def tr(self) -> Language:
+        """The language of the saved sessions: the form is in it, too."""
+        code = str(self._programme.parameters.get("language", Language().code))
+        own = language(code, COMMON, task_folder(self._motor_task))
+        return app_language(code, own.texts)
+
+    @property
+    def help_text(self) -> str:
+        """Help on the marks, the keys and saving."""
+        return "\n\n".join(self.tr(paragraph) for paragraph in _HELP) + "\n"
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        return translated_keys(super().active_bindings, self.tr)
+
     def compose(self) -> ComposeResult:
-        parameters = self._motor_task.Parameters
-        self._programme = programmes.newest(self.app.database, self._participant, self._motor_task.name)
+        parameters, tr = self._motor_task.Parameters, self.tr
         values = current_values(parameters, self._programme.parameters)
         known = {"language": self._languages(), "outputs": _outputs()}
         for heading, declared in grouped(parameters).items():
             made = [
-                ParameterField(field, values.get(field.name, field.default), known.get(field.name, ()))
+                ParameterField(
+                    translated(field, tr), values.get(field.name, field.default), known.get(field.name, ()), tr
+                )
                 for field in declared
             ]
             self._fields += made
-            self._panels.append(FieldPanel(heading or self._motor_task.title, made))
+            self._panels.append(FieldPanel(tr(heading) if heading else tr(self._motor_task.title), made))
         self._saved = self._shown()
         yield Static(self._title(), id="top", markup=False)
         with Horizontal(id="form"):
@@ -90,10 +113,10 @@ class SettingsScreen(DismissedOnce[None]):
                 yield Static("", id="meaning", markup=False)
         with Horizontal(id="buttons"):
             yield Static("", id="status", markup=False)
-            yield Button("Save", id="save", variant="primary", compact=True)
-            yield Button("Preset", id="preset", compact=True)
-            yield Button("Reset all", id="reset-all", compact=True)
-            yield Button("Back", id="back", compact=True)
+            yield Button(tr("Save"), id="save", variant="primary", compact=True)
+            yield Button(tr("Preset"), id="preset", compact=True)
+            yield Button(tr("Reset all"), id="reset-all", compact=True)
+            yield Button(tr("Back"), id="back", compact=True)
         yield KeyFooter()
 
     async def on_mount(self) -> None:
@@ -105,8 +128,9 @@ class SettingsScreen(DismissedOnce[None]):
 
     def _title(self) -> str:
         version = self._programme.version
-        saved = f"version {version}" if version else "defaults"
-        return f"Settings of {self._participant} for {self._motor_task.title}: {saved}"
+        saved = self.tr("version {number}", number=version) if version else self.tr("defaults")
+        title = self.tr(self._motor_task.title)
+        return self.tr("Settings of {who} for {task}: {saved}", who=self._participant, task=title, saved=saved)
 
     # --- values ----------------------------------------------------------------------------------------------
 
@@ -124,8 +148,9 @@ class SettingsScreen(DismissedOnce[None]):
             widget.show_problem(problems.get(widget.field.name, ""), unused.get(widget.field.name, ""))
         self._count()
         self._show_help()
-        unsaved = "not saved" if self._shown() != self._saved else ""
-        self.query_one("#status", Static).update(f"{len(problems)} to fix" if problems else unsaved)
+        unsaved = self.tr("not saved") if self._shown() != self._saved else ""
+        wrong = self.tr("{count} to fix", count=len(problems))
+        self.query_one("#status", Static).update(wrong if problems else unsaved)
 
     def _problems(self) -> dict[str, str]:
         try:
@@ -188,7 +213,7 @@ class SettingsScreen(DismissedOnce[None]):
         """Show what the focused field means; without one, what the group holds."""
         focused = next((widget for widget in self._fields if widget.has_focus_within), None)
         panel = self._panels[self._group]
-        text = f"{len(panel.fields)} settings. Enter goes to them."
+        text = self.tr("{count} settings. Enter goes to them.", count=len(panel.fields))
         if focused:
             text = " ".join(filter(None, (focused.note, self._level(focused))))
         self.query_one("#meaning", Static).update(text)
@@ -203,7 +228,7 @@ class SettingsScreen(DismissedOnce[None]):
             name = task.level_name(level)
         except (ParameterError, *PLUGIN_ERRORS):
             return ""
-        return f"Level {level}: {name}" if name else ""
+        return self.tr("Level {level}: {name}", level=level, name=name) if name else ""
 
     def action_group(self, step: int) -> None:
         """Go to the first field of the next or previous group."""
@@ -231,8 +256,8 @@ class SettingsScreen(DismissedOnce[None]):
             if name:
                 self._go_to(name)
 
-        declared = fields(self._motor_task.Parameters)
-        self.app.push_screen(FindSettingScreen(declared, self._motor_task.title), found)
+        declared = [widget.field for widget in self._fields]
+        self.app.push_screen(FindSettingScreen(declared, self.tr(self._motor_task.title), self.tr), found)
 
     # --- saving ---------------------------------------------------------------------------------------------
 
@@ -244,9 +269,9 @@ class SettingsScreen(DismissedOnce[None]):
             return
         parameters = build(self._motor_task.Parameters, self._values())
         wanted = changed(parameters)
-        made = changes(self._motor_task.Parameters, self._programme.parameters, wanted)
+        made = changes(self._motor_task.Parameters, self._programme.parameters, wanted, self.tr)
         if not made:
-            self.query_one("#status", Static).update("nothing has changed")
+            self.query_one("#status", Static).update(self.tr("nothing has changed"))
             return
         from sar_tui.app.screens.save_reason import Reason, SaveReasonScreen
 
@@ -255,7 +280,7 @@ class SettingsScreen(DismissedOnce[None]):
                 self._save(parameters, reason.reason, reason.author)
 
         warning, self._warning = self._warning, ""
-        asked = SaveReasonScreen([change.text for change in made], login_name(), warning)
+        asked = SaveReasonScreen([change.text for change in made], login_name(), warning, self.tr)
         self.app.push_screen(asked, answered)
 
     def _save(self, parameters: TaskParameters, reason: str, author: str) -> None:
@@ -274,17 +299,17 @@ class SettingsScreen(DismissedOnce[None]):
         except programmes.Superseded as error:
             self._warning = str(error)
             self._programme = error.newest
-            status.update("not saved")
-            again = "Save again to see what differs from it, and to put yours on top of it."
+            status.update(self.tr("not saved"))
+            again = self.tr("Save again to see what differs from it, and to put yours on top of it.")
             self.notify(f"{error} {again}", severity="warning", timeout=30)
             return
         except StoreError as error:
-            status.update("not saved")
+            status.update(self.tr("not saved"))
             self.notify(str(error), severity="error", timeout=15)
             return
         self._saved = self._shown()
         self.query_one("#top", Static).update(self._title())
-        status.update(f"saved: version {self._programme.version}")
+        status.update(self.tr("saved: version {number}", number=self._programme.version))
         self.query_one("#meaning", Static).update(self._next_start(parameters))
 
     def _next_start(self, parameters: TaskParameters) -> str:
@@ -297,7 +322,8 @@ class SettingsScreen(DismissedOnce[None]):
             start = start_after(task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT))
         except Failed as error:
             return str(error)
-        return f"The next session starts at level {start.level}{f' ({start.why})' if start.why else ''}."
+        why = f" ({self.tr(start.why)})" if start.why else ""
+        return self.tr("The next session starts at level {level}{why}.", level=start.level, why=why)
 
     # --- presets, defaults, leaving -------------------------------------------------------------------------
 
@@ -324,10 +350,10 @@ class SettingsScreen(DismissedOnce[None]):
                 await self._check()
 
         if presets:
-            summaries = {name: preset.summary or "one of your own" for name, preset in presets.items()}
-            self.app.push_screen(ChoosePresetScreen(summaries), chosen)
+            summaries = {name: preset.summary or self.tr("one of your own") for name, preset in presets.items()}
+            self.app.push_screen(ChoosePresetScreen(summaries, self.tr), chosen)
         else:
-            self.notify(f"The task {self._motor_task.title} has no presets.")
+            self.notify(self.tr("The task {task} has no presets.", task=self.tr(self._motor_task.title)))
 
     async def action_reset(self) -> None:
         """Reset the focused field to its default, or all fields of the focused group."""
@@ -355,7 +381,8 @@ class SettingsScreen(DismissedOnce[None]):
         if self._shown() == self._saved:
             return True
         self._saved = self._shown()
-        self.notify("Not saved. Save with Ctrl-S, or leave again to discard the changes.", severity="warning")
+        warning = self.tr("Not saved. Save with Ctrl-S, or leave again to discard the changes.")
+        self.notify(warning, severity="warning")
         return False
 
 
