@@ -6,6 +6,7 @@ from typing import Any
 from sar_tui.framework.language import Language
 from sar_tui.framework.results_for_people import axis
 from sar_tui.reports import progress_words
+from sar_tui.reports.chart_groups import grouped, summed
 from sar_tui.reports.dose import Day
 from sar_tui.reports.progress import LineProgress, SessionProgress
 from sar_tui.reports.session_chart import EVENT
@@ -61,11 +62,12 @@ def measure_chart(line: LineProgress, tr: Language) -> Spec | None:
     def place(difficulty: float) -> float:
         return 2**difficulty if line.axis.is_log2 else difficulty
 
-    values = [
-        _row(each, value=place(each.at_goal.difficulty), low=place(each.at_goal.low), high=place(each.at_goal.high))
+    known = [
+        _row(each, value=each.at_goal.difficulty, low=each.at_goal.low, high=each.at_goal.high)
         for each in line.sessions
         if each.at_goal
     ]
+    values = [row | {name: place(row[name]) for name in ("value", "low", "high")} for row in grouped(known)]
     if line.measure != "level" or not values:
         return None
     unit = tr(line.axis.unit or line.axis.name)
@@ -106,6 +108,7 @@ def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     ]
     if not values:
         return None
+    values = grouped(values)
     y = {"type": "quantitative", "scale": {"zero": False}, "title": label}
     x = _x(values, line.sessions)
     layers: list[Spec] = [
@@ -130,7 +133,7 @@ def quality_charts(line: LineProgress, tr: Language) -> dict[str, Spec]:
     names = list(dict.fromkeys(name for each in line.sessions for name in each.qualities))[:_MOST_QUALITIES]
     charts = {}
     for name in names:
-        values = [_row(each, value=each.qualities[name]) for each in line.sessions if name in each.qualities]
+        values = grouped([_row(each, value=each.qualities[name]) for each in line.sessions if name in each.qualities])
         y = {
             "field": "value",
             "type": "quantitative",
@@ -152,7 +155,8 @@ def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
         "title": f"{tr('pain')}, {tr('tiredness')}",
     }
     for name, shape, dash in (("pain", "circle", []), ("tiredness", "square", [4, 3])):
-        values = [_row(each, value=given) for each in line.sessions if (given := getattr(each, name)) is not None]
+        rated = [_row(each, value=given) for each in line.sessions if (given := getattr(each, name)) is not None]
+        values = grouped(rated, max)
         if not values:
             continue
         every += values
@@ -171,19 +175,17 @@ def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
 
 
 def attempts_chart(days: Sequence[Day], tr: Language) -> Spec | None:
-    """Chart the attempts done on each day as bars, and those planned as a line across them."""
+    """Chart the attempts done on each day (or week, or month) as bars, and those planned as a line across them."""
     if not days:
         return None
-    values = [
-        {"at": f"{day.date}T00:00:00", "date": day.date, "value": day.done, "planned": day.planned} for day in days
-    ]
+    values = summed(days)
     title = tr("attempts")
-    width = max(1, min(12, _WIDTH // (2 * len(days))))
+    width = max(1, min(12, _WIDTH // (2 * len(values))))
     x = _x(values)
     layers: list[Spec] = [
         {
             "mark": {"type": "bar", "color": _SOFT, "width": width},
-            "encoding": {"x": x, "y": {"field": "value", "type": "quantitative", "title": title}},
+            "encoding": {"x": x, "y": {"field": "done", "type": "quantitative", "title": title}},
         },
         {
             "mark": {"type": "tick", "color": "#111", "thickness": 2, "width": width + 4},
@@ -194,10 +196,10 @@ def attempts_chart(days: Sequence[Day], tr: Language) -> Spec | None:
 
 
 def dose_chart(days: Sequence[Day], tr: Language) -> Spec | None:
-    """Chart the repetitions of each day."""
+    """Chart the repetitions of each day, or week, or month."""
     if not days:
         return None
-    values = [{"at": f"{day.date}T00:00:00", "date": day.date, "value": day.repetitions} for day in days]
-    y = {"field": "value", "type": "quantitative", "title": tr("repetitions")}
-    bar = {"type": "bar", "color": _INK, "width": max(1, min(12, _WIDTH // (2 * len(days))))}
+    values = summed(days)
+    y = {"field": "repetitions", "type": "quantitative", "title": tr("repetitions")}
+    bar = {"type": "bar", "color": _INK, "width": max(1, min(12, _WIDTH // (2 * len(values))))}
     return _chart(values, [{"mark": bar, "encoding": {"x": _x(values), "y": y}}], _LOW)

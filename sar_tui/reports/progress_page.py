@@ -8,6 +8,7 @@ from pathlib import Path
 from sar_tui.framework.language import Language
 from sar_tui.framework.task import Task
 from sar_tui.reports import dose_words, progress_charts, progress_words
+from sar_tui.reports.chart_groups import sessions_of_a_mark, span_of
 from sar_tui.reports.progress import LineProgress, Progress
 from sar_tui.reports.wellbeing import dated_event
 from sar_tui.store.adverse_events import AdverseEvent
@@ -75,6 +76,13 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
 def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> Iterator[str]:
     yield f"<h2>{escape(progress_words.heading(line, tr))}</h2>"
     yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
+    if (most := sessions_of_a_mark(len(line.sessions))) > 1:
+        rule = tr(
+            "In the charts a mark stands for up to {most} sessions, one after the other: for their mean; of pain and "
+            "tiredness, for the worst.",
+            most=str(most),
+        )
+        yield f"<p>{escape(rule)}</p>"
     if spec := progress_charts.measure_chart(line, tr):
         yield _figure(
             spec,
@@ -149,14 +157,24 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
             done=str(sum(d.done for d in days)),
             planned=str(sum(d.planned for d in days)),
         )
-        yield _figure(spec, tr("Attempts of each day. Line: planned."), done)
+        caption = {
+            "day": tr("Attempts of each day. Line: planned."),
+            "week": tr("Attempts of each week. Line: planned."),
+            "month": tr("Attempts of each month. Line: planned."),
+        }[span_of(days)]
+        yield _figure(spec, caption, done)
     if spec := progress_charts.dose_chart(days, tr):
         total = tr(
             "{repetitions} repetitions on {days}.",
             repetitions=str(sum(day.repetitions for day in days)),
             days=dose_words.days_text(len(days), tr),
         )
-        yield _figure(spec, tr("Repetitions of each day."), total)
+        caption = {
+            "day": tr("Repetitions of each day."),
+            "week": tr("Repetitions of each week."),
+            "month": tr("Repetitions of each month."),
+        }[span_of(days)]
+        yield _figure(spec, caption, total)
     lines = dose_words.calendar_lines(found, _MONTHS, tr)
     calendar, legend = "\n".join(lines[: lines.index("")]), "   ".join(lines[lines.index("") + 1 :])
     yield f"<pre>{escape(calendar)}</pre><p>{escape(legend)}</p>"

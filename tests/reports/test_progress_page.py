@@ -2,6 +2,7 @@
 
 import re
 import sys
+from statistics import fmean
 from types import SimpleNamespace
 from typing import Any
 
@@ -49,11 +50,19 @@ def test_one_session_has_its_charts(keyboard: type[Task], specs: list[dict[str, 
     assert made.count("<figcaption>") == 4
 
 
-def test_a_thousand_sessions_are_charted_and_the_newest_listed(
+def test_a_thousand_sessions_share_marks_by_a_stated_rule_and_the_newest_are_listed(
     keyboard: type[Task], specs: list[dict[str, Any]]
 ) -> None:
-    made = page(keyboard, steady(1000))
-    assert len(specs[1]["data"]["values"]) == 1000
+    sessions = steady(1000)
+    made = page(keyboard, sessions)
+    assert "In the charts a mark stands for up to 9 sessions, one after the other: for their mean;" in made
+    assert "Attempts of each month. Line: planned." in made
+    assert [len(spec["data"]["values"]) <= 120 for spec in specs] == [True] * 4
+    first = specs[1]["data"]["values"][0]
+    means = [each.mean for each in progress("P01", sessions[:9], {"keyboard": keyboard}.get).lines[0].sessions]
+    assert first["value"] == pytest.approx(fmean(mean for mean in means if mean) / 1000)
+    assert first["date"] == "2026-03-03", "the middle one of nine"
+    assert sum(row["repetitions"] for row in specs[3]["data"]["values"]) == 400_000
     assert made.count("<tr>") == 61
 
 
