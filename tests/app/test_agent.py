@@ -254,7 +254,7 @@ async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard:
 
 
 @pytest.mark.parametrize(
-    "where", first(3, ["trial", "too small", "summary", "instructions", "help", "palette", "pause"])
+    "where", first(2, ["trial", "too small", "summary", "instructions", "help", "palette", "pause"])
 )
 async def test_f2_stops_the_agent_on_every_screen_of_a_session(
     where: str, data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice

@@ -7,11 +7,12 @@ import pytest
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, open_app, plan, stored
+from tests.examples import first
 
 QUESTION = "Leave now?"
 
 
-@pytest.mark.parametrize("go_on", ["enter", "escape"])
+@pytest.mark.parametrize("go_on", first(1, ["enter", "escape"]))
 async def test_in_a_trial_it_asks_and_going_on_repeats_the_trial(
     go_on: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -125,7 +126,7 @@ async def test_after_the_session_it_leaves_at_once(data: Path, catalogue: Catalo
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 
-@pytest.mark.parametrize("keys", [(), ("f2",), ("f1",)])
+@pytest.mark.parametrize("keys", first(1, [("f2",), (), ("f1",)]))
 async def test_without_a_session_it_leaves_at_once(keys: tuple[str, ...], data: Path, catalogue: Catalogue) -> None:
     known(data)
     async with open_app(data, catalogue) as driver:

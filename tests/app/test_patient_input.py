@@ -130,7 +130,7 @@ def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(
     ("number", "seed"),
-    [(250, 1), *([] if QUICK else [pytest.param(STRINGS, seed, marks=pytest.mark.slow) for seed in SEEDS])],
+    [(100, 1), *([] if QUICK else [pytest.param(STRINGS, seed, marks=pytest.mark.slow) for seed in SEEDS])],
 )
 @pytest.mark.timeout(max(180, STRINGS // 2))
 async def test_no_string_leads_out_of_patient_mode(

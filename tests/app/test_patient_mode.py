@@ -136,7 +136,7 @@ async def test_an_attempt_can_be_left_out_and_the_next_one_follows(data: Path, c
 KEYS = ["ctrl+q", "ctrl+c", "ctrl+z", "ctrl+backslash", "ctrl+p", "f2", "f3", "f4", "f10", "delete", "escape", "ctrl+s"]
 
 
-@pytest.mark.parametrize("key", first(3, KEYS))
+@pytest.mark.parametrize("key", first(2, KEYS))
 async def test_no_key_leads_out_of_it(key: str, data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press(key)
@@ -151,7 +151,7 @@ async def test_no_key_leads_out_of_it(key: str, data: Path, catalogue: Catalogue
         assert "P77" not in driver.text
 
 
-@pytest.mark.parametrize("key", ["ctrl+q", "ctrl+c"])
+@pytest.mark.parametrize("key", first(1, ["ctrl+q", "ctrl+c"]))
 async def test_the_keys_that_leave_pause_instead(key: str, data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter")

@@ -148,7 +148,7 @@ SCREENS: dict[str, tuple[str, Open]] = {
 }
 
 
-@pytest.mark.parametrize("name", first(4, reversed(SCREENS)))
+@pytest.mark.parametrize("name", first(3, reversed(SCREENS)))
 async def test_a_screen_survives_any_size_of_the_window(name: str, data: Path, catalogue: Catalogue) -> None:
     screen, opened = SCREENS[name]
     async with opened(data, catalogue) as driver:

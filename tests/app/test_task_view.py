@@ -69,7 +69,11 @@ async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: P
             "drawing",
             marks=pytest.mark.slow,
         ),
-        (VIEW.replace("return lambda", "raise RuntimeError\n        return lambda"), "between_attempts"),
+        pytest.param(
+            VIEW.replace("return lambda", "raise RuntimeError\n        return lambda"),
+            "between_attempts",
+            marks=pytest.mark.slow,
+        ),
         (VIEW.replace("for a in attempts", "for a in attempt"), "facts"),
     ],
 )

@@ -75,6 +75,7 @@ def test_a_lost_terminal_ends_the_program_without_loss(data: Path) -> None:
     assert rows(data, "PRAGMA integrity_check") == [("ok",)]
 
 
+@pytest.mark.slow
 def test_a_participant_cannot_be_in_two_live_sessions(data: Path) -> None:
     with Terminal(run_command(data)) as first:
         first.wait_for("Press Enter to go on.")
@@ -155,6 +156,7 @@ def test_a_task_that_no_error_can_end_ends_the_program_with_its_name(data: Path,
     assert rows(data, "SELECT trial FROM trials") == [(1,)], "the task never returned from the end of the second"
 
 
+@pytest.mark.slow
 def test_a_session_that_was_quit_is_listed_and_resumed_at_the_next_trial(data: Path) -> None:
     with Terminal(run_command(data, prompts_per_attempt=4, attempts=1)) as terminal:
         _answer(terminal, 2)

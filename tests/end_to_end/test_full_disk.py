@@ -44,6 +44,7 @@ def _fill(folder: Path, terminal: Terminal) -> Callable[[], object]:
     return filler.unlink
 
 
+@pytest.mark.slow
 def test_the_session_pauses_while_the_disk_is_full_and_continues_when_there_is_space(small_disk: Path) -> None:
     with Terminal(run_command(small_disk, prompts_per_attempt=20, attempts=1)) as terminal:
         participant = ScriptedParticipant(terminal, random_answers(5, 80, 140))

@@ -17,7 +17,7 @@ from tests.end_to_end.participant_terminal import command, only_session, rows, r
 PROMPTS = 8
 
 
-@pytest.mark.parametrize(("kills", "attempts"), [(2, 2), pytest.param(20, 8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("kills", "attempts"), [(1, 2), pytest.param(20, 8, marks=pytest.mark.slow)])
 def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
     data: Path, catalogue: Catalogue, kills: int, attempts: int
 ) -> None:

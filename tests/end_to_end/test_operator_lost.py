@@ -129,6 +129,7 @@ def test_frozen_panel_is_lost_and_reconnects(data: Path) -> None:
     assert states == ["joined", "baton", "lost", "joined", "baton"]
 
 
+@pytest.mark.slow
 def test_killed_broker_is_restarted_and_the_operator_reconnects(data: Path) -> None:
     with SessionTerminals(data) as terminals:
         participant, panel = terminals.both(attempts=3, **SETTINGS)

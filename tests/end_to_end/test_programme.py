@@ -4,6 +4,8 @@ import json
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import QUICK, command, rows, see_the_summary
@@ -33,6 +35,7 @@ def called(*words: str) -> str:
     return subprocess.run(command(*words), capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow
 def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_runs_with_them(data: Path) -> None:
     file = data.parent / "start.toml"
     file.write_text(

@@ -86,6 +86,7 @@ def test_no_byte_is_written_while_a_response_is_awaited(data: Path) -> None:
         see_the_summary(t)
 
 
+@pytest.mark.slow
 def test_keys_without_a_prompt_are_stored_but_are_no_responses(data: Path) -> None:
     """A key in the wait, a paste, and a key held down before the prompt."""
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(600))) as t:
@@ -117,6 +118,7 @@ def test_keys_without_a_prompt_are_stored_but_are_no_responses(data: Path) -> No
     assert "paste" in json.loads(first[0])["flags"]
 
 
+@pytest.mark.slow
 def test_only_keys_of_the_task_are_recorded(data: Path) -> None:
     """Characters typed into a form are not stored as key presses."""
     with Terminal(command("--data", str(data))) as t:

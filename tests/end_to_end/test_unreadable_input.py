@@ -17,6 +17,7 @@ UNREAD = "SELECT message FROM events WHERE topic='input/unreadable'"
 HUGE = 9999
 
 
+@pytest.mark.slow
 def test_a_session_its_panel_and_the_agents_screen_survive_it(data: Path) -> None:
     with SessionTerminals(data) as terminals:
         participant, panel = terminals.both(**SETTINGS)
