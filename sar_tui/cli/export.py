@@ -36,6 +36,12 @@ def export(
     ] = "csv",
     simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")] = False,
     mixed: Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")] = False,
+    with_notes: Annotated[
+        bool, typer.Option("--with-notes", help="Also texts that somebody may have typed: notes, reasons, remarks.")
+    ] = False,
+    with_events: Annotated[
+        bool, typer.Option("--with-events", help="Also a row for each message in the program, without its content.")
+    ] = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -60,7 +66,17 @@ def export(
             shown = bar.add_task("Exporting", total=steps)
             return lambda: bar.advance(shown)
 
-        exported = write(database, home.folder, home.catalogue(), request, load(format), to, start)
+        exported = write(
+            database,
+            home.folder,
+            home.catalogue(),
+            request,
+            load(format),
+            to,
+            start,
+            with_notes=with_notes,
+            with_events=with_events,
+        )
     if as_json:
         print_json(exported)
     else:

@@ -30,7 +30,7 @@ class Column(msgspec.Struct, frozen=True):
     unit: str = ""
     levels: tuple[str, ...] = ()
     required: bool = False
-    treatment: Treatment = "open"
+    treatment: Treatment = "text"
 
 
 class Reference(msgspec.Struct, frozen=True):

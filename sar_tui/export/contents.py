@@ -9,10 +9,18 @@ from sar_tui.export.columns import Table, Values
 from sar_tui.export.json_columns import Declared, declared_keys
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.selection import Selection
+from sar_tui.export.tables.actions import ACTIONS
 from sar_tui.export.tables.attempts import attempts
+from sar_tui.export.tables.events import EVENTS
+from sar_tui.export.tables.imu import IMU_STREAMS, SENSOR_FAULTS, imu
+from sar_tui.export.tables.notes import NOTES
+from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
 from sar_tui.export.tables.participants import PARTICIPANTS
+from sar_tui.export.tables.runs import RUNS
 from sar_tui.export.tables.sessions import sessions
 from sar_tui.export.tables.trials import trials
+from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, WELLBEING
+from sar_tui.framework.parameters import fields as declared_fields
 from sar_tui.plugins import PluginError
 
 if TYPE_CHECKING:
@@ -26,20 +34,42 @@ class Contents:
         sessions: their rows, as `store.sessions.listing` returns them. For choosing what to write: what is written
             comes from ``rows``.
         tables: with the columns that leave.
+        problems: sentences on what could not be read; complete when all rows were read.
         left_out: columns that the sessions have and that do not leave, as "trials.details_remark".
     """
 
     def __init__(
-        self, database: sqlite3.Connection, selection: Selection, privacy: Privacy, catalogue: "Catalogue"
+        self,
+        database: sqlite3.Connection,
+        selection: Selection,
+        privacy: Privacy,
+        catalogue: "Catalogue",
+        *,
+        with_events: bool = False,
     ) -> None:
         self._database = database
         self._privacy = privacy
         self.sessions = selection.sessions
+        self.problems: list[str] = []
+        fields = _fields(catalogue)
         whole = (
             PARTICIPANTS,
+            PROGRAMMES,
+            programme_parameters(fields),
+            INSTRUMENT_SCORES,
+            ADVERSE_EVENTS,
             sessions({row["id"]: row["status"] for row in selection.sessions}),
+            parameters(fields),
+            RUNS,
+            WELLBEING,
             attempts(database, selection.ids),
             trials(database, selection.ids, _declared(catalogue, selection.tasks)),
+            ACTIONS,
+            NOTES,
+            IMU_STREAMS,
+            SENSOR_FAULTS,
+            imu(self.problems.append),
+            *((EVENTS,) if with_events else ()),
         )
         self._whole = {table.name: table for table in whole}
         self.tables = tuple(map(privacy.leaving, whole))
@@ -93,4 +123,15 @@ def _declared(catalogue: "Catalogue", tasks: list[str]) -> Mapping[str, Declared
                     known.meaning if same else f"{known.meaning} {declared.meaning}", known.types | declared.types
                 )
             )
+    return found
+
+
+def _fields(catalogue: "Catalogue") -> Fields:
+    """Return the parameters that tasks declare; a task that is not installed declares none."""
+    found = {}
+    for name in catalogue.task_names():
+        try:
+            found[name] = {field.name: field for field in declared_fields(catalogue.task(name).Parameters)}
+        except PluginError:
+            continue
     return found

@@ -50,6 +50,9 @@ def export(
     format: Format,
     folder: Path,
     start: Start,
+    *,
+    with_notes: bool = False,
+    with_events: bool = False,
 ) -> Exported:
     """Export sessions into a folder.
 
@@ -57,6 +60,8 @@ def export(
         data: the data folder of the database.
         folder: made, or replaced if it holds an earlier export in the same format.
         start: for a progress bar.
+        with_notes: texts that somebody may have typed leave, too.
+        with_events: with a row for each message of the sessions.
 
     Raises:
         ExportError: nothing can be exported, or not there.
@@ -65,23 +70,25 @@ def export(
     check(folder.resolve(), format.name)
     with _snapshot(database):
         selection = select(database, data, request)
-        contents = Contents(database, selection, Privacy(), catalogue)
+        contents = Contents(database, selection, Privacy(with_notes), catalogue, with_events=with_events)
         with target(folder, format.name) as hidden:
             format.write(contents, hidden, start(contents.steps))
+            problems = [*selection.refused, *contents.problems]
             manifest = write_manifest(
                 hidden,
                 format=format.name,
                 created=datetime.now(UTC).isoformat(timespec="seconds"),
+                options={"with_notes": with_notes, "with_events": with_events},
                 sessions=selection.ids,
                 left_out=contents.left_out,
-                problems=selection.refused,
+                problems=problems,
             )
     return Exported(
         folder=str(folder),
         format=format.name,
         sessions=selection.ids,
         left_out=contents.left_out,
-        problems=list(selection.refused),
+        problems=problems,
         manifest=manifest,
     )
 

@@ -164,7 +164,28 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "shown_ns": "open",
         "deadline_ns": "open",
     },
-    "notes": {"session": "open", "at_ns": "open", "author": "person", "text": "text", "label": "text"},
+    "actions.proposed": {
+        "text": "text",
+        "spoken": "text",
+        "face": "open",
+        "gesture": "open",
+        "gaze": "open",
+        "tone": "open",
+        "valence": "open",
+        "degree": "open",
+        "attempt": "open",
+    },
+    "actions.final": {"level": "open"},
+    "actions.actor": {"role": "open"},
+    "notes.author": {"role": "open"},
+    "notes": {
+        "number": "open",
+        "session": "open",
+        "at_ns": "open",
+        "author": "person",
+        "text": "text",
+        "label": "text",
+    },
     "wellbeing": {
         "session": "open",
         "seat": "open",
@@ -183,7 +204,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "what": "text",
         "severity": "open",
         "action": "text",
-        "outcome": "open",
+        "outcome": "text",
         "recorded_at": "time",
         "recorded_by": "person",
     },
@@ -232,8 +253,18 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "crc32": "inner",
         "data": "parts",
     },
+    "imu_chunks.data": {
+        "at": "open",
+        "host": "open",
+        "device_ms": "open",
+        "acceleration": "open",
+        "rate": "open",
+        "field": "open",
+    },
+    "sensor": {"number": "open", "state": "open", "count": "open", "duration_ms": "open", "serial": "device"},
+    "sessions.parameters": {"name": "open", "value": "open", "text": "text", "unit": "open", "title": "open"},
 }
-"""By table, or JSON column, and by column, or key of the JSON."""
+"""By table, or JSON column, and by column, or part of the JSON; ``sensor`` is a message."""
 
 SOURCES = {f"{table}.{column}": found for table, columns in _INVENTORY.items() for column, found in columns.items()}
 """Every column and every part of a JSON column that is known, with its treatment."""

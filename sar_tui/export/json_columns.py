@@ -103,8 +103,13 @@ def object_of(text: str | None) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
+def written(value: Any) -> str:
+    """Return a JSON value as text; a text as it is."""
+    return value if isinstance(value, str) else msgspec.json.encode(value).decode()
+
+
 def value_for(column: Column, value: Any) -> Any:
     """Return a JSON value as a value of a column."""
     if value is None or isinstance(value, str) or column.type != "string":
         return value
-    return msgspec.json.encode(value).decode()
+    return written(value)

@@ -19,10 +19,10 @@ def no_bar(steps: int) -> Callable[[], None]:
     return lambda: None
 
 
-def export_csv(data: Path, folder: Path, request: Request = ALL) -> Exported:
+def export_csv(data: Path, folder: Path, request: Request = ALL, **options: bool) -> Exported:
     database = connect_to_read(data)
     try:
-        return export(database, data, Catalogue(), request, load("csv"), folder, no_bar)
+        return export(database, data, Catalogue(), request, load("csv"), folder, no_bar, **options)
     finally:
         database.close()
 

@@ -5,6 +5,8 @@ import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
+import msgspec
+
 from sar_tui.export.columns import MODE, PARTICIPANT, SEAT, SESSION, TASK, TO_SESSION, Column, Table, Values, as_bool
 from sar_tui.export.columns import stored as _stored
 from sar_tui.export.json_columns import columns, object_of, value_for
@@ -70,11 +72,10 @@ def attempts(database: sqlite3.Connection, sessions: Sequence[str]) -> Table:
     """Return the table of the attempts of these sessions, with a column for each of their qualities."""
     qualities = columns(database, sessions, "attempts", "qualities", {})
     named = {
-        key: Column(each.name, "Mean over the right trials of the attempt, or another measure of it.", each.type,
-                    each.unit, treatment=each.treatment)
+        key: msgspec.structs.replace(each, meaning="Mean over the right trials, or another measure of the attempt.")
         for key, each in qualities.items()
     }  # fmt: skip
-    choice = [Column(f"choice_{key}", each.meaning, each.type, each.unit, each.levels) for key, each in _CHOICE.items()]
+    choice = [msgspec.structs.replace(each, name=f"choice_{key}") for key, each in _CHOICE.items()]
     return Table(
         name="attempts",
         title="An attempt at a seat",

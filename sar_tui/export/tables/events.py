@@ -1,0 +1,36 @@
+"""Events: a row for each message of a session, in order."""
+
+import sqlite3
+from collections.abc import Iterator
+from heapq import merge
+
+from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
+
+
+def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    earlier = database.execute(
+        "SELECT seq, run, at_ns, topic FROM earlier_events WHERE session=? ORDER BY seq", (session,)
+    )
+    later = database.execute(
+        "SELECT seq, run, at_ns, topics.name FROM messages JOIN topics ON topics.id=topic"
+        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
+        (session,),
+    )
+    for row in merge(earlier, later):
+        yield (session, *row)
+
+
+EVENTS = Table(
+    name="events",
+    title="A message in the program, without its content",
+    columns=(
+        SESSION,
+        stored("messages.seq", "integer", "Number of the message in its session, in order.", required=True),
+        stored("messages.run", "integer", "The run of the program.", required=True),
+        stored("messages.at_ns", "integer", "When its cause entered the program, steady clock of the run.", unit="ns"),
+        stored("topics.name", "string", "The topic, which says what it is.", name="topic", required=True),
+    ),
+    key=("session", "seq"),
+    rows=_rows,
+    references=(TO_SESSION,),
+)

@@ -1,0 +1,30 @@
+"""Notes and event marks: a row each."""
+
+import sqlite3
+from collections.abc import Iterator
+
+from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
+from sar_tui.export.roles import ROLES, role
+
+
+def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    found = database.execute("SELECT at_ns, author, label, text FROM notes WHERE session=? ORDER BY rowid", (session,))
+    for number, (at, author, label, text) in enumerate(found, 1):
+        yield session, number, at, role(author), label, text
+
+
+NOTES = Table(
+    name="notes",
+    title="A note, or an event mark",
+    columns=(
+        SESSION,
+        stored("notes.number", "integer", "Number of the note in its session, from 1.", name="note", required=True),
+        stored("notes.at_ns", "integer", "When it was written, steady clock of the run.", unit="ns"),
+        stored("notes.author.role", "string", "Who wrote it.", name="written_by", levels=ROLES),
+        stored("notes.label", "string", "Label of an event mark."),
+        stored("notes.text", "string", "The text."),
+    ),
+    key=("session", "note"),
+    rows=_rows,
+    references=(TO_SESSION,),
+)

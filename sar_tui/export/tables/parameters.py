@@ -1,0 +1,119 @@
+"""Parameters of sessions, and participants' programmes: a row for each value."""
+
+import re
+import sqlite3
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
+from sar_tui.export.columns import PARTICIPANT, SESSION, TASK, TO_SESSION, Reference, Table, Values, stored
+from sar_tui.export.json_columns import object_of, written
+from sar_tui.framework.declaration import Field
+
+Fields = Mapping[str, Mapping[str, Field]]
+"""Declared parameters by the name of the task and their own."""
+
+_ADDRESSES = ("outputs", "speech", "imu", "imu_b")
+"""Parameters whose values may name a computer, a folder or a device after their first word, which leaves."""
+_HARMLESS = ("language", "levels")
+"""Texts that are no choices, but say nothing about people."""
+_VALUES = (
+    stored("sessions.parameters.name", "string", "Name of the parameter.", name="parameter", required=True),
+    stored("sessions.parameters.value", "string", "Its value; several with spaces between them.", name="value"),
+    stored("sessions.parameters.text", "string", "Its value, if it is a text that may be anything.", name="text"),
+    stored("sessions.parameters.unit", "string", "Unit of the value.", name="unit"),
+    stored("sessions.parameters.title", "string", "Name for people.", name="title"),
+)
+
+
+def parameters(fields: Fields) -> Table:
+    """Return the table of the parameters that sessions had at their start."""
+    return Table(
+        name="parameters",
+        title="A parameter of a session, as it was at its start",
+        columns=(SESSION, *_VALUES),
+        key=("session", "parameter"),
+        rows=partial(_of_session, fields),
+        references=(TO_SESSION,),
+    )
+
+
+def programme_parameters(fields: Fields) -> Table:
+    """Return the table of the values in programmes that differ from the defaults."""
+    return Table(
+        name="programme_parameters",
+        title="A parameter of a programme that differs from its default",
+        columns=(PARTICIPANT, TASK, _VERSION, *_VALUES),
+        key=("participant", "task", "version", "parameter"),
+        rows=partial(_of_programmes, fields),
+        of="participant",
+        references=(Reference(_PROGRAMME, "programmes", _PROGRAMME),),
+    )
+
+
+_VERSION = stored("programmes.version", "integer", "Version of the programme, from 1.", required=True)
+_PROGRAMME = ("participant", "task", "version")
+
+
+def _programmes(database: sqlite3.Connection, participant: str) -> Iterator[Values]:
+    return database.execute(
+        "SELECT participant, task, version, created_at, theme, reason FROM programmes WHERE participant=?"
+        " ORDER BY task, version",
+        (participant,),
+    )
+
+
+PROGRAMMES = Table(
+    name="programmes",
+    title="A version of a participant's programme for a task",
+    columns=(
+        PARTICIPANT,
+        TASK,
+        _VERSION,
+        stored("programmes.created_at", "datetime", "When it was saved, UTC."),
+        stored("programmes.theme", "string", "Name of the agent's theme."),
+        stored("programmes.reason", "string", "Why it was saved."),
+    ),
+    key=_PROGRAMME,
+    rows=_programmes,
+    of="participant",
+    references=(Reference(("participant",), "participants", ("participant",)),),
+)
+
+
+def _of_session(fields: Fields, database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    for task, found in database.execute("SELECT task, parameters FROM sessions WHERE id=?", (session,)):
+        for row in _values(fields.get(task, {}), object_of(found)):
+            yield (session, *row)
+
+
+def _of_programmes(fields: Fields, database: sqlite3.Connection, participant: str) -> Iterator[Values]:
+    for task, version, found in database.execute(
+        "SELECT task, version, parameters FROM programmes WHERE participant=? ORDER BY task, version", (participant,)
+    ):
+        for row in _values(fields.get(task, {}), object_of(found)):
+            yield (participant, task, version, *row)
+
+
+def _values(fields: Mapping[str, Field], values: Mapping[str, Any]) -> Iterator[Values]:
+    for name, value in values.items():
+        field = fields.get(name)
+        parts = value if isinstance(value, list) else [value]
+        shown: str | None = " ".join(map(written, parts))
+        text = None
+        if name in _ADDRESSES:
+            shown = " ".join(_first_word(part) for part in parts)
+        elif any(isinstance(part, str | dict | list) for part in parts) and not _is_known(name, field, value):
+            shown, text = None, shown
+        title, unit = (field.title, field.unit) if field else ("", "")
+        yield name, shown or None, text or None, unit or None, title or None
+
+
+def _is_known(name: str, field: Field | None, value: object) -> bool:
+    """Return True if a text is one of the choices that the task declares, or harmless."""
+    return name in _HARMLESS or (field is not None and field.kind == "choice" and value in field.choices)
+
+
+def _first_word(address: object) -> str:
+    found = re.match(r"[a-z]+", str(address))
+    return found[0] if found else "other"
