@@ -350,6 +350,23 @@ async def test_encouragement_replaces_feedback_once_that_could_be_read(
         assert shown == ["queued", "aborted"], "the next attempt began before"
 
 
+async def test_encouragement_is_read_when_a_voice_says_it(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
+        for _ in range(2):  # the greeting, and the instructions
+            await voice.end(driver)
+        await driver.do_attempt(await driver.to_first_prompt())
+        await voice.begin(driver)
+        feedback = driver.said
+        await voice.end(driver)
+        await driver.wait(3000)
+        assert voice.asked[-1][1] != feedback
+        assert driver.said == feedback
+        await voice.begin(driver)
+        assert driver.said == voice.asked[-1][1]
+
+
 def longest(theme: Theme, among: list[str]) -> str:
     """Return the longest wording of some phrase keys, with long values in its slots."""
     slots = {**_LONG, "reference": max(theme.vocabulary.values(), key=len)}

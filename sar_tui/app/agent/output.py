@@ -84,6 +84,8 @@ class DrawnAgent(Output):
         before, self.state = self.state, step(self.state, message)
         if isinstance(message, Waiting) and message.stage == "paused":
             self._drop_next()
+        if self._next and isinstance(message, OutputReport) and message.action == self._next[0].id:
+            self._follow_voice(message)
         match message:
             case Waiting() if clears_words(before, message):
                 self.clear()
@@ -111,7 +113,7 @@ class DrawnAgent(Output):
     def show(self, action: str, text: str, face: str) -> None:
         """Show words until others replace them, or a trial begins.
 
-        Encouragement replaces feedback once that could be read: one thought at a time.
+        Encouragement replaces feedback once that could be read, or when a voice says it: one thought at a time.
         """
         if text and self._shown and self.action.joins and self.action.kind == "encouragement":
             self._drop_next()
@@ -137,6 +139,12 @@ class DrawnAgent(Output):
         self.clear()
         self._say(replace(action, joins=False))
         self._shown = action.id
+
+    def _follow_voice(self, report: OutputReport) -> None:
+        """Show the words that follow as soon as a voice says them, or cannot."""
+        if self._next and report.part == "say" and report.state != "queued":
+            self._next[1].cancel()
+            self._show_next()
 
     def _drop_next(self) -> None:
         """Drop the words that have not been shown yet."""

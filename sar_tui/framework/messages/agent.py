@@ -35,9 +35,9 @@ class Utterance(Message, frozen=True, kw_only=True):
     """Words and expression that belong together. ``text`` is shown, ``spoken`` is said; either may be empty.
 
     ``face``, ``gesture``, ``gaze`` and ``tone`` come from the theme; empty for none. ``joins``: it is added to the text
-    on the screen instead of replacing it. ``priority``: higher first. ``policy``: ``queue`` (waits for its turn),
-    ``interrupt`` (replaces the current action unless that has a higher priority), ``drop`` (left out if the session
-    continues before its turn). ``due``: not before this time (ns).
+    on the screen instead of replacing it; encouragement replaces it once it was read. ``priority``: higher first.
+    ``policy``: ``queue`` (waits for its turn), ``interrupt`` (replaces the current action unless that has a higher
+    priority), ``drop`` (left out if the session continues before its turn). ``due``: not before this time (ns).
     """
 
     id: str
