@@ -151,7 +151,8 @@ def felt(session: SessionProgress, tr: Language) -> list[str]:
     if given.told_pain and given.pain_pause is None:
         pain.append(tr("said in a pause"))
     named = [(tr("pain"), pain), (tr("tiredness"), tired)]
-    return [f"{name} {', '.join(parts)}" for name, parts in named if parts]
+    said = [f"{name} {', '.join(parts)}" for name, parts in named if parts]
+    return [*said, tr("a reason to stop")] if given.is_reason_to_stop else said
 
 
 def felt_range(line: LineProgress, tr: Language) -> str:

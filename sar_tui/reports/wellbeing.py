@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import msgspec
 
 from sar_tui.framework.language import Language
-from sar_tui.framework.policies.wellbeing import SEVERE, TellReason, stop_now
+from sar_tui.framework.policies.wellbeing import RISE, SEVERE, TellReason
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, ratings
 
@@ -13,6 +13,8 @@ _ENGLISH = Language()
 _NAMES = {"pain": "pain", "fatigue": "tiredness"}
 _IN_PAUSES = {"pain": "in pain", "fatigue": "tired"}
 _TOLD: dict[TellReason, str] = {
+    "stop": "Pain was a reason to stop when it was last rated: {severe} or more of 10, or {rise} more than before. "
+    "Tell the therapist.",
     "new pain": "Pain is new: some in each of the last four sessions, and none before. Tell the therapist.",
     "worse pain": "Pain is worse: more in each of the last four sessions than before them. Tell the therapist.",
     "tired": "Very tired ({severe} or more of 10) after each of the last two sessions. Tell the therapist.",
@@ -37,9 +39,7 @@ def sentences(rows: Sequence[Row], seat: str) -> list[str]:
     """Return what a participant said in a session, a sentence for each symptom, and if it was a reason to stop."""
     mine = [row for row in rows if row["seat"] == seat]
     found = [text for question in _NAMES if (text := _symptom(mine, question))]
-    rated = ratings(mine, seat)
-    pains = (rated.pain_before, rated.pain_pause, rated.pain_after)
-    if any(stop_now(rated.pain_before, pain) for pain in pains):
+    if ratings(mine, seat).is_reason_to_stop:
         found.append("That was a reason to stop and to tell the therapist.")
     return found
 
@@ -96,7 +96,7 @@ def _ended(text: str) -> str:
 
 def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
     """Return a sentence for each thing that the therapist should be told."""
-    return [tr(_TOLD[reason], severe=SEVERE) for reason in reasons]
+    return [tr(_TOLD[reason], severe=str(SEVERE), rise=str(RISE)) for reason in reasons]
 
 
 def _symptom(rows: Sequence[Row], question: str) -> str:

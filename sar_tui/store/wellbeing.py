@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.policies.wellbeing import Moment, SessionRatings
+from sar_tui.framework.policies.wellbeing import PAIN_SESSIONS, TIRED_SESSIONS, Moment, SessionRatings
 from sar_tui.store.database import transaction
 
 Row = dict[str, Any]
@@ -99,20 +99,31 @@ def ratings(rows: Sequence[Row], seat: str = "A") -> SessionRatings:
     return SessionRatings(**found, told_pain=told_pain)
 
 
-def history(db: sqlite3.Connection, participant: str, newest: int = -1) -> list[SessionRatings]:
-    """Return the ratings of a participant's live sessions, oldest first, also of those that did not ask.
-
-    ``newest`` limits them to that many of the newest ones.
-    """
-    sessions = db.execute(
-        "SELECT sessions.id, seats.seat FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-        " WHERE participant=? AND mode='live' ORDER BY seats.rowid DESC LIMIT ?",
-        (participant, newest),
-    ).fetchall()[::-1]
+def history(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
+    """Return the ratings of a participant's live sessions, oldest first, also of those that did not ask."""
+    sessions = db.execute(f"{_LIVE_SESSIONS} ORDER BY seats.rowid", (participant,)).fetchall()
     known = by_session(db, [session for session, _ in sessions])
     return [ratings(known.get(session, ()), seat) for session, seat in sessions]
 
 
+def newest_ratings(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
+    """Return as many of the newest ratings, oldest first, as `tell_therapist` looks at; as `history`, but sooner."""
+    found: list[SessionRatings] = []
+    pains, tired = PAIN_SESSIONS + 1, TIRED_SESSIONS
+    answered = f"{_LIVE_SESSIONS} AND EXISTS (SELECT 1 FROM wellbeing WHERE session=sessions.id)"
+    for session, seat in db.execute(f"{answered} ORDER BY seats.rowid DESC", (participant,)):
+        found.append(rated := ratings(of_session(db, session), seat))
+        pains -= rated.pain is not None
+        tired -= rated.fatigue_after is not None
+        if pains <= 0 and tired <= 0:
+            break
+    return found[::-1]
+
+
+_LIVE_SESSIONS = (
+    "SELECT sessions.id, seats.seat FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+    " WHERE participant=? AND mode='live'"
+)
 _SELECT = f"SELECT {', '.join(_COLUMNS)} FROM wellbeing"
 _IN_ORDER = "ORDER BY at, rowid"
 

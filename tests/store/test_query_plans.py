@@ -39,7 +39,7 @@ def look_at_home(database: sqlite3.Connection, folder: Path) -> None:
     results.attempts_of(database, shown)
     results.newest_of(database, "SIM", "keyboard", 50)
     wellbeing.by_session(database, shown)
-    wellbeing.history(database, "SIM", 12)
+    wellbeing.newest_ratings(database, "SIM")
 
 
 LOOKS: dict[str, Look] = {

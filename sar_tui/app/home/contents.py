@@ -26,8 +26,6 @@ from sar_tui.runs.start_level import LOOKED_AT, start_after
 from sar_tui.store import participants, programmes, provenance, results, sessions, wellbeing
 
 _LISTED = 30
-_RATED = 12
-"""Newest sessions in which pain and tiredness are looked at."""
 
 
 class CardContents(msgspec.Struct, frozen=True):
@@ -80,7 +78,7 @@ def read_card(
         past=[past(point) for point in points],
         others=sum(bool(each.results) for each in played) - len(points),
         last=words.last_words(last, today) if last else "",
-        told=advice(tell_therapist(wellbeing.history(database, participant, _RATED))),
+        told=advice(tell_therapist(wellbeing.newest_ratings(database, participant))),
     )
 
 

@@ -21,7 +21,7 @@ TIRED_SESSIONS = 2
 """The same for tiredness. That trial confirms it by a clinical test; this rule asks for severe ratings instead."""
 
 StopReason = Literal["severe pain", "rising pain"]
-TellReason = Literal["new pain", "worse pain", "tired"]
+TellReason = Literal["stop", "new pain", "worse pain", "tired"]
 
 
 class SessionRatings(msgspec.Struct, frozen=True):
@@ -49,6 +49,12 @@ class SessionRatings(msgspec.Struct, frozen=True):
         known = [rating for rating in (self.fatigue_before, self.fatigue_after) if rating is not None]
         return max(known, default=None)
 
+    @property
+    def is_reason_to_stop(self) -> bool:
+        """True if pain at any moment was a reason to stop: see `stop_now`."""
+        pains = (self.pain_before, self.pain_pause, self.pain_after)
+        return any(stop_now(self.pain_before, pain) is not None for pain in pains)
+
 
 def stop_now(before: int | None, now: int | None) -> StopReason | None:
     """Return why a person should stop and tell the therapist now; None if there is no reason.
@@ -69,6 +75,7 @@ def tell_therapist(sessions: Sequence[SessionRatings]) -> tuple[TellReason, ...]
 
     Sessions in which nothing is known of a symptom are left out for that symptom.
 
+    - Stop: pain was a reason to stop in the last one.
     - New pain: none before the last four sessions, and some in each of them.
     - Worse pain: more in each of the last four than before them.
     - Tired: severe tiredness after each of the last two.
@@ -77,6 +84,8 @@ def tell_therapist(sessions: Sequence[SessionRatings]) -> tuple[TellReason, ...]
     """
     found: list[TellReason] = []
     known = [session for session in sessions if session.pain is not None]
+    if known and known[-1].is_reason_to_stop:
+        found.append("stop")
     if len(known) >= PAIN_SESSIONS:
         recent = [session.pain or 0 for session in known[-PAIN_SESSIONS:]]
         earlier = known[-PAIN_SESSIONS - 1].pain if len(known) > PAIN_SESSIONS else known[0].pain_before

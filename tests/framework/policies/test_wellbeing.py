@@ -67,6 +67,13 @@ def test_the_first_four_sessions_are_compared_with_the_first_rating() -> None:
     assert tell_therapist(pains(1, 1, 1, 1)) == (), "nothing is known of the time before"
 
 
+def test_pain_that_was_a_reason_to_stop_when_last_rated_is_told() -> None:
+    rising = SessionRatings(pain_before=1, pain_pause=4, pain_after=2)
+    assert tell_therapist([rising]) == ("stop",)
+    assert tell_therapist([rising, SessionRatings()]) == ("stop",), "the last session did not ask"
+    assert tell_therapist([rising, *pains(2)]) == ()
+
+
 def test_pain_told_in_a_pause_counts_as_pain() -> None:
     told = SessionRatings(told_pain=True)
     assert told.pain == 1
