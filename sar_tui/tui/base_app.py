@@ -18,6 +18,7 @@ from textual.filter import LineFilter
 from textual.geometry import Size
 
 from sar_tui.framework.theme import Theme
+from sar_tui.tui.console_glyphs import ConsoleGlyphs, on_linux_console
 from sar_tui.tui.exit_codes import INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
@@ -60,7 +61,7 @@ class BaseApp(App[int]):
         super().__init__()
         self.failure = ""
         self.key_seconds = 0.0
-        self._visible_lines = VisibleLines()
+        self._line_filters = [VisibleLines(), *([ConsoleGlyphs()] if on_linux_console() else [])]
         self._unreadable, self._last_unreadable = 0, ""
         self.has_lost_terminal = False
 
@@ -143,8 +144,8 @@ class BaseApp(App[int]):
         return capped(super().size)
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        """Return the filters of all lines: Textual's, and one that makes control characters visible."""
-        return [*super().get_line_filters(), self._visible_lines]
+        """Return the filters of all lines: Textual's, one that makes control characters visible, and a console's."""
+        return [*super().get_line_filters(), *self._line_filters]
 
     def notify(self, message: str, *, markup: bool = False, **how: Any) -> None:
         """Show a notification. Its text may quote anything, so it is not read as markup."""
