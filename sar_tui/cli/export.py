@@ -14,7 +14,7 @@ from sar_tui.tui.exit_codes import FAILED
 def export(
     context: typer.Context,
     to: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "--to",
             parser=named_path,
@@ -22,7 +22,7 @@ def export(
             show_default=False,
             help="The folder to make. It may exist if it is empty, or holds an earlier export, which is replaced.",
         ),
-    ],
+    ] = None,
     sessions: Annotated[
         list[str] | None, typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings.")
     ] = None,
@@ -42,17 +42,43 @@ def export(
     with_events: Annotated[
         bool, typer.Option("--with-events", help="Also a row for each message in the program, without its content.")
     ] = False,
+    recode: Annotated[
+        Path | None,
+        typer.Option(
+            "--recode",
+            parser=named_path,
+            metavar="MAP.csv",
+            show_default=False,
+            help="Replace codes by random ones and shift dates. The file keeps both; it is made if it does not exist.",
+        ),
+    ] = None,
+    recipient: Annotated[
+        str, typer.Option("--for", metavar="TEXT", show_default=False, help="For whom, for the ledger.")
+    ] = "",
+    show_ledger: Annotated[
+        bool, typer.Option("--ledger", help="List all exports instead: when, what, for whom.")
+    ] = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
     """Export sessions as files for other programs."""
+    from sar_tui.cli.errors import Refused
+
+    watch_plugins(context)
+    home = Home.of(context, data, tasks)
+    if show_ledger:
+        _print_ledger(home, as_json)
+        return
+    if to is None:
+        raise Refused("Say where: --to DIR, a folder that does not exist yet, or is empty.")
+
+    from sar_tui.drivers.login_name import login_name
+    from sar_tui.export.export import Options
     from sar_tui.export.export import export as write
     from sar_tui.export.registry import load
     from sar_tui.export.selection import Request
 
-    watch_plugins(context)
-    home = Home.of(context, data, tasks)
     request = Request(
         names=tuple(sessions or ()),
         participant=participant or "",
@@ -60,23 +86,16 @@ def export(
         simulated=simulated,
         mixed=mixed,
     )
+    options = Options(
+        with_notes=with_notes, with_events=with_events, recode=recode, recipient=recipient.strip(), author=login_name()
+    )
     with home.database() as database, progress_bar() as bar:
 
         def start(steps: int) -> Callable[[], None]:
             shown = bar.add_task("Exporting", total=steps)
             return lambda: bar.advance(shown)
 
-        exported = write(
-            database,
-            home.folder,
-            home.catalogue(),
-            request,
-            load(format),
-            to,
-            start,
-            with_notes=with_notes,
-            with_events=with_events,
-        )
+        exported = write(database, home.folder, home.catalogue(), request, load(format), to, start, options)
     if as_json:
         print_json(exported)
     else:
@@ -86,3 +105,34 @@ def export(
         console(error=True).print(f"! {sentence}", soft_wrap=True)
     if exported.problems:
         raise typer.Exit(FAILED)
+
+
+def _print_ledger(home: Home, as_json: bool) -> None:
+    """Print all exports, the newest first."""
+    from sar_tui.store.exports import ledger
+
+    with home.database() as database:
+        entries = ledger(database)
+    if as_json:
+        print_json({"exports": entries})
+        return
+    from sar_tui.cli.long_table import print_table
+    from sar_tui.store.sessions import local_time
+
+    out = console()
+    if not entries:
+        out.print("Nothing was exported yet.")
+        return
+    rows = [
+        (
+            local_time(entry.exported_at),
+            entry.exported_by,
+            entry.recipient,
+            entry.format,
+            len(entry.sessions),
+            ", ".join(name.replace("_", " ") for name, given in entry.options.items() if given),
+            entry.manifest[:12],
+        )
+        for entry in entries
+    ]
+    print_table(out, ("when", "by", "for", "format", "sessions", "with", "manifest"), rows, right=("sessions",))

@@ -31,8 +31,6 @@ class Contents:
     """The tables of the selected sessions, without what does not leave.
 
     Attributes:
-        sessions: their rows, as `store.sessions.listing` returns them. For choosing what to write: what is written
-            comes from ``rows``.
         tables: with the columns that leave.
         problems: sentences on what could not be read; complete when all rows were read.
         left_out: columns that the sessions have and that do not leave, as "trials.details_remark".
@@ -49,7 +47,6 @@ class Contents:
     ) -> None:
         self._database = database
         self._privacy = privacy
-        self.sessions = selection.sessions
         self.problems: list[str] = []
         fields = _fields(catalogue)
         whole = (
@@ -79,8 +76,8 @@ class Contents:
             for column in table.columns
             if not privacy.leaves(column)
         ]  # fmt: skip
-        codes = (code for row in selection.sessions for code in (row["participant"], row["partner"]))
-        self._owners = {"session": selection.ids, "participant": list(dict.fromkeys(filter(None, codes)))}
+        self._persons = {row["id"]: row["participant"] for row in selection.sessions}
+        self._owners = {"session": selection.ids, "participant": selection.participants}
 
     def owners(self, table: Table) -> list[str]:
         """Return the sessions, or the participants, that the table has rows of. They are for ``rows``, not to leave."""
@@ -98,7 +95,7 @@ class Contents:
         kept = [index for index, column in enumerate(whole.columns) if self._privacy.leaves(column)]
         if len(kept) < len(whole.columns):
             found = map(_picker(kept), found)
-        return self._privacy.changed(table, found)
+        return self._privacy.changed(table, found, self._persons.get(owner, owner))
 
 
 def _picker(kept: list[int]) -> Any:

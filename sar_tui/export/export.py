@@ -2,7 +2,7 @@
 
 import sqlite3
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from sar_tui.export.contents import Contents
+from sar_tui.export.errors import ExportError
 from sar_tui.export.manifest import write_manifest
 from sar_tui.export.privacy import Privacy
+from sar_tui.export.recoding import recoding
 from sar_tui.export.registry import Format
 from sar_tui.export.selection import Request, select
-from sar_tui.export.target import check, target
+from sar_tui.export.target import check, sync, target
+from sar_tui.store.database import StoreConnection
+from sar_tui.store.exports import record
 
 if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue
@@ -42,6 +46,32 @@ Start = Callable[[int], Callable[[], None]]
 """Called with a number of steps; returns what is called after each."""
 
 
+class Options(msgspec.Struct, frozen=True, kw_only=True):
+    """Choices besides the sessions.
+
+    Attributes:
+        with_notes: texts that somebody may have typed leave, too.
+        with_events: with a row for each message of the sessions.
+        recode: the file with random codes and date shifts; None: codes and dates leave as they are.
+        recipient: for whom, for the ledger. ``author``: the login name of who exports.
+    """
+
+    with_notes: bool = False
+    with_events: bool = False
+    recode: Path | None = None
+    recipient: str = ""
+    author: str = ""
+
+    @property
+    def facts(self) -> dict[str, bool]:
+        """The options as the manifest and the ledger have them."""
+        return {"with_notes": self.with_notes, "with_events": self.with_events, "recoded": self.recode is not None}
+
+
+_DEFAULTS = Options()
+_UNRECORDED = "The data folder cannot be written to, so this export is not in its ledger."
+
+
 def export(
     database: sqlite3.Connection,
     data: Path,
@@ -50,39 +80,55 @@ def export(
     format: Format,
     folder: Path,
     start: Start,
-    *,
-    with_notes: bool = False,
-    with_events: bool = False,
+    options: Options = _DEFAULTS,
 ) -> Exported:
-    """Export sessions into a folder.
+    """Export sessions into a folder, and add that to the ledger.
 
     Args:
         data: the data folder of the database.
         folder: made, or replaced if it holds an earlier export in the same format.
         start: for a progress bar.
-        with_notes: texts that somebody may have typed leave, too.
-        with_events: with a row for each message of the sessions.
 
     Raises:
         ExportError: nothing can be exported, or not there.
         StoreError: a session does not exist, or the database cannot be read.
     """
     check(folder.resolve(), format.name)
-    with _snapshot(database):
+    if options.recode is not None and options.recode.resolve().is_relative_to(folder.resolve()):
+        raise ExportError(
+            "The map of codes must not be in the folder that leaves. Name a file outside.", bad_input=True
+        )
+    with ExitStack() as snapshot:
+        snapshot.enter_context(_snapshot(database))
         selection = select(database, data, request)
-        contents = Contents(database, selection, Privacy(with_notes), catalogue, with_events=with_events)
+        recoded = recoding(database, options.recode, selection.participants) if options.recode else None
+        privacy = Privacy(options.with_notes, recoded)
+        contents = Contents(database, selection, privacy, catalogue, with_events=options.with_events)
         with target(folder, format.name) as hidden:
             format.write(contents, hidden, start(contents.steps))
-            problems = [*selection.refused, *contents.problems]
+            snapshot.close()
+            is_recorded = isinstance(database, StoreConnection)  # others can only read
+            problems = [*selection.refused, *contents.problems, *([] if is_recorded else [_UNRECORDED])]
             manifest = write_manifest(
                 hidden,
                 format=format.name,
                 created=datetime.now(UTC).isoformat(timespec="seconds"),
-                options={"with_notes": with_notes, "with_events": with_events},
+                options=options.facts,
                 sessions=selection.ids,
                 left_out=contents.left_out,
                 problems=problems,
             )
+            sync(hidden)
+            if is_recorded:  # before the folder appears: nothing leaves that the ledger does not have
+                record(
+                    database,
+                    author=options.author,
+                    recipient=options.recipient,
+                    format=format.name,
+                    sessions=selection.ids,
+                    options=options.facts,
+                    manifest=manifest,
+                )
     return Exported(
         folder=str(folder),
         format=format.name,

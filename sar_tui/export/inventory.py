@@ -226,6 +226,16 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
     },
     "session_numbers": {"number": "inner", "id": "open"},
     "topics": {"id": "inner", "name": "open", "fields": "inner"},
+    "exports": {
+        "number": "inner",
+        "exported_at": "inner",
+        "exported_by": "person",
+        "recipient": "text",
+        "format": "inner",
+        "sessions": "inner",
+        "options": "inner",
+        "manifest": "inner",
+    },
     "checkpoints": {"session": "inner", "seq": "inner", "program": "inner", "crc32": "inner", "state": "inner"},
     "imu_streams": {
         "session": "open",

@@ -1,10 +1,13 @@
 """Rules of privacy, which every value passes before a format sees it."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any
 
 import msgspec
 
 from sar_tui.export.columns import Column, Table, Values
+from sar_tui.export.recoding import Recoded, shifted
 
 
 class Privacy(msgspec.Struct, frozen=True):
@@ -12,9 +15,11 @@ class Privacy(msgspec.Struct, frozen=True):
 
     Attributes:
         with_notes: texts that somebody may have typed leave, too.
+        recoded: the participants' codes and date shifts in the export; None if codes and dates leave as they are.
     """
 
     with_notes: bool = False
+    recoded: Mapping[str, Recoded] | None = None
 
     def leaves(self, column: Column) -> bool:
         """Return True if the values of a column may leave."""
@@ -24,6 +29,30 @@ class Privacy(msgspec.Struct, frozen=True):
         """Return a table with the columns that leave."""
         return msgspec.structs.replace(table, columns=tuple(filter(self.leaves, table.columns)))
 
-    def changed(self, table: Table, rows: Iterator[Values]) -> Iterator[Values]:
-        """Yield the rows of a table as they leave."""
-        return rows
+    def changed(self, table: Table, rows: Iterator[Values], participant: str) -> Iterator[Values]:
+        """Yield rows as they leave.
+
+        Args:
+            table: with the columns that leave, as `leaving` returns it.
+            participant: the person by whose shift their dates are shifted.
+        """
+        if self.recoded is None:
+            return rows
+        changes: dict[str, Callable[[str], str | None]] = {
+            "code": partial(_code, self.recoded),
+            "time": partial(shifted, days=self.recoded[participant].shift_days),
+        }
+        which = [(index, changes[c.treatment]) for index, c in enumerate(table.columns) if c.treatment in changes]
+        return (_changed(row, which) for row in rows) if which else rows
+
+
+def _code(recoded: Mapping[str, Recoded], code: str) -> str:
+    return recoded[code].code
+
+
+def _changed(row: Values, which: list[tuple[int, Callable[[str], str | None]]]) -> Values:
+    values: list[Any] = list(row)
+    for index, change in which:
+        if values[index] is not None:
+            values[index] = change(values[index])
+    return tuple(values)

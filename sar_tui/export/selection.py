@@ -44,6 +44,12 @@ class Selection(msgspec.Struct, frozen=True):
         return [row["id"] for row in self.sessions]
 
     @property
+    def participants(self) -> list[str]:
+        """The codes of their participants."""
+        codes = (code for row in self.sessions for code in (row["participant"], row["partner"]))
+        return list(dict.fromkeys(filter(None, codes)))
+
+    @property
     def tasks(self) -> list[str]:
         """The names of their tasks."""
         return sorted({row["task"] for row in self.sessions})

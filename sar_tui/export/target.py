@@ -38,8 +38,10 @@ class _File(msgspec.Struct):
 def target(folder: Path, format: str) -> Iterator[Path]:
     """Give a hidden folder beside the target to write into; it takes the target's place when the block is over.
 
+    The block calls `sync` when all files are written.
+
     If the block raises, or the program is killed, the target is as it was. What a killed program left is removed by the
-    next export to the same target. All files get mode 0600, all folders 0700.
+    next export to the same target.
 
     Raises:
         ExportError: the target is a file, a disk, or holds other files than those of an export in this format.
@@ -57,7 +59,6 @@ def target(folder: Path, format: str) -> Iterator[Path]:
         check(folder, format)  # again: somebody may have put files there meanwhile
         lock.release()
         (hidden / _LOCK).unlink(missing_ok=True)
-        _sync(hidden)
         _put_in_place(hidden, folder)
     except BaseException:
         lock.release()
@@ -108,7 +109,7 @@ def _prefix(folder: Path) -> str:
     return f".{folder.name}.sar-tui-"
 
 
-def _sync(folder: Path) -> None:
+def sync(folder: Path) -> None:
     """Make everything in a folder private, and write it to the disk."""
     for path in [*folder.rglob("*"), folder]:
         path.chmod(0o700 if path.is_dir() else 0o600)

@@ -237,6 +237,16 @@ def version_11(db: sqlite_utils.Database) -> None:
     db.execute("ALTER TABLE instrument_scores ADD COLUMN removed INTEGER NOT NULL DEFAULT 0")
 
 
+@migrations()
+def version_12(db: sqlite_utils.Database) -> None:
+    """The ledger of exports."""
+    db.execute(
+        "CREATE TABLE exports (number INTEGER PRIMARY KEY, exported_at TEXT NOT NULL, exported_by TEXT NOT NULL,"
+        " recipient TEXT NOT NULL, format TEXT NOT NULL, sessions TEXT NOT NULL, options TEXT NOT NULL,"
+        " manifest TEXT NOT NULL)"
+    )
+
+
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 from contextlib import closing
@@ -12,6 +13,7 @@ from typing import Any
 import pytest
 
 from sar_tui.export import registry
+from sar_tui.export.manifest import sha256
 from sar_tui.store import locks
 from sar_tui.store.database import connect
 from tests.export.exported import read_csv
@@ -136,3 +138,31 @@ def test_an_installed_package_adds_a_format(
     monkeypatch.setattr(registry, "_installed", lambda: {"count": Entry})
     assert call("export", "--all", "--format", "count", "--to", tmp_path / "out").code == 0
     assert json.loads((tmp_path / "out" / "count.json").read_text())["sessions"] == 1
+
+
+def test_the_ledger_tells_what_left_when_and_for_whom(call: Call, live: str, tmp_path: Path) -> None:
+    assert call("export", "--ledger").out == "Nothing was exported yet.\n"
+    first = call("export", live, "--to", tmp_path / "one", "--for", "the ethics board", "--json").json
+    call("export", "zzz", "--to", tmp_path / "two")
+    call("export", "--all", "--mixed", "--with-notes", "--to", tmp_path / "three", "--recode", tmp_path / "map.csv")
+    last, entry = call("export", "--ledger", "--json").json["exports"]
+    assert (entry["recipient"], entry["format"], entry["sessions"]) == ("the ethics board", "csv", [live])
+    assert entry["manifest"] == first["manifest"] == sha256(tmp_path / "one" / "sar-tui-export.json")
+    assert (len(last["sessions"]), last["options"]) == (2, {"with_notes": True, "with_events": False, "recoded": True})
+    shown = call("export", "--ledger").out
+    assert "the ethics board" in shown
+    assert "with notes, recoded" in shown
+
+
+def test_an_export_that_cannot_be_recorded_says_so(
+    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.export.export.StoreConnection", sqlite3.Blob)  # as if it were read only
+    called = call("export", "--all", "--to", tmp_path / "out")
+    assert (called.code, ids(tmp_path / "out")) == (1, {live})
+    assert "not in its ledger" in called.err
+
+
+def test_an_export_without_a_folder_is_a_sentence(call: Call, live: str) -> None:
+    called = call("export", "--all")
+    assert (called.code, called.err[:16]) == (2, "Say where: --to ")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from sar_tui.export.export import Exported, export
+from sar_tui.export.export import Exported, Options, export
 from sar_tui.export.registry import load
 from sar_tui.export.selection import Request
 from sar_tui.plugins import Catalogue
@@ -19,10 +19,10 @@ def no_bar(steps: int) -> Callable[[], None]:
     return lambda: None
 
 
-def export_csv(data: Path, folder: Path, request: Request = ALL, **options: bool) -> Exported:
+def export_csv(data: Path, folder: Path, request: Request = ALL, **options: Any) -> Exported:
     database = connect_to_read(data)
     try:
-        return export(database, data, Catalogue(), request, load("csv"), folder, no_bar, **options)
+        return export(database, data, Catalogue(), request, load("csv"), folder, no_bar, Options(**options))
     finally:
         database.close()
 

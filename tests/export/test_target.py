@@ -11,7 +11,7 @@ import pytest
 
 from sar_tui.export.errors import ExportError
 from sar_tui.export.manifest import write_manifest
-from sar_tui.export.target import target
+from sar_tui.export.target import sync, target
 
 
 def made(folder: Path, text: str = "1") -> None:
@@ -19,6 +19,7 @@ def made(folder: Path, text: str = "1") -> None:
     with target(folder, "csv") as hidden:
         (hidden / "a.csv").write_text(text)
         write_manifest(hidden, format="csv")
+        sync(hidden)
 
 
 def fail(folder: Path, error: BaseException) -> None:
@@ -38,6 +39,7 @@ def test_the_folder_appears_when_it_is_complete(tmp_path: Path) -> None:
         (hidden / "a.csv").write_text("1")
         assert not folder.exists()
         write_manifest(hidden, format="csv")
+        sync(hidden)
     assert names(folder) == ["a.csv", "sar-tui-export.json"]
     assert names(folder.parent) == ["out"]
 
@@ -64,6 +66,7 @@ def test_an_earlier_export_is_replaced_as_a_whole(tmp_path: Path) -> None:
     with target(tmp_path / "out", "csv") as hidden:
         (hidden / "b.csv").write_text("2")
         write_manifest(hidden, format="csv")
+        sync(hidden)
     assert names(tmp_path / "out") == ["b.csv", "sar-tui-export.json"]
     assert names(tmp_path) == ["out"]
 
