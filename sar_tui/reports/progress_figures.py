@@ -15,14 +15,17 @@ _LEAST_MARGIN = 8
 """Columns for the names of the rows below a chart."""
 
 
-def level_figure(line: LineProgress, width: int, height: int, tr: Language, chosen: int | None = None) -> list[str]:
+def level_figure(
+    line: LineProgress, width: int, height: int, tr: Language, chosen: int | None = None, marked: int | None = None
+) -> list[str]:
     """Draw the level at goal over sessions with its 95 % bands, and pain and tiredness on the same axis.
 
     Args:
         line: whose measure is the level at goal.
         width, height: in characters.
         tr: the language.
-        chosen: number of the session that is marked on the axis.
+        chosen: number of the session that has a sign on the axis.
+        marked: number of the one that it is compared with, which has another.
 
     Returns:
         At most ``height`` lines if that is at least 10.
@@ -50,10 +53,14 @@ def level_figure(line: LineProgress, width: int, height: int, tr: Language, chos
     signs = {BAND: tr("95 % band")}
     if area:
         signs[AREA] = tr("noise and practice")
-    return _figure(line, values, (low, high), ticks, heading, signs, (width, height), tr, area=area, chosen=chosen)
+    return _figure(
+        line, values, (low, high), ticks, heading, signs, (width, height), tr, area=area, chosen=chosen, marked=marked
+    )
 
 
-def result_figure(line: LineProgress, width: int, height: int, tr: Language, chosen: int | None = None) -> list[str]:
+def result_figure(
+    line: LineProgress, width: int, height: int, tr: Language, chosen: int | None = None, marked: int | None = None
+) -> list[str]:
     """Draw the mean result of each session with one SD to either side, and the goal; otherwise as `level_figure`.
 
     Below are bars for accuracy, and for each measure of how the movements were done.
@@ -72,7 +79,9 @@ def result_figure(line: LineProgress, width: int, height: int, tr: Language, cho
     if goal is not None:
         signs[RULE] = tr("goal")
     size, bars = (width, height), qualities(line, tr)
-    return _figure(line, values, (low, high), ticks, label, signs, size, tr, rule=goal, bars=bars, chosen=chosen)
+    return _figure(
+        line, values, (low, high), ticks, label, signs, size, tr, rule=goal, bars=bars, chosen=chosen, marked=marked
+    )
 
 
 def has_levels(line: LineProgress) -> bool:
@@ -109,6 +118,7 @@ def _figure(
     rule: float | None = None,
     bars: Sequence[tuple[str, list[float | None], str]] = (),
     chosen: int | None = None,
+    marked: int | None = None,
 ) -> list[str]:
     """Draw a chart with its heading and legend, the dates, and the rows of pain and tiredness."""
     width, height = size
@@ -136,6 +146,7 @@ def _figure(
         area=area,
         rule=rule,
         chosen=chosen,
+        marked=marked,
     )
     known = {
         ABOVE: tr("all too easy"),

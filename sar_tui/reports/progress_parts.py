@@ -7,8 +7,9 @@ from sar_tui.framework.language import Language
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
 from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, qualities, result_figure
+from sar_tui.reports.session_chart import MARKED
 
-CURSOR, MARKED = "▸", "◆"
+CURSOR = "▸"
 _FEWEST_OF_A_CHART = 10
 """Rows below which the text has to be shortened instead of the chart."""
 _MOST_OF_A_CHART = 24
@@ -20,7 +21,12 @@ _MONTHS = 3
 
 
 def level_part(
-    line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, advice: Sequence[str] = ()
+    line: LineProgress,
+    size: tuple[int, int],
+    chosen: int,
+    tr: Language,
+    marked: str | None = None,
+    advice: Sequence[str] = (),
 ) -> list[str]:
     """Return the level at goal as a chart where it is known, and what can be said of the line.
 
@@ -29,8 +35,9 @@ def level_part(
     Args:
         line: the sessions.
         size: columns and rows.
-        chosen: number of the session that is marked.
+        chosen: number of the chosen session.
         tr: the language.
+        marked: id of the session to compare it with.
         advice: sentences that come first, such as on pain.
     """
     width, height = size
@@ -43,17 +50,21 @@ def level_part(
     lines: list[str] = []
     shown = charts[: max(1, room // _FOR_EACH_OF_TWO)]
     for draw in shown:
-        lines += [*draw(line, width, _chart_height(room // len(shown) - (len(shown) > 1)), tr, chosen), ""]
+        rows = _chart_height(room // len(shown) - (len(shown) > 1))
+        lines += [*draw(line, width, rows, tr, chosen, _number(line, marked)), ""]
     return [*lines, *text][:height]
 
 
-def results_part(line: LineProgress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
+def results_part(
+    line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
+) -> list[str]:
     """Return the mean results as a chart, and accuracy, smoothness and the SD within and between sessions."""
     width, height = size
     below = wrapped([*_ends(line, tr), progress_words.spread(line, tr)], width)
     if not has_results(line):
         return below[:height]
-    return [*result_figure(line, width, _chart_height(height - len(below) - 1), tr, chosen), "", *below][:height]
+    rows = _chart_height(height - len(below) - 1)
+    return [*result_figure(line, width, rows, tr, chosen, _number(line, marked)), "", *below][:height]
 
 
 def sessions_part(
@@ -112,8 +123,15 @@ def _ends(line: LineProgress, tr: Language) -> list[str]:
         known = [value for value in values if value is not None]
         if known:
             first, last = (tr.figures(form.format(value)) for value in (known[0], known[-1]))
-            said.append(f"{name} {first} → {last}")
+            said.append(f"{name} {first} → {last}" if len(line.sessions) > 1 else f"{name} {last}")
+    if len(line.sessions) == 1:
+        return [tr("In the only session: {values}.", values=", ".join(said))] if said else []
     return [tr("First → last session: {values}.", values=", ".join(said))] if said else []
+
+
+def _number(line: LineProgress, session: str | None) -> int | None:
+    """Return the number of a session on a line, given its id; None if it is not there."""
+    return next((number for number, each in enumerate(line.sessions) if each.session == session), None)
 
 
 def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:

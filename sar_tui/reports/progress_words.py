@@ -257,12 +257,13 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
     said_of = felt_range(line, tr)
     said = [
         f"{participant}, {heading(line, tr)}: "
+        + (
+            tr("1 session on {day}", day=first)
+            if len(sessions) == 1
+            else tr("{sessions} sessions from {first} to {last}", sessions=str(len(sessions)), first=first, last=last)
+        )
         + tr(
-            "{sessions} sessions from {first} to {last}; {done} of {planned} attempts done, {trials} repetitions, "
-            "{minutes} min on task, {right} right.",
-            sessions=str(len(sessions)),
-            first=first,
-            last=last,
+            "; {done} of {planned} attempts done, {trials} repetitions, {minutes} min on task, {right} right.",
             done=str(sum(each.attempts for each in sessions)),
             planned=str(sum(each.planned for each in sessions)),
             trials=str(trials),

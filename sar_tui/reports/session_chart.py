@@ -15,6 +15,8 @@ TEN = "X"
 """Stands for 10 where there is room for one character."""
 ABOVE, BELOW, UNKNOWN = "^", "v", "?"
 """Stand for a session without a value: it lies above or below what could be measured, or is not known."""
+MARKED = "◆"
+"""Stands for the session that another one is compared with."""
 EVENT = "!"
 """Stands for an adverse event."""
 BARS = "▁▂▃▄▅▆▇█"
@@ -26,6 +28,10 @@ _LONG_DAYS = 300
 """From this time on, dates below the axis have years instead of days."""
 _ROOM = 1.2
 """Room beyond the outermost values, in bands: one session with a very wide band must not flatten all others."""
+
+
+_ROUNDING = 1e-9
+"""Share of a value below which a difference is an error of rounding."""
 
 
 class Value(msgspec.Struct, frozen=True):
@@ -153,6 +159,7 @@ def session_chart(
     area: tuple[float, float] | None = None,
     rule: float | None = None,
     chosen: int | None = None,
+    marked: int | None = None,
 ) -> list[str]:
     """Draw values over sessions. Those without a value have a row of their own above or below the others.
 
@@ -165,7 +172,7 @@ def session_chart(
         margin: columns for the labels and the axis.
         area: values between which all is shaded.
         rule: value at which a dashed line is drawn.
-        chosen: session that is marked on the axis.
+        chosen, marked: sessions with a sign of their own on the axis.
 
     Returns:
         ``rows`` + 1 lines.
@@ -196,8 +203,9 @@ def session_chart(
     edge = f"{'│':>{margin}}"
     lines = [*([edge + above] if above else []), *lines, *([edge + below] if below else [])]
     foot = ["─"] * columns.width
-    if chosen is not None:
-        foot[columns.column(chosen)] = CHOSEN
+    for session, sign in ((marked, MARKED), (chosen, CHOSEN)):
+        if session is not None:
+            foot[columns.column(session)] = sign
     return [*lines, f"{'└':>{margin}}{''.join(foot)}"]
 
 
@@ -228,7 +236,7 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 def _part(value: float, low: float, high: float, steps: int) -> int:
     """Return the step of a value between two others, 0 to ``steps``; those beyond are at the ends."""
-    if high <= low:
+    if high - low <= _ROUNDING * max(abs(low), abs(high)):
         return steps // 2
     return max(0, min(steps, round((value - low) / (high - low) * steps)))
 

@@ -80,6 +80,7 @@ async def test_sessions_are_charted_chosen_and_compared(data: Path, catalogue: C
         await driver.press("right", "c", "up")
         assert driver.sees("◆ 2026-03-02")
         assert driver.sees("▸ 2026-03-01 10:00")
+        assert driver.sees("2026-03-01 and 2026-03-02: From")
         assert driver.sees("How much is noise is not yet known")
         await driver.press("escape", "right")
         assert driver.sees("■ 2026-03-02 12 12 60")

@@ -16,7 +16,8 @@ from sar_tui.reports import comparison_words, dose_words, progress_words
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
 from sar_tui.reports.progress_figures import level_figure, result_figure
-from sar_tui.reports.progress_parts import level_part
+from sar_tui.reports.progress_parts import level_part, results_part
+from sar_tui.reports.session_chart import Columns
 from sar_tui.store.adverse_events import AdverseEvent
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
@@ -280,7 +281,7 @@ def test_the_note_tells_of_the_highest_pain_if_it_was_neither_first_nor_last(key
 def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
     line = of(keyboard, *steady(6)).lines[0]
     tr = progress_words.words("en", keyboard)
-    low, tall = (level_part(line, size, 5, tr, ["! Pain is new."]) for size in ((78, 20), (78, 46)))
+    low, tall = (level_part(line, size, 5, tr, advice=["! Pain is new."]) for size in ((78, 20), (78, 46)))
     assert len(low) <= 20
     assert "! Pain is new." in " ".join(low)
     assert not any(row.startswith("reaction time (s)") for row in low)
@@ -361,3 +362,25 @@ def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: ty
     drawn = level_figure(of(keyboard, *steady(2), easy).lines[0], 120, 16, progress_words.words("en", keyboard))
     assert "^ all too easy" in drawn[0]
     assert "^" in drawn[1]
+
+
+def test_one_session_is_not_said_to_be_the_first_and_the_last(keyboard: type[Task]) -> None:
+    (line,) = of(keyboard, *steady(1)).lines
+    tr = progress_words.words("en", keyboard)
+    shown = " ".join(results_part(line, (78, 20), 0, tr))
+    assert "In the only session: correct 95%." in shown
+    assert progress_words.note("P01", line, tr).startswith(
+        "P01, Keyboard reaction · goal 1.0 s: 1 session on 2026-02-27; 20 of 20 attempts done,"
+    )
+
+
+def test_the_session_to_compare_with_has_a_sign_on_the_axis(keyboard: type[Task]) -> None:
+    (line,) = of(keyboard, *steady(6)).lines
+    tr = progress_words.words("en", keyboard)
+    for draw in (level_part, results_part):
+        (foot,) = (row for row in draw(line, (78, 20), 5, tr, "session001") if "└" in row)
+        assert 0 < foot.index("◆") < foot.index("▲")
+
+
+def test_values_that_differ_by_rounding_have_equal_bars() -> None:
+    assert Columns(3, 3).bars([0.95, 0.95 + 1e-15, 0.95]) == "▄▄▄"

@@ -35,7 +35,9 @@ _TABLE = 86
 """Columns of the table of sessions where it is beside another part."""
 _HEADING_AND_KEYS = 3
 """Rows above and below the parts."""
-NONE_YET = "No session yet."
+NONE_YET = (
+    "No attempt has been finished yet. Adverse events and scores of other instruments can be entered in their parts."
+)
 
 
 class ProgressScreen(Records, Reports, DismissedOnce[None]):
@@ -186,7 +188,7 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         if is_wide and line:
             size = (sides[1] - 2, height)
             if self._part_name == "Sessions":
-                beside.update(colored(parts.level_part(line, size, self._chosen, self._tr)))
+                beside.update(colored(parts.level_part(line, size, self._chosen, self._tr, self._marked)))
             else:
                 beside.update(colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked)))
 
@@ -206,12 +208,12 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
             case "Events" | "Instruments":
                 return self._lines_of_records(size)
             case _ if line is None:
-                return [NONE_YET]
+                return parts.wrapped([NONE_YET], size[0])
             case "Level":
                 said = [f"! {text}" for text in advice(self._found.tell)]
-                return parts.level_part(line, size, self._chosen, tr, said)
+                return parts.level_part(line, size, self._chosen, tr, self._marked, said)
             case "Results":
-                return parts.results_part(line, size, self._chosen, tr)
+                return parts.results_part(line, size, self._chosen, tr, self._marked)
             case _:
                 return parts.sessions_part(line, size, self._chosen, tr, self._marked)
 
@@ -221,9 +223,10 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         chosen = line.sessions[self._chosen]
         when, felt = parts.session_text(line, chosen, self._tr)
         if self._marked == chosen.session:
-            felt = "Choose the session to compare it with. Esc: no comparison."
+            felt = "Up and Down: choose the session to compare it with. Esc: no comparison."
         elif self._marked and (comparison := compare(self._found, self._marked, chosen.session)):
-            felt = comparison_words.compared(line, comparison, self._tr)
+            days = [progress_words.day(each.began) for each in (comparison.earlier, comparison.later)]
+            felt = f"{days[0]} and {days[1]}: {comparison_words.compared(line, comparison, self._tr)}"
         return "\n".join([f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")])
 
     # --- keys ----------------------------------------------------------------------------------------------------
