@@ -27,6 +27,7 @@ COMMANDS = {
     "adverse": "adverse:app",
     "export": "export:export",
     "detect": "detect:detect",
+    "replay": "replay:replay",
     "reanalyse": "reanalyse:reanalyse",
     "progress": "progress:progress",
     "validate": "validate:validate",

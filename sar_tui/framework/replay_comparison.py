@@ -5,17 +5,80 @@ transforms differently, and must not keep a session from being resumed.
 """
 
 import math
-from typing import Any
+from collections import deque
+from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.framework.messages import Message, TrialEnded
+from sar_tui.framework.bus import Record
+from sar_tui.framework.messages import Fault, Message, TrialEnded
 
 WORDING = frozenset({"text", "spoken", "hint", "notice", "detail", "goal", "attempt_name", "remark", "advice", "why"})
 """Fields whose texts are for people only, so that a corrected sentence does not prevent a resume."""
 
 ROUNDING = 1e-9
 """Largest difference of two numbers, relative and absolute, that comes from rounding."""
+
+
+class Difference(NamedTuple):
+    """The first message that is not as recorded. ``recorded`` or ``derived`` is None if one of them is missing."""
+
+    recorded: Record | None
+    derived: Record | None
+
+    @property
+    def seq(self) -> int:
+        """The number of the message."""
+        return (self.recorded or self._only_derived).seq
+
+    @property
+    def topic(self) -> str:
+        """The name of the topic of the recorded message, or of the derived one if nothing was recorded."""
+        return (self.recorded or self._only_derived).topic.name
+
+    @property
+    def _only_derived(self) -> Record:
+        assert self.derived
+        return self.derived
+
+
+class Comparison:
+    """Compares a record with what nodes derive, as far as there are both.
+
+    Attributes:
+        same: number of messages that are as recorded.
+        difference: the first difference; None if there is none yet.
+    """
+
+    def __init__(self) -> None:
+        self.same = 0
+        self.difference: Difference | None = None
+        self._recorded: deque[Record] = deque()
+        self._derived: deque[Record] = deque()
+
+    def expect(self, record: Record) -> None:
+        """Add a recorded message."""
+        self._recorded.append(record)
+
+    def derive(self, cascade: list[Record]) -> None:
+        """Add what the nodes derived, except for samples. This is a tap on their bus."""
+        self._derived.extend(record for record in cascade if not record.topic.stream)
+
+    def advance(self) -> None:
+        """Compare the messages that were added in pairs, and forget them."""
+        while self._recorded and self._derived and not self.difference:
+            was, now = self._recorded.popleft(), self._derived.popleft()
+            if was.topic is now.topic and is_same(was.message, now.message):
+                self.same += 1
+            else:
+                self.difference = Difference(was, now)
+
+    def finish(self) -> None:
+        """Note what is left over: it was recorded and not derived, or derived and not recorded."""
+        if not self.difference and (self._recorded or self._derived):
+            self.difference = Difference(
+                self._recorded[0] if self._recorded else None, self._derived[0] if self._derived else None
+            )
 
 
 def is_same(recorded: Message, derived: Message) -> bool:
@@ -27,6 +90,8 @@ def is_same(recorded: Message, derived: Message) -> bool:
 
 def _without_wording(message: Message) -> Any:
     values = _blank(msgspec.to_builtins(message))
+    if isinstance(message, Fault):  # where the code stands, on the machine of the session
+        values["place"] = values["trace"] = ""
     if isinstance(message, TrialEnded):  # earlier versions stored absent details, and empty responses, in two ways
         values["response"] = message.response or None
         values["details"] = {name: value for name, value in values["details"].items() if value is not None}

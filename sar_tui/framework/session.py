@@ -1,6 +1,5 @@
 """A session: the nodes, inputs and outputs on one bus."""
 
-from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -16,7 +15,7 @@ from sar_tui.framework.nodes.arbiter import Arbiter
 from sar_tui.framework.nodes.event_handler import EventHandler
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.nodes.perception import Perception
-from sar_tui.framework.replay_comparison import is_same
+from sar_tui.framework.replay_comparison import Comparison
 from sar_tui.framework.rules import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -168,22 +167,31 @@ class Session:
     def replay(self, history: Iterable[Record]) -> None:
         """Bring the nodes to the state at the end of a record. Call it before ``begin``.
 
-        The recorded inputs are published in order, each at its recorded time. The messages that the nodes derive are
-        compared with the record, except for wording and for the faults of inputs and outputs, which are not attached
-        yet. Then the session's own clock is used again, and the numbers of messages continue those of the record.
-
         Raises:
             ReplayError: the derived messages differ from the record.
         """
+        compared = self.compare(history)
+        if difference := compared.difference:
+            if not (difference.recorded and difference.derived):
+                raise ReplayError("The record of this session is incomplete: it cannot be resumed.")
+            raise ReplayError(
+                f"Message {difference.seq} ({difference.topic}) differs from the record: "
+                "the task, the theme or the program has changed since."
+            )
+        if fault := self.broken:
+            raise ReplayError(f"The task failed in this session: {fault.error}, {fault.place}.")
+
+    def compare(self, history: Iterable[Record]) -> Comparison:
+        """Derive the messages of a record anew, up to the first one that differs. Call it before ``begin``.
+
+        The recorded inputs are published in order, each at its recorded time. The messages that the nodes derive are
+        compared with the record, except for wording and for the faults of inputs and outputs, which are not attached
+        yet. Then the session's own clock is used again, and the numbers of messages continue those of the record.
+        """
         clock = VirtualClock()
         self.bus.clock = clock
-        derived: deque[Record] = deque()
-        expected: deque[Record] = deque()
-
-        def listen(cascade: list[Record]) -> None:
-            derived.extend(record for record in cascade if not record.topic.stream)
-
-        self.bus.tap(listen)
+        compared = Comparison()
+        self.bus.tap(compared.derive)
         last = 0
         for record in history:
             if isinstance(record.message, SessionStarted):
@@ -194,16 +202,16 @@ class Session:
             if not record.topic.stream:
                 last = record.seq
                 if not self._is_fault_of_extra(record):
-                    expected.append(record)
-            _compare(expected, derived)
-        self.bus.untap(listen)
+                    compared.expect(record)
+            compared.advance()
+            if compared.difference:
+                break
+        compared.finish()
+        self.bus.untap(compared.derive)
         self.bus.clock = self.clock
-        if expected or derived:
-            raise ReplayError("The record of this session is incomplete: it cannot be resumed.")
-        if fault := self.broken:
-            raise ReplayError(f"The task failed in this session: {fault.error}, {fault.place}.")
         if last:
             self.bus.count_from(last + 1)
+        return compared
 
     def _is_fault_of_extra(self, record: Record) -> bool:
         return isinstance(record.message, Fault) and record.message.node not in {node.name for node in self.core}
@@ -224,17 +232,6 @@ class Session:
     def _agent_acted(self, agent: AgentActing) -> None:
         self.is_agent_acting = agent.acting
         self.awaits_operator = agent.awaits_operator
-
-
-def _compare(expected: deque[Record], derived: deque[Record]) -> None:
-    """Compare recorded with derived messages as far as there are both, and forget them."""
-    while expected and derived:
-        was, now = expected.popleft(), derived.popleft()
-        if was.topic is not now.topic or not is_same(was.message, now.message):
-            raise ReplayError(
-                f"Message {was.seq} ({was.topic.name}) differs from the record: "
-                "the task, the theme or the program has changed since."
-            )
 
 
 def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:

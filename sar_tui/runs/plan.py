@@ -175,6 +175,16 @@ def set_up(kind: type[Task], parameters: TaskParameters) -> Task:
     """
     if (parameters.outputs, parameters.speech) != (("screen",), "sound"):  # the check loads the sound library
         check_outputs(parameters)
+    return without_outputs(kind, parameters)
+
+
+def without_outputs(kind: type[Task], parameters: TaskParameters) -> Task:
+    """Return the task with its parameters, whose outputs are not opened and may be missing here.
+
+    Raises:
+        ParameterError: the task does not have the start level or the lowest level.
+        Failed: the task raised.
+    """
     try:
         task = kind(parameters)
         levels = task.levels

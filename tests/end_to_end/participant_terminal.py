@@ -2,6 +2,7 @@
 
 import json
 import sqlite3
+import subprocess
 import sys
 import time
 from contextlib import closing
@@ -69,3 +70,12 @@ def rows(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:
 def only_session(data: Path) -> str:
     ((session,),) = rows(data, "SELECT id FROM sessions")
     return str(session)
+
+
+def replays_identically(data: Path) -> bool:
+    """Return True if the only session comes out as recorded when it is replayed, and has messages."""
+    words = command("replay", only_session(data), "--data", str(data), "--json")
+    called = subprocess.run(words, capture_output=True, text=True, check=False)
+    result = json.loads(called.stdout or "{}")
+    assert called.returncode == 0, called.stderr or result["first_difference"]
+    return bool(result["identical"] and result["events"])

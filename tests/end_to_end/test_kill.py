@@ -12,7 +12,14 @@ from sar_tui.framework.trial_types import Situation
 from sar_tui.plugins import Catalogue
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
-from tests.end_to_end.participant_terminal import command, only_session, rows, run_command, see_the_summary
+from tests.end_to_end.participant_terminal import (
+    command,
+    only_session,
+    replays_identically,
+    rows,
+    run_command,
+    see_the_summary,
+)
 
 PROMPTS = 8
 
@@ -48,6 +55,7 @@ def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
     trials = rows(data, "SELECT attempt, trial, stimulus FROM trials ORDER BY attempt, trial")
     assert [(a, t) for a, t, _ in trials] == [(a, t) for a in range(1, attempts + 1) for t in range(1, PROMPTS + 1)]
     assert trials == _prompts_it_would_have_had(data, catalogue)
+    assert replays_identically(data)
 
 
 def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[int, int, str]]:

@@ -16,7 +16,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.store import imu
 from sar_tui.store.database import connect
 from sar_tui.timing.pty import Terminal
-from tests.end_to_end.participant_terminal import command, only_session, rows, see_the_summary
+from tests.end_to_end.participant_terminal import command, only_session, replays_identically, rows, see_the_summary
 from tests.examples import QUICK
 
 KILLS = 1 if QUICK else 3
@@ -172,3 +172,4 @@ def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data
     assert streams == [(run, run, "simulated", 250.0) for run in range(1, KILLS + 2)]
     seqs = [seq for (seq,) in rows(data, "SELECT seq FROM events ORDER BY seq")]
     assert seqs == list(range(1, len(seqs) + 1))
+    assert replays_identically(data)

@@ -15,6 +15,7 @@ from tests.end_to_end.participant_terminal import (
     ScreenReader,
     command,
     only_session,
+    replays_identically,
     rows,
     run_command,
     see_the_agent_still,
@@ -47,6 +48,11 @@ def test_every_press_is_stored_with_its_correctness(whole_session: tuple[Path, l
     assert {correct for _, _, correct in recorded} == {0, 1}, "the script planned both"
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
     assert rows(data, "SELECT count(*) FROM attempts") == [(2,)]
+
+
+def test_it_is_replayed_identically(whole_session: tuple[Path, list[Press]]) -> None:
+    data, _ = whole_session
+    assert replays_identically(data)
 
 
 def test_each_trial_stores_its_timing_quality(whole_session: tuple[Path, list[Press]]) -> None:

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from tests.end_to_end.operator_terminal import Row, SessionTerminals, plain
-from tests.end_to_end.participant_terminal import rows
+from tests.end_to_end.participant_terminal import replays_identically, rows
 
 WORDS = "Lovely, and now a little slower."
 NOTE = "rubs the left wrist"
@@ -83,6 +83,7 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
     ((at, author, text),) = rows(data, "SELECT at_ns, author, text FROM notes")
     assert (author, text) == ("operator.ana", NOTE)
     assert feedback[1]["started_ns"] < at < feedback[2]["proposed_ns"], "stamped with the session's own clock"
+    assert replays_identically(data)
 
 
 def _is_stored(terminals: SessionTerminals, proposal: Row) -> bool:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import Prompt, Stored, TrialEnded
+from sar_tui.framework.messages import Fault, Prompt, Stored, TrialEnded
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.parameters import build
 from sar_tui.framework.replay_comparison import is_same
@@ -268,6 +268,14 @@ def test_numbers_that_another_processor_rounds_differently_do_not_stop_a_replay(
     assert not is_same(recorded, measured(-5.2560557, [0.0, 1.5]))
     assert not is_same(recorded, measured(-5.256055605931666, [0.0]))
     assert not is_same(recorded, measured(-5.256055605931665, [0.0, 1.5], trial=trial.trial + 1))
+
+
+def test_a_failure_is_the_same_wherever_the_code_that_failed_stands() -> None:
+    def failed(error: str, line: int) -> Fault:
+        return Fault(node="task", topic="input/key", error=error, place=f"line {line} of task.py", trace=f"line {line}")
+
+    assert is_same(failed("KeyError: 3", 12), failed("KeyError: 3", 14))
+    assert not is_same(failed("KeyError: 3", 12), failed("KeyError: 4", 12))
 
 
 @given(st.data())

@@ -1,0 +1,113 @@
+"""A stored session run again from its inputs, on the virtual clock, without screen, outputs and devices."""
+
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import SessionStarted
+from sar_tui.framework.parameters import build
+from sar_tui.framework.replay_comparison import Difference
+from sar_tui.framework.session import Session
+from sar_tui.plugins import DEFAULT_THEME, Catalogue
+from sar_tui.replay.versions import RecordedVersions, Versions, present, recorded
+from sar_tui.runs.plan import without_outputs
+from sar_tui.store import sessions
+from sar_tui.store.database import StoreError
+from sar_tui.store.rescue import rescue_files
+
+
+class FirstDifference(msgspec.Struct, frozen=True):
+    """The first message that differs. ``recorded`` or ``derived`` is None if there is no such message.
+
+    Its number ``seq`` is that of the view ``events``. ``topic`` is that of the recorded message, or of the derived one
+    if nothing was recorded. ``derived_topic`` differs from it if another kind of message was derived in its place.
+    """
+
+    seq: int
+    topic: str
+    recorded: dict[str, Any] | None
+    derived: dict[str, Any] | None
+    derived_topic: str | None
+
+
+class Replayed(msgspec.Struct, frozen=True):
+    """Result of a replay. ``events``: number of messages that came out as recorded, up to the first difference."""
+
+    session: str
+    identical: bool
+    events: int
+    first_difference: FirstDifference | None
+    recorded_with: tuple[RecordedVersions, ...]
+    replayed_with: Versions
+
+
+def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row: sessions.Row) -> Replayed:
+    """Feed the recorded inputs of a session through the nodes, and compare what follows with the record.
+
+    What a session knew of its participants at its beginning (best results, what was done that day) is in its record,
+    as are its theme's words and looks: later sessions and an edited theme change nothing.
+
+    Args:
+        database: only read.
+        folder: the data folder.
+        catalogue: where the task is found.
+        row: of the session, from `store.sessions.find`.
+
+    Raises:
+        StoreError: the session is running, part of it is in a rescue file, or its record cannot be read.
+        PluginError: its task is not installed any more.
+        ParameterError: its parameters are not those of the present task.
+        Failed: its task cannot be set up.
+    """
+    _check(folder, row)
+    versions = present(row, catalogue)
+    kind = catalogue.task(row["task"])
+    task = without_outputs(kind, build(kind.Parameters, row["parameters"]))
+    theme = catalogue.theme(DEFAULT_THEME, task.parameters.language)  # until the record names its own
+    session = Session(task, theme, VirtualClock(), row["seed"])
+    runs: list[SessionStarted] = []
+    compared = session.compare(_noting_runs(sessions.history(database, row["id"]), runs))
+    rules = {started.run: started.rules for started in runs}
+    themes = {started.run: started.theme for started in runs}
+    return Replayed(
+        session=row["id"],
+        identical=compared.difference is None,
+        events=compared.same,
+        first_difference=_described(compared.difference) if compared.difference else None,
+        recorded_with=recorded(database, row, rules, themes),
+        replayed_with=versions,
+    )
+
+
+def _check(folder: Path, row: sessions.Row) -> None:
+    """Raise StoreError if the record of a session is not whole, or still grows."""
+    if row["status"] == "running":
+        raise StoreError(f"The session {row['id']} is running. Replay it when it has ended.", bad_input=True)
+    if files := rescue_files(folder, row["id"]):
+        raise StoreError(
+            f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` first.", bad_input=True
+        )
+
+
+def _noting_runs(history: Iterator[Record], runs: list[SessionStarted]) -> Iterator[Record]:
+    """Yield the messages of a record, and add the beginnings of its runs to ``runs``."""
+    for record in history:
+        if isinstance(record.message, SessionStarted):
+            runs.append(record.message)
+        yield record
+
+
+def _described(difference: Difference) -> FirstDifference:
+    was, now = difference.recorded, difference.derived
+    return FirstDifference(
+        seq=difference.seq,
+        topic=difference.topic,
+        recorded=msgspec.to_builtins(was.message) if was else None,
+        derived=msgspec.to_builtins(now.message) if now else None,
+        derived_topic=now.topic.name if now else None,
+    )

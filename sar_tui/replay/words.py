@@ -1,0 +1,63 @@
+"""The result of a replay in sentences."""
+
+from typing import Any
+
+from sar_tui.framework.replay_comparison import WORDING
+from sar_tui.replay.replay import FirstDifference, Replayed
+from sar_tui.replay.versions import changes
+
+_LONGEST = 60
+"""Longest value that is quoted, in characters."""
+
+
+def sentences(replayed: Replayed) -> list[str]:
+    """Return the sentences that tell the result of a replay: what came out, and what has changed since."""
+    return [*_result(replayed), *_versions(replayed)]
+
+
+def _result(replayed: Replayed) -> list[str]:
+    name, count = replayed.session, replayed.events
+    if difference := replayed.first_difference:
+        return [f"Session {name} differs from its record after {_messages(count)}.", *_difference(difference)]
+    if not count:
+        return [f"Session {name} has no messages: there is nothing to compare."]
+    return [f"Session {name} is identical: {_messages(count)} came out as recorded."]
+
+
+def _messages(count: int) -> str:
+    return f"{count} message{'' if count == 1 else 's'}"
+
+
+def _difference(difference: FirstDifference) -> list[str]:
+    where = f"Message {difference.seq} ({difference.topic})"
+    if difference.recorded is None:
+        return [f"{where} follows from the inputs, but was not recorded."]
+    if difference.derived is None:
+        return [f"{where} was recorded, but does not follow from the inputs."]
+    if difference.derived_topic != difference.topic:
+        return [f"{where} was recorded; in its place follows {difference.derived_topic}."]
+    was, now = difference.recorded, difference.derived
+    changed = [name for name in was | now if name not in WORDING and was.get(name) != now.get(name)]
+    return [
+        f"{where}:",
+        *(f"  {name}: {_short(was.get(name))} recorded, {_short(now.get(name))} now" for name in changed),
+    ]
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
+
+
+def _versions(replayed: Replayed) -> list[str]:
+    now = replayed.replayed_with
+    found = {run.run: changes(run, now) for run in replayed.recorded_with}
+    version = f"sar-tui {now.sar_tui}, {now.task} {now.task_version}, theme {now.theme}"
+    rules = ", ".join(dict.fromkeys(str(run.rules) for run in replayed.recorded_with if run.rules is not None))
+    if not any(found.values()):
+        return [f"Recorded and replayed with {version}{f', rules {rules}' if rules else ''}."]
+    several = len(found) > 1
+    return [
+        f"Replayed with {version}.",
+        *(f"Run {run}: {text}" if several else text for run, texts in found.items() for text in texts),
+    ]

@@ -1,0 +1,203 @@
+"""``sar-tui replay``: a recorded session comes out the same, and what was changed is found."""
+
+import gzip
+import json
+import shutil
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+import tests.store.test_earlier_data as earlier
+from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.framework.topics import SESSION
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.run import resume, start
+from sar_tui.simulation.participant import SimulatedParticipant
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import locks, sessions
+from sar_tui.store.database import connect
+from tests.examples import first_rows
+from tests.program import Call
+
+SIMULATED = [
+    (task, user, seed, operated)
+    for seed, user in enumerate(("average", "poor", "competent", "average", "poor"), 1)
+    for task, operated in (("keyboard", True), ("pairs", False), ("reaching", False), ("keyboard", False))
+]
+"""Twenty sessions."""
+PLAN = make_plan(Catalogue(), Catalogue().task("keyboard"), ["P01"], {"attempts": 3, "prompts_per_attempt": 3}, seed=4)
+
+
+def simulate(call: Call, task: str, user: str, seed: int, operated: bool = False) -> str:
+    codes = ("-p", "P01", "-p", "P02") if task == "pairs" else ("-p", "P01")
+    operator = ("--operator", "careful") if operated else ()
+    made = call("simulate", task, "--user", user, "--seed", seed, "--attempts", 2, *codes, *operator, "--json")
+    assert made.code == 0, made.err
+    return str(made.json["session"])
+
+
+def make_participants(task: Any, theme: Any, seed: int) -> list[SimulatedParticipant]:
+    return [SimulatedParticipant(PEOPLE["average"], task, seed)]
+
+
+def play(data: Path, *cuts: int, seed: int = 4) -> str:
+    """Play a live session on the virtual clock, cut off and resumed after each number of steps; return its id."""
+    clock = VirtualClock()
+    run = start(msgspec.structs.replace(PLAN, seed=seed), data, Catalogue(), clock, make_participants)
+    for number, steps in enumerate([*cuts, 10**6], 1):
+        run.begin()
+        for _ in range(steps):
+            if run.session.ended or not clock.step():
+                break
+        run.recorder.write()
+        run.close()
+        if number <= len(cuts):
+            clock = VirtualClock(number * 1000 * SECOND)
+            run = resume(run.id, data, Catalogue(), clock, make_participants)
+    return run.id
+
+
+def dump(data: Path) -> list[str]:
+    with closing(sqlite3.connect(data / "sar-tui.db")) as database:
+        return list(database.iterdump())
+
+
+@pytest.mark.parametrize(("task", "user", "seed", "operated"), first_rows(3, SIMULATED))
+def test_a_simulated_session_is_identical(call: Call, task: str, user: str, seed: int, operated: bool) -> None:
+    called = call("replay", simulate(call, task, user, seed, operated), "--json")
+    assert called.json["identical"], called.json["first_difference"]
+    assert (called.code, called.json["first_difference"]) == (0, None)
+    (recorded,) = called.json["recorded_with"]
+    assert {name: value for name, value in recorded.items() if name != "run"} == called.json["replayed_with"]
+
+
+def test_what_a_participant_does_later_does_not_change_an_earlier_session(call: Call, data: Path) -> None:
+    first, second = play(data, seed=4), play(data, seed=5)
+    play(data, seed=6)
+    (best,) = [r.message.best for r in sessions.history(connect(data), second) if r.topic is SESSION]
+    assert best, "the second session knew results of the first"
+    for session in (first, second):
+        assert call("replay", session).code == 0
+
+
+def test_a_resumed_and_an_interrupted_session_are_identical(call: Call, data: Path) -> None:
+    resumed = play(data, 12, 20)
+    result = call("replay", resumed, "--json").json
+    assert (result["identical"], [run["run"] for run in result["recorded_with"]]) == (True, [1, 2, 3])
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET status='interrupted' WHERE id=?", (resumed,))
+        database.execute("DELETE FROM messages WHERE run > 2")
+    assert call("replay", resumed).code == 0
+
+
+def test_a_replay_writes_nothing(call: Call, data: Path, simulated: str) -> None:
+    before = dump(data)
+    assert call("replay", "last").code == 0
+    assert dump(data) == before
+
+
+# --- differences ---------------------------------------------------------------------------------------------------
+
+
+def plant(data: Path, topic: str, field: str, value: object) -> int:
+    """Change a field of the second message of a topic; return the number of the message."""
+    with closing(connect(data)) as database:
+        seq, id, text = database.execute(
+            "SELECT seq, topic, message FROM messages JOIN topics ON id=topic WHERE name=? ORDER BY seq LIMIT 1, 1",
+            (topic,),
+        ).fetchone()
+        values = json.loads(text)
+        (layout,) = database.execute("SELECT fields FROM topics WHERE id=?", (id,)).fetchone()
+        values[[name for name, *_ in json.loads(layout)].index(field)] = value
+        database.execute("UPDATE messages SET message=? WHERE seq=?", (json.dumps(values), seq))
+    return int(seq)
+
+
+@pytest.mark.parametrize(
+    ("topic", "field", "value"),
+    [
+        ("event_handler/trial", "reaction_time_ms", 1.5),
+        ("event_handler/prompt", "level", 9),
+        ("event_handler/attempt_ended", "correct", 0),
+    ],
+)
+def test_a_planted_difference_is_found_at_its_message(
+    call: Call, data: Path, simulated: str, topic: str, field: str, value: object
+) -> None:
+    seq = plant(data, topic, field, value)
+    called = call("replay", simulated, "--json")
+    found = called.json["first_difference"]
+    assert (called.code, called.json["identical"], found["seq"], found["topic"]) == (1, False, seq, topic)
+    assert found["recorded"][field] == value != found["derived"][field]
+    assert called.json["events"] == seq - 1
+    told = call("replay", simulated)
+    assert told.code == 1
+    assert f"Message {seq} ({topic}):\n  {field}: {value!r} recorded, " in told.out
+
+
+def test_a_removed_message_is_found_where_it_was(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        (seq,) = database.execute("SELECT max(seq) FROM events WHERE topic='event_handler/trial'").fetchone()
+        database.execute("DELETE FROM messages WHERE seq=?", (seq,))
+    found = call("replay", simulated, "--json").json["first_difference"]
+    assert (found["seq"], found["derived_topic"]) == (seq + 1, "event_handler/trial")
+    assert "in its place follows event_handler/trial." in call("replay", simulated).out
+
+
+def test_a_task_that_was_changed_is_named(call: Call, data: Path, tmp_path: Path) -> None:
+    shutil.copytree("tasks/keyboard", tmp_path / "own" / "keyboard")
+    session = simulate(call, "keyboard", "average", 1)
+    assert "The files of the task keyboard" not in call("replay", session).out
+    task = tmp_path / "own" / "keyboard" / "task.py"
+    task.write_text(f"{task.read_text()}\n# changed\n")
+    called = call("replay", session, "--tasks", tmp_path / "own")
+    assert (called.code, "The files of the task keyboard have changed." in called.out) == (0, True)
+
+
+# --- sessions that are not whole -----------------------------------------------------------------------------------
+
+
+def test_a_running_session_is_refused(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET status='running'")
+    with locks.hold(data, "session", simulated):
+        assert call("replay", simulated) == (
+            2,
+            "",
+            f"The session {simulated} is running. Replay it when it has ended.\n",
+        )
+
+
+def test_a_session_of_a_task_that_is_gone_is_refused(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET task='gone'")
+    called = call("replay", simulated)
+    assert (called.code, called.err.startswith("There is no task gone.")) == (2, True)
+
+
+def test_a_theme_that_is_gone_is_not_needed(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET theme='gone'")
+    called = call("replay", simulated)
+    assert (called.code, "The theme gone is not installed." in called.out) == (0, True)
+
+
+def test_an_empty_session_has_nothing_to_compare(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        database.execute("DELETE FROM messages")
+    assert "has no messages: there is nothing to compare." in call("replay", simulated).out
+    assert call("replay", simulated, "--json").json["events"] == 0
+
+
+@pytest.mark.parametrize("session", earlier.ALL)
+def test_sessions_of_an_earlier_version_are_identical(call: Call, data: Path, session: str) -> None:
+    data.mkdir()
+    (data / "sar-tui.db").write_bytes(gzip.decompress(Path(earlier.__file__).with_name("earlier.db.gz").read_bytes()))
+    called = call("replay", session, "--json")
+    assert (called.code, called.json["identical"]) == (0, True), called.json["first_difference"]
+    assert {run["rules"] for run in called.json["recorded_with"]} == {1}
