@@ -18,7 +18,7 @@ _COMMON = settings(
 
 
 def fewer(number: int) -> int:
-    """Return a number of examples, or a fifth of it, at least 4, in a quick run."""
+    """Return a number of examples, or a tenth of it, at least 4, in a quick run."""
     return max(4, number // _SHARE) if QUICK else number
 
 
@@ -28,7 +28,7 @@ def examples(number: int) -> settings:
 
 
 def load_profile() -> None:
-    """Set the default of every property: 100 examples, or 20 in a quick run."""
+    """Set the default of every property: 100 examples, or 10 in a quick run."""
     settings.register_profile("sar-tui", examples(100))
     settings.load_profile("sar-tui")
 
