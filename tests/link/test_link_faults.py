@@ -267,7 +267,7 @@ async def test_flood_is_held_back_and_an_operator_can_still_act(session: LinkSes
     def flood() -> None:
         with zenoh.open(config(socket_settings(session.live.socket))) as flooder:
             publisher = flooder.declare_publisher(keys.act(ANNA), congestion_control=zenoh.CongestionControl.BLOCK)
-            deadline = time.monotonic() + 5
+            deadline = time.monotonic() + 60
             while not publisher.matching_status.matching and time.monotonic() < deadline:
                 time.sleep(0.01)
             for what in (act, b"\xc1", b"x" * 100_000):

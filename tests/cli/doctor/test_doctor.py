@@ -100,11 +100,11 @@ def test_checks_that_wait_for_devices_and_the_voice_wait_side_by_side(
     together = Barrier(4)
 
     def meets(name: str) -> Finding:
-        together.wait(timeout=10)
+        together.wait(timeout=60)
         return Finding(name, "ok", "met the others")
 
     def voice() -> Examined:
-        together.wait(timeout=10)
+        together.wait(timeout=60)
         return Examined(card="Null")
 
     for name in ("sensor_driver", "motion_sensor", "servo_controller"):

@@ -84,10 +84,13 @@ def test_an_engine_that_hangs_is_aborted_by_a_stop(calm: Theme, engine: str) -> 
         assert listener.wait("a2").state == "done"
 
 
-def test_an_engine_that_hangs_is_killed_after_a_while_and_the_next_is_spoken(calm: Theme) -> None:
+def test_an_engine_that_hangs_is_killed_after_a_while_and_the_next_is_spoken(
+    calm: Theme, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.outputs.sound.supervisor._A_LETTER_S", 0.3)
     with listening(Sound(backends=NOBODY, program=program_with(HANGS), patience_s=1.0), calm) as listener:
-        listener.speech.say("a1", "Please hang.")
-        listener.speech.say("a2", "Well done.")
+        listener.speech.say("a1", "hang")
+        listener.speech.say("a2", "Well done. " * 10)  # so long a text has half a minute to begin
         assert listener.wait("a1").detail == "The voice did not begin within 1 s and was ended."
         assert listener.wait("a2").state == "done"
         assert listener.states("a1") == ["failed"]
@@ -206,7 +209,10 @@ def test_stop_of_speech_leaves_the_tones(calm: Theme) -> None:
         assert listener.wait("a1-tone").state == "done"
 
 
-def test_a_voice_that_stops_on_request_is_used_again(calm: Theme, tmp_path: Path) -> None:
+def test_a_voice_that_stops_on_request_is_used_again(
+    calm: Theme, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.outputs.sound.supervisor._STOP_S", 60.0)  # it may be late on a busy machine
     file = tmp_path / "pids"
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
         for action in ("a1", "a2", "a3"):
