@@ -128,7 +128,7 @@ def _figure(
     names = [*(name for name, *_ in (*felt, *bars)), *event]
     margin = max(_LEAST_MARGIN, *(len(label) + 1 for _, label in ticks), *(len(name) + 1 for name in names))
     columns = Columns(len(values), max(10, width - margin))
-    below = [f"{name:<{margin}}{columns.numbers(numbers, form)}" for name, numbers, form in bars]
+    below = [f"{name:<{margin}}{tr.figures(columns.numbers(numbers, form))}" for name, numbers, form in bars]
     below += [f"{name:<{margin}}{columns.figures(numbers)}" for name, numbers in felt]
     below += [f"{name:<{margin}}{columns.signs(has_event, EVENT)}" for name in event]
     notes = [tr("A column holds up to {most} sessions.", most=columns.most)] if columns.most > 1 else []

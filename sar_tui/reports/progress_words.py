@@ -12,6 +12,7 @@ from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.reports.progress import AtGoal, LineProgress, Progress, SessionProgress
 from sar_tui.reports.wellbeing import advice, dated_event
 
+_ENGLISH = Language()
 _FOLDER = Path(__file__).parent
 
 
@@ -291,10 +292,15 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 # --- other instruments --------------------------------------------------------------------------------------
 
 
-def published(value: Published, instrument: Instrument) -> str:
+def published(value: Published, instrument: Instrument, tr: Language = _ENGLISH) -> str:
     """Return a published change with its source: "MCID 9 to 13 points, acute to subacute stroke (Arya 2011)"."""
-    size = f"{value.low:g}" if value.low == value.high else f"{value.low:g} to {value.high:g}"
-    return f"{value.kind} {size} {instrument.unit}, {value.of} ({value.source})"
+    return f"{_published_size(value, instrument, tr)} ({value.source})"
+
+
+def _published_size(value: Published, instrument: Instrument, tr: Language) -> str:
+    low, high = f"{value.low:g}", f"{value.high:g}"
+    size = tr.figures(low) if low == high else tr("{low} to {high}", low=low, high=high)
+    return f"{value.kind} {size} {tr(instrument.unit)}, {tr(value.of)}"
 
 
 def instrument_change(found: InstrumentChange, tr: Language) -> str:
@@ -315,8 +321,9 @@ def instrument_change(found: InstrumentChange, tr: Language) -> str:
         )
     ]
     for each in found.reached:
-        value = published(each.published, found.instrument)
-        said.append(tr("Reaches {value}.", value=value) if each.reached else tr("Below {value}.", value=value))
+        size = _published_size(each.published, found.instrument, tr)
+        compared = tr("Reaches {value}", value=size) if each.reached else tr("Below {value}", value=size)
+        said.append(f"{compared} ({each.published.source}).")  # no decimal comma in a DOI
     if not found.reached:
         said.append(tr("No change of it that could be compared is published."))
     return " ".join(said)

@@ -384,3 +384,10 @@ def test_the_session_to_compare_with_has_a_sign_on_the_axis(keyboard: type[Task]
 
 def test_values_that_differ_by_rounding_have_equal_bars() -> None:
     assert Columns(3, 3).bars([0.95, 0.95 + 1e-15, 0.95]) == "▄▄▄"
+
+
+def test_the_measures_below_a_chart_have_the_decimal_comma_of_the_language(keyboard: type[Task]) -> None:
+    (line,) = of(keyboard, *(session(n, adapted(n), qualities={"sparc": -1.6}) for n in range(3))).lines
+    drawn = "\n".join(result_figure(line, 80, 20, progress_words.words("es", keyboard)))
+    assert drawn.count("-1,6") == 3
+    assert "-1.6" not in drawn
