@@ -39,7 +39,7 @@ def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) 
     catalogue = Catalogue()
     few, full = folder / "few", folder / "many"
     for data, count in ((few, FEW), (full, many)):
-        _fill(data, catalogue, count)
+        fill(data, catalogue, count)
     times: dict[str, tuple[list[float], list[float]]] = {name: ([], []) for name in _LOOKS}
     for _ in range(REPEATED):
         for name, look in _LOOKS.items():
@@ -86,7 +86,7 @@ _LOOKS: dict[str, Callable[[Path], None]] = {
 }
 
 
-def _fill(data: Path, catalogue: Catalogue, count: int) -> None:
+def fill(data: Path, catalogue: Catalogue, count: int) -> None:
     """Store a simulated session and copies of it, as sessions of one participant."""
     plan = make_plan(catalogue, "keyboard", [_WHO], seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["average"], data, catalogue)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks import agent, commands, many_sessions, operator, paint, response, sensor, simulate
+from benchmarks import agent, commands, export, many_sessions, operator, paint, response, sensor, simulate
 
 
 class Extent(NamedTuple):
@@ -74,12 +74,18 @@ def _operator(extent: Extent) -> Any:
     return operator.measure(acts, extent.trials, extent.folder, acted, attended)
 
 
+def _export(extent: Extent) -> Any:
+    few, many = (5, 20) if extent.quick else (25, 250)
+    return export.measure(few, many, extent.folder, extent.progress("exports", export.steps()))
+
+
 PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "response": _response,
     "paint": _paint,
     "commands": _commands,
     "simulate": _simulate,
     "sessions": _sessions,
+    "export": _export,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

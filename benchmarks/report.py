@@ -52,7 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "sessions", "sensor", "agent", "operator"):
+    for name in ("response", "sessions", "export", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -114,6 +114,25 @@ def _sessions(many: Results) -> dict[str, Rows]:
     }
 
 
+def _export(exported: Results) -> dict[str, Rows]:
+    return {
+        "An export as CSV": [
+            ["sessions", "rows", "rows per second", "a bare loop's", "ratio of the times", "peak memory (MB)"],
+            *(
+                [
+                    f"{size['sessions']}",
+                    f"{size['rows']}",
+                    f"{size['rows_per_s']:.0f}",
+                    f"{size['bare_rows_per_s']:.0f}",
+                    f"{size['ratio']:.2f}",
+                    f"{size['memory_mb']:.0f}",
+                ]
+                for size in exported["sizes"]
+            ),
+        ]
+    }
+
+
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
@@ -166,6 +185,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "commands": _commands,
     "simulate": _simulate,
     "sessions": _sessions,
+    "export": _export,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,
