@@ -1,12 +1,13 @@
 """The contents of an export, as every format gets them: tables whose rows come from the database one by one."""
 
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from sar_tui.export.columns import Table, Values
 from sar_tui.export.json_columns import Declared, declared_keys
+from sar_tui.export.passports import Passport
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.selection import Selection
 from sar_tui.export.tables.actions import ACTIONS
@@ -42,6 +43,7 @@ class Contents:
         selection: Selection,
         privacy: Privacy,
         catalogue: "Catalogue",
+        passports: Sequence[Passport] = (),
         *,
         with_events: bool = False,
     ) -> None:
@@ -55,7 +57,10 @@ class Contents:
             programme_parameters(fields),
             INSTRUMENT_SCORES,
             ADVERSE_EVENTS,
-            sessions({row["id"]: row["status"] for row in selection.sessions}),
+            sessions(
+                {row["id"]: row["status"] for row in selection.sessions},
+                {session: each.sha256 for each in passports for session in each.sessions},
+            ),
             parameters(fields),
             RUNS,
             WELLBEING,

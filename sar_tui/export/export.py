@@ -1,7 +1,7 @@
 """Exports sessions: selects them, and lets a format write them into a folder that is complete or absent."""
 
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,10 +12,14 @@ import msgspec
 from sar_tui.export.contents import Contents
 from sar_tui.export.errors import ExportError
 from sar_tui.export.manifest import write_manifest
+from sar_tui.export.methods import FILE as METHODS
+from sar_tui.export.methods import methods
+from sar_tui.export.passports import FILE as PASSPORTS
+from sar_tui.export.passports import Passport, passports
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.recoding import recoding
 from sar_tui.export.registry import Format
-from sar_tui.export.selection import Request, select
+from sar_tui.export.selection import Request, Selection, select
 from sar_tui.export.target import check, sync, target
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
@@ -103,10 +107,12 @@ def export(
         selection = select(database, data, request)
         recoded = recoding(database, options.recode, selection.participants) if options.recode else None
         privacy = Privacy(options.with_notes, recoded)
-        contents = Contents(database, selection, privacy, catalogue, with_events=options.with_events)
+        measured = passports(selection.sessions, with_dates=recoded is None)
+        contents = Contents(database, selection, privacy, catalogue, measured, with_events=options.with_events)
         with target(folder, format.name) as hidden:
             format.write(contents, hidden, start(contents.steps))
             snapshot.close()
+            _add_provenance(hidden, selection, measured)
             is_recorded = isinstance(database, StoreConnection)  # others can only read
             problems = [*selection.refused, *contents.problems, *([] if is_recorded else [_UNRECORDED])]
             manifest = write_manifest(
@@ -137,6 +143,13 @@ def export(
         problems=problems,
         manifest=manifest,
     )
+
+
+def _add_provenance(folder: Path, selection: Selection, measured: Sequence[Passport]) -> None:
+    """Write the timing of the machines, and the methods in words, beside the data."""
+    timing = msgspec.json.format(msgspec.json.encode({"passports": measured}))
+    (folder / PASSPORTS).write_bytes(timing + b"\n")
+    (folder / METHODS).write_text(methods(selection.sessions, measured), encoding="utf-8")
 
 
 @contextmanager

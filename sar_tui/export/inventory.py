@@ -76,6 +76,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "multiplexer": "open",
         "flags": "open",
         "timing": "parts",
+        "timing.sha256": "open",
     },
     "seats": {"session": "open", "seat": "open", "participant": "code"},
     "runs": {

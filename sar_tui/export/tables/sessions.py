@@ -80,26 +80,35 @@ _COLUMNS = (
     stored("sessions.programme", "integer", "Version of the participant's programme; missing: there was none."),
     *_SOFTWARE.values(),
     *_MACHINE.values(),
+    stored(
+        "sessions.machine.timing.sha256",
+        "string",
+        "The measured timing of the machine in timing.json; missing: not measured.",
+        name="timing_sha256",
+    ),
 )
 
 
-def sessions(statuses: Mapping[str, str]) -> Table:
+def sessions(statuses: Mapping[str, str], passports: Mapping[str, str]) -> Table:
     """Return the table of sessions.
 
     Args:
         statuses: of the sessions, by id: a session that is stored as running may have been cut off.
+        passports: the SHA-256 of their timing passports, by id.
     """
     return Table(
         name="sessions",
         title="A session",
         columns=_COLUMNS,
         key=("session",),
-        rows=partial(_rows, statuses),
+        rows=partial(_rows, statuses, passports),
         references=(Reference(("participant",), "participants", ("participant",)),),
     )
 
 
-def _rows(statuses: Mapping[str, str], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _rows(
+    statuses: Mapping[str, str], passports: Mapping[str, str], database: sqlite3.Connection, session: str
+) -> Iterator[Values]:
     for row in database.execute(
         "SELECT id, mode, task, theme, NULL, started_at, ended_at, own.participant, other.participant, seed, programme,"
         " software, machine FROM sessions"
@@ -109,7 +118,12 @@ def _rows(statuses: Mapping[str, str], database: sqlite3.Connection, session: st
     ):
         *plain, software, machine = row
         plain[4] = statuses[session]
-        yield (*plain, *_parts(object_of(software), _SOFTWARE), *_parts(object_of(machine), _MACHINE))
+        yield (
+            *plain,
+            *_parts(object_of(software), _SOFTWARE),
+            *_parts(object_of(machine), _MACHINE),
+            passports.get(session),
+        )
 
 
 def _parts(value: dict[str, Any], columns: Mapping[str, Column]) -> Iterator[Any]:
