@@ -1,13 +1,12 @@
 """Patient mode: a participant trains alone, and only the passphrase leads to any other screen."""
 
 import contextlib
-import dataclasses
 import os
 import signal
 import sys
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from textual.binding import ActiveBinding, Binding, BindingType
+from textual.binding import Binding, BindingType
 
 from sar_tui.app.opening import OpeningApp
 from sar_tui.plugins import PluginError
@@ -21,16 +20,6 @@ if TYPE_CHECKING:
 
 _HELD_BACK = ("SIGTSTP", "SIGQUIT")
 """Signals that would show the shell, beside SIGINT and a SIGHUP whose terminal is still there."""
-
-
-def keys_in_mode(app: Any, bindings: dict[str, ActiveBinding]) -> dict[str, ActiveBinding]:
-    """Return a screen's bindings; in patient mode the key that leaves the app, which does nothing there, is hidden."""
-    return {
-        key: active._replace(binding=dataclasses.replace(active.binding, show=False))
-        if app.patient and active.binding.id == "quit"
-        else active
-        for key, active in bindings.items()
-    }
 
 
 class PatientModeApp(OpeningApp):
