@@ -6,9 +6,9 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from statistics import median
 from typing import Any
 
+from benchmarks.turns import measure_in_turns
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -28,20 +28,9 @@ def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str
         for command in COMMANDS:
             options = [] if command.startswith("-") else ["--data", own]
             lines[command] = [sys.executable, "-m", "sar_tui", command, *options]
-        seconds: dict[str, list[float]] = {name: [] for name in PROGRAMS}
-        for start in range(starts + 1):
-            for name in PROGRAMS:
-                taken = _seconds(lines[name])
-                if start:
-                    seconds[name].append(taken)
-                on_start()
-    medians = {name: median(taken) for name, taken in seconds.items()}
-    return {
-        "starts": starts,
-        "median_s": medians,
-        "ratios": {name: medians[name] / medians[PYTHON] for name in COMMANDS},
-        "seconds": {name: [round(value, 4) for value in taken] for name, taken in seconds.items()},
-    }
+        measured = measure_in_turns(lines, starts, _seconds, on_start)
+    medians = measured["median_s"]
+    return measured | {"ratios": {name: medians[name] / medians[PYTHON] for name in COMMANDS}}
 
 
 def _record_sessions(folder: Path) -> None:

@@ -4,9 +4,9 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from statistics import median
 from typing import Any
 
+from benchmarks.turns import measure_in_turns
 from sar_tui.timing.pty import Terminal, visible
 
 _PATIENCE = 20_000_000_000
@@ -36,17 +36,6 @@ def measure(starts: int, folder: Path, on_start: Callable[[], None]) -> dict[str
             "empty Textual": [sys.executable, "-m", "benchmarks.empty"],
             "sar-tui": [sys.executable, "-m", "sar_tui", "--data", own],
         }
-        seconds: dict[str, list[float]] = {name: [] for name in commands}
-        for start in range(starts + 1):
-            for name, command in commands.items():
-                taken = first_paint(command)
-                if start:
-                    seconds[name].append(taken)
-                on_start()
-    medians = {name: median(taken) for name, taken in seconds.items()}
-    return {
-        "starts": starts,
-        "median_s": medians,
-        "ratio": medians["sar-tui"] / medians["empty Textual"],
-        "seconds": {name: [round(value, 4) for value in taken] for name, taken in seconds.items()},
-    }
+        measured = measure_in_turns(commands, starts, first_paint, on_start)
+    medians = measured["median_s"]
+    return measured | {"ratio": medians["sar-tui"] / medians["empty Textual"]}
