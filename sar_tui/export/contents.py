@@ -81,11 +81,12 @@ class Contents:
             for column in table.columns
             if not privacy.leaves(column)
         ]  # fmt: skip
+        self._codes = {privacy.code(code): code for code in selection.participants}
         self._persons = {row["id"]: row["participant"] for row in selection.sessions}
-        self._owners = {"session": selection.ids, "participant": selection.participants}
+        self._owners = {"session": selection.ids, "participant": list(self._codes)}
 
     def owners(self, table: Table) -> list[str]:
-        """Return the sessions, or the participants, that the table has rows of. They are for ``rows``, not to leave."""
+        """Return the sessions that the table has rows of, by id, or the participants, by their codes as they leave."""
         return self._owners[table.of]
 
     @property
@@ -96,11 +97,12 @@ class Contents:
     def rows(self, table: Table, owner: str) -> Iterator[Values]:
         """Yield the rows of one session or participant in a table: a value for each of its columns, None if missing."""
         whole = self._whole[table.name]
-        found = whole.rows(self._database, owner)
+        stored = owner if table.of == "session" else self._codes[owner]
+        found = whole.rows(self._database, stored)
         kept = [index for index, column in enumerate(whole.columns) if self._privacy.leaves(column)]
         if len(kept) < len(whole.columns):
             found = map(_picker(kept), found)
-        return self._privacy.changed(table, found, self._persons.get(owner, owner))
+        return self._privacy.changed(table, found, self._persons.get(stored, stored))
 
 
 def _picker(kept: list[int]) -> Any:

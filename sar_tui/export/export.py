@@ -114,7 +114,7 @@ def export(
             snapshot.close()
             _add_provenance(hidden, selection, measured)
             is_recorded = isinstance(database, StoreConnection)  # others can only read
-            problems = [*selection.refused, *contents.problems, *([] if is_recorded else [_UNRECORDED])]
+            problems = [*selection.refused, *dict.fromkeys(contents.problems), *([] if is_recorded else [_UNRECORDED])]
             manifest = write_manifest(
                 hidden,
                 format=format.name,

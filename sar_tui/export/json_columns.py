@@ -58,10 +58,11 @@ def columns(
     What nobody declares may be anything: its texts leave only if texts are asked for.
     """
     found: dict[str, set[Type]] = {key: set(one.types) for key, one in declared.items()}
+    # A damaged value has no keys; reading its row reports it.
+    value = f"CASE WHEN json_valid({table}.{column}) THEN {table}.{column} ELSE '{{}}' END"
     rows = database.execute(
-        f"SELECT DISTINCT part.key, part.type FROM {table}, json_each({table}.{column}) AS part"
-        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({table}.{column})='object'"
-        " ORDER BY part.key",
+        f"SELECT DISTINCT part.key, part.type FROM {table}, json_each({value}) AS part"
+        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({value})='object' ORDER BY part.key",
         (msgspec.json.encode(list(sessions)).decode(),),
     )
     for key, kind in rows:

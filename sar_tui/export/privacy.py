@@ -21,6 +21,10 @@ class Privacy(msgspec.Struct, frozen=True):
     with_notes: bool = False
     recoded: Mapping[str, Recoded] | None = None
 
+    def code(self, participant: str) -> str:
+        """Return a participant's code as it leaves."""
+        return participant if self.recoded is None else self.recoded[participant].code
+
     def leaves(self, column: Column) -> bool:
         """Return True if the values of a column may leave."""
         return column.treatment != "text" or self.with_notes
@@ -39,15 +43,11 @@ class Privacy(msgspec.Struct, frozen=True):
         if self.recoded is None:
             return rows
         changes: dict[str, Callable[[str], str | None]] = {
-            "code": partial(_code, self.recoded),
+            "code": self.code,
             "time": partial(shifted, days=self.recoded[participant].shift_days),
         }
         which = [(index, changes[c.treatment]) for index, c in enumerate(table.columns) if c.treatment in changes]
         return (_changed(row, which) for row in rows) if which else rows
-
-
-def _code(recoded: Mapping[str, Recoded], code: str) -> str:
-    return recoded[code].code
 
 
 def _changed(row: Values, which: list[tuple[int, Callable[[str], str | None]]]) -> Values:

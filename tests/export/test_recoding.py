@@ -5,6 +5,7 @@ import os
 from contextlib import closing
 from datetime import date
 from pathlib import Path
+from typing import Any
 
 import frictionless
 import pytest
@@ -69,6 +70,24 @@ def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path)
         plain, recoded = read_csv(tmp_path / "plain", table), read_csv(tmp_path / "out", table)
         assert [codes[row["participant"]][0] for row in plain] == [row["participant"] for row in recoded]
     assert frictionless.validate(str(tmp_path / "out" / "datapackage.json")).valid
+
+
+def test_a_format_gets_no_code_but_the_random_ones(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: set[str] = set()
+
+    class Names:
+        name = "csv"
+
+        def write(self, contents: Any, folder: Path, progress: Any) -> None:
+            for table in contents.tables:
+                for owner in contents.owners(table):
+                    seen.add(owner)
+                    seen.update(str(value) for row in contents.rows(table, owner) for value in row)
+
+    monkeypatch.setattr("tests.export.exported.load", lambda name: Names())
+    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+    assert {code for code, _ in read_map(tmp_path / "map.csv").values()} <= seen
+    assert seen & CODES == set()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
