@@ -44,16 +44,14 @@ def add_event(
     tasks: Tasks = None,
 ) -> None:
     """Report an adverse event."""
-    from contextlib import closing
-
     from sar_tui.drivers.login_name import login_name
     from sar_tui.store import adverse_events, participants
-    from sar_tui.store.database import StoreError, connect
+    from sar_tui.store.database import StoreError
     from sar_tui.store.sessions import find
 
     home = Home.of(context, data, tasks)
     code = participants.check_code(participant)
-    with closing(connect(home.folder)) as database:
+    with home.writable_database() as database:
         found = find(database, home.folder, session) if session is not None else None
         if found and code not in (found["participant"], found["partner"]):
             raise StoreError(f"The session {found['id']} is not one of {code}.", bad_input=True)
@@ -87,14 +85,11 @@ def amend_event(
     tasks: Tasks = None,
 ) -> None:
     """Add what is known now of an adverse event, such as its outcome. What was recorded before is kept."""
-    from contextlib import closing
-
     from sar_tui.drivers.login_name import login_name
     from sar_tui.store import adverse_events
-    from sar_tui.store.database import connect
 
     home = Home.of(context, data, tasks)
-    with closing(connect(home.folder)) as database:
+    with home.writable_database() as database:
         changed = adverse_events.amend(
             database, event, login_name(), onset=onset, what=what, severity=severity, action=action, outcome=outcome
         )

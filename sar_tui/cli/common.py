@@ -137,6 +137,17 @@ class Home(NamedTuple):
             database.close()
 
     @contextmanager
+    def writable_database(self) -> "Iterator[sqlite3.Connection]":
+        """Open the database to write to it, made if there is none, and close it afterwards. Raises StoreError."""
+        from sar_tui.store.database import connect
+
+        database = connect(self.folder)
+        try:
+            yield database
+        finally:
+            database.close()
+
+    @contextmanager
     def session(self, name: str) -> "Iterator[tuple[sqlite3.Connection, dict[str, Any]]]":
         """Open the database at a recorded session, given its id, the start of it, or ``last``. Raises StoreError."""
         from sar_tui.store.sessions import find

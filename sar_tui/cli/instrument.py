@@ -49,15 +49,12 @@ def add_score(
     tasks: Tasks = None,
 ) -> None:
     """Enter a score. A second one for the same day replaces the first, which is kept in the database."""
-    from contextlib import closing
-
     from sar_tui.drivers.login_name import login_name
     from sar_tui.progress.instruments import Score
     from sar_tui.store import instrument_scores, participants
-    from sar_tui.store.database import connect
 
     home = Home.of(context, data, tasks)
-    with closing(connect(home.folder)) as database:
+    with home.writable_database() as database:
         code = participants.check_code(participant)
         stored = instrument_scores.add(database, code, Score(name, on, score, note), author=login_name())
     if as_json:
@@ -77,14 +74,11 @@ def remove_score(
     tasks: Tasks = None,
 ) -> None:
     """Remove a score that was entered by mistake. It no longer counts, and is kept in the database."""
-    from contextlib import closing
-
     from sar_tui.drivers.login_name import login_name
     from sar_tui.store import instrument_scores, participants
-    from sar_tui.store.database import connect
 
     home = Home.of(context, data, tasks)
-    with closing(connect(home.folder)) as database:
+    with home.writable_database() as database:
         code = participants.check_known(database, participant)
         removed = instrument_scores.remove(database, code, name, on, author=login_name())
     if as_json:

@@ -227,15 +227,12 @@ def import_programme(
     tasks: Tasks = None,
 ) -> None:
     """Save a file or a preset as the next version of a programme."""
-    from contextlib import closing
-
     from sar_tui.cli.common import checked_settings
     from sar_tui.drivers.login_name import login_name
     from sar_tui.framework.parameters import build, changed, usable
     from sar_tui.runs.plan import make_plan
     from sar_tui.runs.presets import find
     from sar_tui.store import participants, programmes
-    from sar_tui.store.database import connect
 
     if (file is None) == (preset is None):
         raise Refused("Name either a file or a preset: --preset mild. `sar-tui programme presets TASK` lists them.")
@@ -248,7 +245,7 @@ def import_programme(
     given = find(home.folder, kind, preset) if preset is not None else _read(file)
     if given.task != task:
         raise Refused(f"This programme is for the task {given.task}, not {task}.")
-    with closing(connect(home.folder)) as database:
+    with home.writable_database() as database:
         last = programmes.newest(database, code, task)
         after = last.version
         if file is not None and given.participant.upper() == code and given.version and not anyway:
