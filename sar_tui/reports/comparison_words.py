@@ -1,5 +1,7 @@
 """Two sessions of a participant compared in words: how they differ, or why that cannot be said and what would help."""
 
+from collections.abc import Sequence
+
 from sar_tui.framework.language import Language
 from sar_tui.progress.lines import Side
 from sar_tui.reports.progress import Comparison, LineProgress
@@ -55,7 +57,7 @@ def _results(line: LineProgress, found: Comparison, tr: Language) -> list[str]:
     """Return how the results differ at the levels that were played in both sessions."""
     if found.earlier_mean is None or found.later_mean is None:
         return [tr("No level was played in both, so their results cannot be compared either.")]
-    levels = ", ".join(map(str, found.shared_levels))
+    levels = _levels(found.shared_levels, tr)
     said = (
         tr("Mean at level {level}:", level=levels)
         if len(found.shared_levels) == 1
@@ -67,6 +69,14 @@ def _results(line: LineProgress, found: Comparison, tr: Language) -> list[str]:
         later=result(line, found.later_mean, tr),
     )
     return [f"{said} {means}"]
+
+
+def _levels(levels: Sequence[int], tr: Language) -> str:
+    """Return levels in words: "1, 2", "1 to 8"."""
+    first, last = levels[0], levels[-1]
+    if len(levels) > 2 and last - first == len(levels) - 1:
+        return tr("{low} to {high}", low=str(first), high=str(last))
+    return ", ".join(map(str, levels))
 
 
 def _remedies(line: LineProgress, found: Comparison, tr: Language) -> list[str]:

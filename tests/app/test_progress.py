@@ -2,6 +2,7 @@
 
 import sqlite3
 from contextlib import closing
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -10,10 +11,11 @@ from sar_tui.app.screens import progress as progress_screen
 from sar_tui.app.screens.past_session import PastSessionScreen
 from sar_tui.app.screens.progress import NONE_YET, ProgressScreen
 from sar_tui.plugins import Catalogue
+from sar_tui.progress.instruments import Score
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import adverse_events, sessions
+from sar_tui.store import adverse_events, instrument_scores, sessions
 from sar_tui.store.database import connect
 from tests.app.app_driver import AppDriver, known, open_app
 
@@ -128,11 +130,23 @@ async def test_scores_are_entered_in_their_range_and_removed_where_they_are_show
         assert driver.sees("A score of ARAT lies between 0 and 57, not at 58.")
         await driver.press("backspace", "7", "enter", "enter", *"left", "enter")
         assert driver.sees("ARAT 57 points left")
-        await driver.press("delete")
+        await driver.press("a")
+        assert driver.sees("This replaces 57 of the same day.")
+        await driver.press("escape", "delete")
         assert driver.sees("The database keeps it")
         await driver.press("enter")
         assert driver.sees("No score of another instrument yet.")
         assert driver.stored("SELECT score, removed FROM instrument_scores") == [(57.0, 0), (57.0, 1)]
+
+
+async def test_a_score_is_chosen_once_it_is_entered(data: Path, catalogue: Catalogue) -> None:
+    known(data)
+    with closing(connect(data)) as database:
+        instrument_scores.add(database, "P01", Score("BBT", "2026-03-01", 20), author="ana")
+    async with open_app(data, catalogue) as driver:
+        await open_progress(driver, catalogue)
+        await driver.press("left", "a", "tab", *"25", "enter", "enter", "enter")
+        assert driver.sees(f"▸ {date.today()} BBT 25 blocks")
 
 
 async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(data: Path, catalogue: Catalogue) -> None:

@@ -125,6 +125,12 @@ def test_sessions_that_all_beat_the_goal_are_compared_by_their_results_and_what_
     assert english_in([spanish], SPANISH) == []
 
 
+def test_levels_that_follow_each_other_are_a_range(keyboard: type[Task]) -> None:
+    results = [AttemptResult(level, 400.0 + 10 * level, 20) for level in (1, 2, 3, 4)]
+    found = of(keyboard, session(0, results), session(1, results))
+    assert "Mean at levels 1 to 4, played in both: 0.4" in compared_in(found, 0, 1, "en", keyboard)
+
+
 def test_of_two_sessions_the_one_whose_level_at_goal_is_not_known_is_named(keyboard: type[Task]) -> None:
     found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
     assert compared_in(found, 0, 9, "en", keyboard).startswith(

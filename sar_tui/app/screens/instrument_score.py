@@ -84,14 +84,23 @@ class InstrumentScoreScreen(DismissedOnce[bool], ModalScreen[bool]):
         self._check_score()
 
     @on(Input.Changed, "#score")
+    @on(Input.Changed, "#date")
     def _check_score(self) -> None:
-        text, problem = self.query_one("#score", Input).value.strip(), ""
+        text, problem = self.query_one("#score", Input).value.strip(), self._replaced()
         if text:
             try:
                 instrument_scores.check_score(self._instrument, _number(text))
             except StoreError as error:
                 problem = str(error)
         self.query_one("#problem", Static).update(problem)
+
+    def _replaced(self) -> str:
+        """Return that a score of the same instrument and day would be replaced; empty if there is none."""
+        day = self.query_one("#date", Input).value.strip()
+        for each in instrument_scores.scores_of(self.app.database, self._participant):
+            if (each.instrument, each.date) == (self._instrument.name, day):
+                return f"This replaces {each.score:g} of the same day."
+        return ""
 
     @on(Input.Submitted)
     def _entered(self, event: Input.Submitted) -> None:

@@ -1,12 +1,15 @@
 """Keys of the progress screen that enter, change and remove adverse events and scores of other instruments."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from textual.screen import Screen
 
 from sar_tui.framework.language import Language
+from sar_tui.progress.instruments import Score
 from sar_tui.reports import record_parts
 from sar_tui.reports.progress import Progress
+from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.database import StoreError
 
 RECORDS = ("Events", "Instruments")
@@ -35,16 +38,19 @@ class Records(Screen[None]):
     def _show(self) -> None:
         raise NotImplementedError
 
-    def _count_records(self) -> int:
-        """Return the number of rows in the list that is shown; 0 in other parts."""
+    def _shown_records(self) -> Sequence[AdverseEvent | Score]:
+        """Return the rows of the list that is shown; none in other parts."""
         if self._found is None:
-            return 0
+            return ()
         match self._part_name:
             case "Events":
-                return len(self._found.events)
+                return self._found.events
             case "Instruments":
-                return len(record_parts.scores(self._found))
-        return 0
+                return record_parts.scores(self._found)
+        return ()
+
+    def _count_records(self) -> int:
+        return len(self._shown_records())
 
     @property
     def _chosen_record(self) -> int:
@@ -105,7 +111,11 @@ class Records(Screen[None]):
         self.app.push_screen(RemoveScoreScreen(score), remove)
 
     def _entered(self, is_changed: bool | None) -> None:
-        """Show what was entered: the list, and the charts it is marked in."""
+        """Show what was entered, and choose it: in the list, and in the charts it is marked in."""
+        before = self._shown_records()
         if is_changed and self._load():
+            new = [number for number, each in enumerate(self._shown_records()) if each not in before]
+            if new:
+                self._records[self._part_name] = new[-1]
             self.refresh_bindings()
             self._show()
