@@ -148,16 +148,21 @@ def _store(data: Path, rows: list[dict[str, Any]]) -> None:
 
 def test_the_files_are_what_their_description_says(call: Call, tmp_path: Path) -> None:
     for task in ("keyboard", "reaching", "pairs"):
-        call("simulate", task, "--user", "poor", "--attempts", 1, "--seed", 3)
+        call("simulate", task, "--user", "poor", "--attempts", 1, "--seed", 3, "--operator", "careful")
     with closing(connect(tmp_path / "data")) as database:
         database.execute("UPDATE trials SET stimulus=?, response=NULL WHERE trial=2", ('¿"Sí"?\r\nno, no',))
         database.execute("UPDATE attempts SET metric=9e999 WHERE attempt=1")
+        note = 'Dice: "me duele",\r\ny descansa; ñ'
+        database.execute("INSERT INTO notes SELECT id, 1, 'operator.ana', ?, 'pausa' FROM sessions", (note,))
     _store(tmp_path / "data", [{"stimulus": "f", "details": None}])
     folder = tmp_path / "out"
     export_csv(tmp_path / "data", folder, with_notes=True, with_events=True)
     found = frictionless.validate(str(folder / "datapackage.json"))
     assert found.flatten(["name", "type", "note", "rowNumber", "fieldName"]) == []
     assert len(found.tasks) == 17
+    assert {row["text"] for row in read_csv(folder, "notes") if row["label"] == "pausa"} == {note}
+    assert {row["decided_by"] for row in read_csv(folder, "actions")} >= {"agent", "operator"}
+    assert any(row["state"] == "gap" for row in read_csv(folder, "sensor_faults"))
 
 
 def test_every_field_of_the_timing_and_of_a_choice_has_a_column(call: Call, simulated: str, tmp_path: Path) -> None:
