@@ -33,6 +33,8 @@ COMMANDS = {
     "validate": "validate:validate",
     "graph": "graph:graph",
     "serve": "serve:serve",
+    "backup": "backup:backup",
+    "check": "check:check",
     "rescue": "rescue:rescue",
     "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",

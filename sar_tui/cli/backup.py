@@ -1,0 +1,47 @@
+"""``sar-tui backup``: copy all recorded data."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
+from sar_tui.tui.exit_codes import FAILED
+
+
+def backup(
+    context: typer.Context,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to",
+            parser=named_path,
+            metavar="DIR|FILE",
+            show_default=False,
+            help="A folder, or the file to make. Default: the folder backups in the data folder.",
+        ),
+    ] = None,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Restore the copy into an empty folder, and examine it there.")
+    ] = False,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Copy the database, also while a session goes on."""
+    from sar_tui.store.backup import back_up, rehearse
+
+    home = Home.of(context, data, tasks)
+    made = back_up(home.folder, to)
+    found = rehearse(made.path) if verify else []
+    if as_json:
+        whole = {"verified": verify and not found, "flaws": [flaw._asdict() for flaw in found]} if verify else {}
+        print_json({"file": str(made.path), "sessions": made.sessions, "bytes": made.bytes, **whole})
+    else:
+        print(f"{made.sessions} session{'' if made.sessions == 1 else 's'} in {made.path}")
+        if verify and not found:
+            print("It was restored into an empty folder: it opens there, and all of it is whole.")
+        for flaw in found:
+            print(f"✗ {f'{flaw.where}: ' if flaw.where else ''}{flaw.what}")
+    if found:
+        raise typer.Exit(FAILED)

@@ -1,0 +1,54 @@
+"""``sar-tui backup`` and ``sar-tui check``."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.store.database import FILE
+from tests.program import Call
+
+
+@pytest.mark.usefixtures("simulated")
+def test_whole_data_is_told_with_its_numbers(call: Call, tmp_path: Path) -> None:
+    called = call("check")
+    assert called.code == 0
+    assert called.out == f"All data in {tmp_path / 'data'} is whole (4 attempts, 80 trials).\n"
+    assert call("check", "--json").json["flaws"] == []
+
+
+def test_flaws_are_named_with_their_session(call: Call, simulated: str, tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
+        database.execute("DELETE FROM trials WHERE attempt=2 AND trial=3")
+    called = call("check")
+    assert (called.code, called.out) == (1, f"✗ {simulated}: Of 20 trials of attempt 2, 1 are missing.\n")
+    flaw = {"kind": "gap", "where": simulated, "what": "Of 20 trials of attempt 2, 1 are missing."}
+    assert call("check", "--json").json["flaws"] == [flaw]
+    called = call("backup", "--verify")
+    assert called.code == 1
+    assert f"✗ {simulated}: Of 20 trials" in called.out
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_backup_says_where_it_is_and_can_be_verified(call: Call, tmp_path: Path) -> None:
+    called = call("backup", "--to", tmp_path / "mine.db", "--verify")
+    assert called.code == 0
+    assert called.out.splitlines() == [
+        f"1 session in {tmp_path / 'mine.db'}",
+        "It was restored into an empty folder: it opens there, and all of it is whole.",
+    ]
+    again = call("backup", "--to", tmp_path / "mine.db")
+    assert (again.code, again.err) == (
+        2,
+        f"{tmp_path / 'mine.db'} exists, and a backup replaces nothing. Name another file.\n",
+    )
+    made = call("backup", "--json", "--verify").json
+    assert Path(made["file"]).parent == tmp_path / "data" / "backups"
+    assert (made["sessions"], made["verified"]) == (1, True)
+
+
+def test_without_data_there_is_nothing_to_back_up(call: Call) -> None:
+    called = call("backup")
+    assert called.code == 2
+    assert called.err.startswith("There is no data in ")
