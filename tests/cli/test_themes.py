@@ -1,6 +1,7 @@
 """``sar-tui themes``: list, create, check."""
 
 import errno
+import re
 import shutil
 import tomllib
 from collections.abc import Callable
@@ -219,7 +220,7 @@ def test_phrases_that_fall_back_to_english_are_named(call: Call, change: Change)
     called = call("themes", "check", folder)
     assert called.code == 1
     assert "✓ has every phrase in en" in called.out
-    assert "✗ has every phrase in es (128 wordings)" in called.out
+    assert re.search(r"✗ has every phrase in es \(\d+ wordings\)", called.out)
     assert "    There is no wording for rest (es); English is used." in called.out
     printed = call("themes", "check", folder, "--json").json
     assert (printed["passed"], printed["english"]) == (False, {"es": ["rest"]})
