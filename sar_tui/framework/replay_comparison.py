@@ -6,6 +6,7 @@ transforms differently, and must not keep a session from being resumed.
 
 import math
 from collections import deque
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import msgspec
@@ -60,12 +61,9 @@ class Comparison:
         """Add a recorded message."""
         self._recorded.append(record)
 
-    def derive(self, cascade: list[Record]) -> None:
-        """Add what the nodes derived, except for samples. This is a tap on their bus."""
-        self._derived.extend(record for record in cascade if not record.topic.stream)
-
-    def advance(self) -> None:
-        """Compare the messages that were added in pairs, and forget them."""
+    def derive(self, records: Iterable[Record]) -> None:
+        """Add messages that the nodes derived, and compare as far as there are both."""
+        self._derived.extend(records)
         while self._recorded and self._derived and not self.difference:
             was, now = self._recorded.popleft(), self._derived.popleft()
             if was.topic is now.topic and is_same(was.message, now.message):

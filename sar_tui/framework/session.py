@@ -1,6 +1,7 @@
 """A session: the nodes, inputs and outputs on one bus."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import closing
 from typing import Any
 
 from sar_tui.framework.attempts import NextAttempt
@@ -184,34 +185,50 @@ class Session:
     def compare(self, history: Iterable[Record]) -> Comparison:
         """Derive the messages of a record anew, up to the first one that differs. Call it before ``begin``.
 
-        The recorded inputs are published in order, each at its recorded time. The messages that the nodes derive are
-        compared with the record, except for wording and for the faults of inputs and outputs, which are not attached
-        yet. Then the session's own clock is used again, and the numbers of messages continue those of the record.
+        Wording does not count, nor do faults of inputs and outputs, which are not attached yet.
+        """
+        compared = Comparison()
+        with closing(self.derive(history)) as derived:
+            for record, cascade in derived:
+                if not record.topic.stream and not self._is_fault_of_extra(record):
+                    compared.expect(record)
+                compared.derive(cascade)
+                if compared.difference:
+                    break
+        compared.finish()
+        return compared
+
+    def derive(self, history: Iterable[Record]) -> Generator[tuple[Record, list[Record]], None, None]:
+        """Yield each message of a record, with all messages that the nodes derive now if it is an input.
+
+        The recorded inputs are published in order, each at its recorded time. Then the session's own clock is used
+        again, and the numbers of messages continue those of the record.
         """
         clock = VirtualClock()
         self.bus.clock = clock
-        compared = Comparison()
-        self.bus.tap(compared.derive)
+        derived: list[Record] = []
+
+        def listen(cascade: list[Record]) -> None:
+            derived.extend(record for record in cascade if not record.topic.stream)
+
+        self.bus.tap(listen)
         last = 0
-        for record in history:
-            if isinstance(record.message, SessionStarted):
-                self._rules = self.task.rules = record.message.rules
-            if record.topic.origin == "input":
-                clock.set(record.at)
-                self.bus.publish(record.topic, record.message)
-            if not record.topic.stream:
-                last = record.seq
-                if not self._is_fault_of_extra(record):
-                    compared.expect(record)
-            compared.advance()
-            if compared.difference:
-                break
-        compared.finish()
-        self.bus.untap(compared.derive)
-        self.bus.clock = self.clock
-        if last:
-            self.bus.count_from(last + 1)
-        return compared
+        try:
+            for record in history:
+                if isinstance(record.message, SessionStarted):
+                    self._rules = self.task.rules = record.message.rules
+                if record.topic.origin == "input":
+                    clock.set(record.at)
+                    self.bus.publish(record.topic, record.message)
+                if not record.topic.stream:
+                    last = record.seq
+                yield record, derived[:]
+                derived.clear()
+        finally:
+            self.bus.untap(listen)
+            self.bus.clock = self.clock
+            if last:
+                self.bus.count_from(last + 1)
 
     def _is_fault_of_extra(self, record: Record) -> bool:
         return isinstance(record.message, Fault) and record.message.node not in {node.name for node in self.core}

@@ -1,7 +1,7 @@
 """A stored session run again from its inputs, on the virtual clock, without screen, outputs and devices."""
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ import msgspec
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.messages import SessionStarted
-from sar_tui.framework.parameters import build
+from sar_tui.framework.parameters import build, current_values
 from sar_tui.framework.replay_comparison import Difference
 from sar_tui.framework.session import Session
 from sar_tui.plugins import DEFAULT_THEME, Catalogue
@@ -66,10 +66,7 @@ def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row
     """
     _check(folder, row)
     versions = present(row, catalogue)
-    kind = catalogue.task(row["task"])
-    task = without_outputs(kind, build(kind.Parameters, row["parameters"]))
-    theme = catalogue.theme(DEFAULT_THEME, task.parameters.language)  # until the record names its own
-    session = Session(task, theme, VirtualClock(), row["seed"])
+    session = new_session(row, catalogue, {})
     runs: list[SessionStarted] = []
     compared = session.compare(_noting_runs(sessions.history(database, row["id"]), runs))
     rules = {started.run: started.rules for started in runs}
@@ -82,6 +79,18 @@ def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row
         recorded_with=recorded(database, row, rules, themes),
         replayed_with=versions,
     )
+
+
+def new_session(row: sessions.Row, catalogue: Catalogue, changed: Mapping[str, object]) -> Session:
+    """Return a session like a stored one before its beginning, with some other parameters.
+
+    Raises PluginError, ParameterError and Failed as `replay`.
+    """
+    kind = catalogue.task(row["task"])
+    values = {**current_values(kind.Parameters, row["parameters"]), **changed}
+    task = without_outputs(kind, build(kind.Parameters, values))
+    theme = catalogue.theme(DEFAULT_THEME, task.parameters.language)  # until the record names its own
+    return Session(task, theme, VirtualClock(), row["seed"])
 
 
 def _check(folder: Path, row: sessions.Row) -> None:

@@ -4,6 +4,7 @@ from typing import Any
 
 from sar_tui.framework.replay_comparison import WORDING
 from sar_tui.replay.replay import FirstDifference, Replayed
+from sar_tui.replay.rescore import Rescored
 from sar_tui.replay.versions import changes
 
 _LONGEST = 60
@@ -61,3 +62,21 @@ def _versions(replayed: Replayed) -> list[str]:
         f"Replayed with {version}.",
         *(f"Run {run}: {text}" if several else text for run, texts in found.items() for text in texts),
     ]
+
+
+def rescored_sentences(rescored: Rescored) -> list[str]:
+    """Return the sentences that tell how far a session could be scored by other parameters, and what that means."""
+    settings = ", ".join(f"{name} = {value}" for name, value in rescored.what_if.items())
+    changed = sum(one.recorded != one.rescored for one in rescored.attempts)
+    found = [f"With {settings}. Attempts scored otherwise: {changed} of {len(rescored.attempts)}."]
+    if rescored.ends_at_attempt is not None:
+        found.append(
+            f"It ends before attempt {rescored.ends_at_attempt}, which would have been another one: there is no record "
+            "of what the participant would have done in it."
+        )
+    if rescored.other_feedback_from is not None:
+        found.append(
+            f"After attempt {rescored.other_feedback_from} the participant would have had other feedback: later "
+            "responses might have been others."
+        )
+    return found
