@@ -1,5 +1,6 @@
 """The result of a replay in sentences."""
 
+from collections.abc import Iterator
 from typing import Any
 
 from sar_tui.framework.replay_comparison import WORDING
@@ -37,12 +38,17 @@ def _difference(difference: FirstDifference) -> list[str]:
         return [f"{where} was recorded, but does not follow from the inputs."]
     if difference.derived_topic != difference.topic:
         return [f"{where} was recorded; in its place follows {difference.derived_topic}."]
-    was, now = difference.recorded, difference.derived
-    changed = [name for name in was | now if name not in WORDING and was.get(name) != now.get(name)]
-    return [
-        f"{where}:",
-        *(f"  {name}: {_short(was.get(name))} recorded, {_short(now.get(name))} now" for name in changed),
-    ]
+    return [f"{where}:", *(f"  {line}" for line in _changed(difference.recorded, difference.derived))]
+
+
+def _changed(was: dict[str, Any], now: dict[str, Any], above: str = "") -> Iterator[str]:
+    """Yield a line for each value that differs, also for those inside of values."""
+    for name in (name for name in was | now if name not in WORDING and was.get(name) != now.get(name)):
+        match was.get(name), now.get(name):
+            case dict() as inside, dict() as inside_now:
+                yield from _changed(inside, inside_now, f"{above}{name}.")
+            case old, new:
+                yield f"{above}{name}: {_short(old)} recorded, {_short(new)} now"
 
 
 def _short(value: Any) -> str:

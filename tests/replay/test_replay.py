@@ -140,6 +140,12 @@ def test_a_planted_difference_is_found_at_its_message(
     assert f"Message {seq} ({topic}):\n  {field}: {value!r} recorded, " in told.out
 
 
+def test_a_planted_difference_inside_of_a_value_is_told_by_its_name(call: Call, data: Path, simulated: str) -> None:
+    seq = plant(data, "event_handler/trial", "details", {"choices": 7, "key_gap_ms": None})
+    told = call("replay", simulated).out
+    assert f"Message {seq} (event_handler/trial):\n  details.choices: 7 recorded, 2 now\n" in told
+
+
 def test_a_removed_message_is_found_where_it_was(call: Call, data: Path, simulated: str) -> None:
     with closing(connect(data)) as database:
         (seq,) = database.execute("SELECT max(seq) FROM events WHERE topic='event_handler/trial'").fetchone()
