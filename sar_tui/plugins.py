@@ -122,6 +122,14 @@ def task_folder(task: "type[Task]") -> Path:
     return Path(inspect.getfile(task)).parent
 
 
+def task_code(task: "type[Task]") -> Path:
+    """Return what holds a task's code: its folder, or its file if it is a module of no package.
+
+    Beside such a module are all other packages that are installed.
+    """
+    return task_folder(task) if "." in task.__module__ else Path(inspect.getfile(task))
+
+
 def task_source(task: "type[Task]") -> str:
     """Return where a task comes from: ``built-in``, ``own`` (a folder), or ``installed`` (a package's entry point)."""
     if not task.__module__.startswith(f"{_PACKAGE}."):

@@ -11,12 +11,22 @@ from sar_tui.framework.bus import FAULT
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build
 from sar_tui.framework.trial_types import Metric
-from sar_tui.plugins import Catalogue, PluginError, load_task, load_theme, task_folder, task_source, user_folder
+from sar_tui.plugins import (
+    Catalogue,
+    PluginError,
+    load_task,
+    load_theme,
+    task_code,
+    task_folder,
+    task_source,
+    user_folder,
+)
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from sar_tui.store.provenance import software
 from tests.program import Call
 
 TAPS = '''
@@ -289,6 +299,18 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_an_installed_task_is_found_by_its_entry_point(installed: Path) -> None:
     assert {"chess", "draughts", "minimal"} <= set(Catalogue().task_names())
     assert task_folder(Catalogue().task("minimal")) == installed
+
+
+def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_installed(installed: Path) -> None:
+    def hashed() -> object:
+        task = Catalogue().task("minimal")
+        return software(task, task_source(task), task_code(task), installed / "games-1.0.dist-info")["task"]["hash"]
+
+    before = hashed()
+    (installed / "another_package.py").write_text("x = 1\n")
+    assert hashed() == before
+    (installed / "games_of_mine.py").write_text("# changed\n")
+    assert hashed() != before
 
 
 @pytest.mark.usefixtures("installed")

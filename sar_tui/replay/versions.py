@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.framework.rules import RULES
-from sar_tui.plugins import Catalogue, PluginError, task_folder, task_source
+from sar_tui.plugins import Catalogue, PluginError, task_code, task_source
 from sar_tui.store import sessions
 from sar_tui.store.provenance import software
 
@@ -57,13 +57,13 @@ def recorded(
 def present(row: sessions.Row, catalogue: Catalogue) -> Versions:
     """Return the versions of what is installed now. Raises PluginError if the task is not there any more."""
     kind = catalogue.task(row["task"])
-    folder = task_folder(kind)
+    code = task_code(kind)
     try:
         theme_folder = catalogue.theme_folder(row["theme"])
     except PluginError:
-        found = software(kind, task_source(kind), folder, folder) | {"theme": {}}
+        found = software(kind, task_source(kind), code, code) | {"theme": {}}
     else:
-        found = software(kind, task_source(kind), folder, theme_folder)
+        found = software(kind, task_source(kind), code, theme_folder)
     return Versions(rules=RULES, **_named(row["task"], row["theme"], found))
 
 

@@ -18,7 +18,7 @@ from sar_tui.framework.policies.limits import Dose, limits_day, reached_of_day
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_folder, task_source
+from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, task_source
 from sar_tui.runs.checkpoints import Checkpoints, program
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
@@ -316,7 +316,7 @@ def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
 def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
     """Describe the software and the machine of a run, as they are stored."""
     return {
-        "software": software(kind, task_source(kind), task_folder(kind), catalogue.theme_folder(theme)),
+        "software": software(kind, task_source(kind), task_code(kind), catalogue.theme_folder(theme)),
         "machine": machine() | {"timing": measured_timing(folder)},
     }
 

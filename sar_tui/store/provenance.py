@@ -18,8 +18,8 @@ from sar_tui.store import connection
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
 
 
-def software(task: type[Task], source: str, task_folder: Path, theme_folder: Path) -> dict[str, Any]:
-    """Describe the software: versions, the task's declaration, and hashes of the task's and the theme's folder.
+def software(task: type[Task], source: str, task_code: Path, theme_folder: Path) -> dict[str, Any]:
+    """Describe the software: versions, the task's declaration, and hashes of the task's code and the theme's folder.
 
     ``source``: where the task comes from, as its own one may have the name of a built-in one.
     """
@@ -32,7 +32,7 @@ def software(task: type[Task], source: str, task_folder: Path, theme_folder: Pat
             "version": task.version,
             "metric": msgspec.to_builtins(task.metric),
             "source": source,
-            "hash": folder_hash(task_folder),
+            "hash": folder_hash(task_code),
         },
         "theme": {"hash": folder_hash(theme_folder)},
     }
@@ -51,11 +51,12 @@ def _version(package: str) -> str | None:
 
 
 def folder_hash(folder: Path) -> str:
-    """Return the SHA-256 of the names and contents of a folder's files."""
+    """Return the SHA-256 of the names and contents of a folder's files, or of a single file."""
     digest = hashlib.sha256()
-    for path in sorted(folder.rglob("*")):
+    files, above = (sorted(folder.rglob("*")), folder) if folder.is_dir() else ([folder], folder.parent)
+    for path in files:
         if path.is_file() and "__pycache__" not in path.parts:
-            digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+            digest.update(path.relative_to(above).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 
 
