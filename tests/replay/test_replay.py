@@ -179,6 +179,21 @@ def test_a_running_session_is_refused(call: Call, data: Path, simulated: str) ->
         )
 
 
+def test_a_session_whose_end_is_in_a_rescue_file_is_refused(call: Call, data: Path, simulated: str) -> None:
+    (data / f"sar-tui-rescue-{simulated}.db").touch()
+    called = call("replay", simulated)
+    assert (called.code, "Run `sar-tui rescue` first." in called.err) == (2, True)
+
+
+def test_a_session_with_damaged_samples_is_refused(call: Call, data: Path) -> None:
+    session = simulate(call, "reaching", "average", 1)
+    with closing(connect(data)) as database:
+        database.execute("UPDATE imu_chunks SET data=zeroblob(length(data)) WHERE seq=3")
+    called = call("replay", session)
+    assert (called.code, called.out) == (1, "")
+    assert f"of session {session} is damaged." in called.err
+
+
 def test_a_session_of_a_task_that_is_gone_is_refused(call: Call, data: Path, simulated: str) -> None:
     with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET task='gone'")
