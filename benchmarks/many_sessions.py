@@ -122,7 +122,7 @@ def _copy(database: sqlite3.Connection, session: str, copy: str) -> None:
 def _resume(data: Path, catalogue: Catalogue, trials: int) -> float:
     """Return the seconds that it takes to resume a session that was interrupted after ``trials`` trials."""
     prompts = min(trials, 200)
-    settings = {"attempts": trials // prompts + 1, "prompts_per_attempt": prompts}
+    settings = {"attempts": trials // prompts + 10, "prompts_per_attempt": prompts}  # more than are played
     plan = make_plan(catalogue, "keyboard", [_WHO], settings, seed=1)
 
     def nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
