@@ -16,5 +16,11 @@ class DismissedOnce(Screen[T]):
     """
 
     def dismiss(self, result: T | None = None) -> AwaitComplete:
-        """Close the screen, unless that has been done or another screen covers it."""
+        """Close the screen, unless that has been done or another screen covers it; once it has all its parts."""
+        if not self.is_mounted:  # closed while it opens, it would look for parts that it does not get any more
+            self.call_later(self._dismiss_now, result)
+            return AwaitComplete()
         return super().dismiss(result) if self.is_active else AwaitComplete()
+
+    def _dismiss_now(self, result: T | None) -> None:
+        self.dismiss(result)  # not awaited, as the screen itself calls it

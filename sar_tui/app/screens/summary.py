@@ -92,9 +92,10 @@ class Summary(Vertical):
         from sar_tui.reports.attempt_results import MARKERS
         from sar_tui.reports.attempts_plot import BARS
 
-        plot = self.query_one("#plot", Static)
-        if not self._attempts:
+        plots = list(self.query("#plot").results(Static))
+        if not self._attempts or not plots:  # none any more if it was removed before the refresh that was waited for
             return
+        (plot,) = plots
         several = len(self._attempts) > 1
         width = plot.size.width // len(self._attempts)
         figures = [self._figure(each, width, plot.size.height - several) for each in self._attempts]
