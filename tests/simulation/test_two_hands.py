@@ -68,7 +68,7 @@ def played(data: Path) -> str:
     settings = changed(parameters())
     plan = make_plan(Catalogue(), TwoHands, ["P01", "P02"], settings, seed=5, mode="simulated")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sar_tui.runs.run.task_folder", lambda kind: Path(__file__).parent / "nowhere")
+        patch.setattr("sar_tui.runs.run.task_code", lambda kind: Path(__file__).parent / "nowhere")
         return simulate(plan, PEOPLE["competent"], data, Catalogue(), partner=PEOPLE["poor"])
 
 
