@@ -66,7 +66,7 @@ def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) 
 def _home(data: Path) -> None:
     catalogue = Catalogue()
     with closing(connect(data)) as database:
-        read_participants(database, data)
+        read_participants(database, data, date.today())
         read_sessions(database, data, catalogue, _WHO)
         read_card(database, data, catalogue, _WHO, catalogue.task("keyboard"), date.today())
 

@@ -23,7 +23,7 @@ from sar_tui.progress.lines import Point, SessionResults, lines
 from sar_tui.reports.wellbeing import advice, marks
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.start_level import LOOKED_AT, start_after
-from sar_tui.store import participants, programmes, provenance, results, sessions, wellbeing
+from sar_tui.store import participants, programmes, provenance, results, sessions, visits, wellbeing
 
 _LISTED = 30
 
@@ -107,17 +107,22 @@ class Waiting(msgspec.Struct, frozen=True):
     waits: str
 
 
-def read_participants(database: sqlite3.Connection, folder: Path) -> list[Waiting]:
-    """Return the participants, newest first, marked if a session of theirs was interrupted or pain was reported."""
+def read_participants(database: sqlite3.Connection, folder: Path, today: date) -> list[Waiting]:
+    """Return the participants, newest first, each with what waits: reported pain, an interrupted session, a visit."""
     known = participants.newest_first(database, folder)
     felt = wellbeing.by_session(database, [each.session for each in known if each.session])
+    due = visits.due(database, today)
 
     def pain(each: participants.Known) -> str:
         rows = felt.get(each.session or "", ())
         return marks([row for row in rows if (row["participant"], row["question"]) == (each.code, "pain")])
 
     return [
-        Waiting(each.code, words.waits_words(is_interrupted=each.is_interrupted, pain=pain(each))) for each in known
+        Waiting(
+            each.code,
+            words.waits_words(is_interrupted=each.is_interrupted, pain=pain(each), is_due=each.code in due),
+        )
+        for each in known
     ]
 
 

@@ -135,9 +135,9 @@ def offer_words(day: date, done: int, planned: object, today: date) -> str:
     )
 
 
-def waits_words(*, is_interrupted: bool, pain: str) -> str:
-    """Return why a participant is marked in the list: pain that was reported comes first."""
-    return pain or ("unfinished" if is_interrupted else "")
+def waits_words(*, is_interrupted: bool, pain: str, is_due: bool = False) -> str:
+    """Return why a participant is marked in the list: pain that was reported comes first, a visit that is due last."""
+    return pain or ("unfinished" if is_interrupted else "due" if is_due else "")
 
 
 def bars(values: Sequence[int], highest: int, width: int) -> str:

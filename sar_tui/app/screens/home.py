@@ -103,7 +103,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
         from sar_tui.store import participants
 
         chosen = chosen or self._participants.chosen or participants.last_used(self.app.database)
-        self._participants.fill(read_participants(self.app.database, self.app.folder), chosen)
+        known = read_participants(self.app.database, self.app.folder, self.app.today())
+        self._participants.fill(known, chosen)
         self._show_participant(anew=True)
 
     def _show_participant(self, *, anew: bool = False) -> None:

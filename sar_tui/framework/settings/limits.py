@@ -61,6 +61,17 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             group="Limits",
         ),
     ] = 0
+    days_between_visits: Annotated[
+        int,
+        meta(
+            "Days between visits",
+            help="So many days after the last session of this task the participant is marked on the first screen: a "
+            "visit is due. 0: never.",
+            ge=0,
+            le=365,
+            group="Limits",
+        ),
+    ] = 0
     rest_after_attempts: Annotated[
         int,
         meta(

@@ -101,7 +101,8 @@ def test_an_interrupted_session_is_offered_with_its_keys() -> None:
 
 def test_pain_marks_a_participant_before_all_else() -> None:
     assert waits_words(is_interrupted=True, pain="pain 6") == "pain 6"
-    assert waits_words(is_interrupted=True, pain="") == "unfinished"
+    assert waits_words(is_interrupted=True, pain="", is_due=True) == "unfinished"
+    assert waits_words(is_interrupted=False, pain="", is_due=True) == "due"
     assert waits_words(is_interrupted=False, pain="") == ""
 
 
