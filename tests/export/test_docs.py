@@ -2,7 +2,6 @@
 
 import re
 import runpy
-import shutil
 import sqlite3
 import subprocess
 from contextlib import closing
@@ -12,6 +11,7 @@ from typing import Any
 import pytest
 
 from tests.export.exported import export_csv
+from tests.needs_statistics import needs_r
 from tests.program import Call
 
 PAGE = (Path(__file__).parents[2] / "docs" / "export-data.md").read_text(encoding="utf-8")
@@ -45,13 +45,12 @@ def test_python(study: dict[int, Any], tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def test_pandas(study: dict[int, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("pandas")
     (tmp_path / "script.py").write_text(script("python"))
     found = runpy.run_path(str(tmp_path / "script.py"))["right"]
     assert dict(found.groupby("level").reaction_time_ms.mean()) == study
 
 
-@pytest.mark.skipif(not shutil.which("Rscript"), reason="R is not installed")
+@needs_r
 def test_r(study: dict[int, Any], tmp_path: Path) -> None:
     (tmp_path / "script.R").write_text(script("r"))
     done = subprocess.run(["Rscript", "script.R"], capture_output=True, text=True, check=True)
