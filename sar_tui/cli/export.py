@@ -77,7 +77,7 @@ def export(
     from sar_tui.export.export import Options
     from sar_tui.export.export import export as write
     from sar_tui.export.registry import load
-    from sar_tui.export.selection import Request
+    from sar_tui.store.selection import Request
 
     request = Request(
         names=tuple(sessions or ()),

@@ -105,7 +105,8 @@ def progress(
 
 def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> None:
     """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts cannot be drawn."""
-    from sar_tui.reports.progress_page import ChartsMissing, page, write_page
+    from sar_tui.reports.html_page import ChartsMissing, write_page
+    from sar_tui.reports.progress_page import page
 
     if path.exists():
         raise Refused(f"{path} exists already, and is not overwritten. Name another file.")

@@ -9,7 +9,6 @@ from sar_tui.export.columns import Table, Values
 from sar_tui.export.json_columns import Declared, declared_keys
 from sar_tui.export.passports import Passport
 from sar_tui.export.privacy import Privacy
-from sar_tui.export.selection import Selection
 from sar_tui.export.tables.actions import ACTIONS
 from sar_tui.export.tables.attempts import attempts
 from sar_tui.export.tables.events import EVENTS
@@ -23,6 +22,7 @@ from sar_tui.export.tables.trials import trials
 from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, WELLBEING
 from sar_tui.framework.parameters import fields as declared_fields
 from sar_tui.plugins import PluginError
+from sar_tui.store.selection import Selection
 
 if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue

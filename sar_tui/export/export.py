@@ -19,10 +19,10 @@ from sar_tui.export.passports import Passport, passports
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.recoding import recoding
 from sar_tui.export.registry import Format
-from sar_tui.export.selection import Request, Selection, select
 from sar_tui.export.target import check, sync, target
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
+from sar_tui.store.selection import Request, Selection, select
 
 if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue

@@ -1,14 +1,13 @@
 """Progress as a page to print: one self-contained HTML file with drawn charts and their text alternatives."""
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
-from pathlib import Path
 
 from sar_tui.framework.language import Language
 from sar_tui.framework.task import Task
 from sar_tui.reports import dose_words, progress_charts, progress_words
 from sar_tui.reports.chart_groups import sessions_of_a_mark, span_of
+from sar_tui.reports.html_page import document, figure, table
 from sar_tui.reports.progress import LineProgress, Progress
 from sar_tui.reports.wellbeing import dated_event
 from sar_tui.store.adverse_events import AdverseEvent
@@ -17,29 +16,6 @@ _LISTED = 60
 """Sessions in the table of a line; the charts have all."""
 _MONTHS = 12
 """Months of the calendar."""
-NO_PACKAGE = (
-    "The charts need the Python package vl-convert-python. Install it with: pip install 'sar-tui[report]'. "
-    "`sar-tui progress` without --html works as it is."
-)
-_STYLE = """
-body { font: 15px/1.5 sans-serif; color: #111; background: #fff; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcaption { font-size: .85rem; color: #333; }
-table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
-th { border-bottom: 1px solid #888; } td:first-child, th:first-child { text-align: left; }
-pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
-@media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
-"""
-
-
-def write_page(text: str, path: Path) -> None:
-    """Write a page that only its owner can read. Raises FileExistsError and other OSErrors."""
-    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
-        file.write(text)
-
-
-class ChartsMissing(Exception):
-    """The package that draws charts is not installed. The message is one clear sentence."""
 
 
 def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: str) -> str:
@@ -64,13 +40,7 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
     foot = own(
         "A training measure of this program; no diagnosis, and no published important difference (MCID) applies."
     )
-    return (
-        f'<!DOCTYPE html>\n<html lang="{escape(code)}">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
-        f"<style>{_STYLE}</style>\n</head>\n<body>\n"
-        + "\n".join(body)
-        + f'\n<p class="foot">{escape(foot)}</p>\n</body>\n</html>\n'
-    )
+    return document(title, body, language=code, foot=foot)
 
 
 def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> Iterator[str]:
@@ -84,22 +54,22 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
         )
         yield f"<p>{escape(rule)}</p>"
     if spec := progress_charts.measure_chart(line, tr):
-        yield _figure(
+        yield figure(
             spec,
             tr("Level at goal of each session with its 95 % band. Grey: no more than noise and practice."),
             _range(line, tr),
         )
     if spec := progress_charts.result_chart(line, tr):
         caption = tr("Mean result of each session, with the SD between its attempts.")
-        yield _figure(spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", "")
+        yield figure(spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", "")
     if spec := progress_charts.felt_chart(line, tr):
         caption = tr("The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10.")
         began_in = {event for each in line.sessions for event in each.events}
         told = [dated_event(event, tr) for event in events if event.event in began_in]
         more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
-        yield _figure(spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more))
+        yield figure(spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more))
     for name, chart in progress_charts.quality_charts(line, tr).items():
-        yield _figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(name, tr)), "")
+        yield figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(name, tr)), "")
     yield _table(line, tr)
 
 
@@ -108,20 +78,6 @@ def _range(line: LineProgress, tr: Language) -> str:
     known = [each for each in line.sessions if each.at_goal]
     told = [f"{progress_words.day(each.began)}: {progress_words.at_goal(line, each, tr)}" for each in known]
     return ". ".join(dict.fromkeys((told[0], told[-1])))
-
-
-def _figure(spec: progress_charts.Spec, caption: str, more: str) -> str:
-    label = escape(f"{caption} {more}".strip(), quote=True)
-    drawing = _drawn(spec).replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1)
-    return f"<figure>{drawing}<figcaption>{escape(caption)}</figcaption></figure>"
-
-
-def _drawn(spec: progress_charts.Spec) -> str:
-    try:
-        import vl_convert
-    except ImportError:
-        raise ChartsMissing(NO_PACKAGE) from None
-    return str(vl_convert.vegalite_to_svg(spec))
 
 
 def _table(line: LineProgress, tr: Language) -> str:
@@ -140,9 +96,8 @@ def _table(line: LineProgress, tr: Language) -> str:
             f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "–",
             progress_words.band(line, each, tr) or "–",
         )
-        rows.append("".join(f"<td>{escape(tr.figures(cell))}</td>" for cell in cells))
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in rows)}</tbody></table>"
+        rows.append([tr.figures(cell) for cell in cells])
+    return table(heads, rows)
 
 
 def _dose(found: Progress, tr: Language) -> Iterator[str]:
@@ -162,7 +117,7 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
             "week": tr("Attempts of each week. Line: planned."),
             "month": tr("Attempts of each month. Line: planned."),
         }[span_of(days)]
-        yield _figure(spec, caption, done)
+        yield figure(spec, caption, done)
     if spec := progress_charts.dose_chart(days, tr):
         total = tr(
             "{repetitions} repetitions on {days}.",
@@ -174,7 +129,7 @@ def _dose(found: Progress, tr: Language) -> Iterator[str]:
             "week": tr("Repetitions of each week."),
             "month": tr("Repetitions of each month."),
         }[span_of(days)]
-        yield _figure(spec, caption, total)
+        yield figure(spec, caption, total)
     lines = dose_words.calendar_lines(found, _MONTHS, tr)
     calendar, legend = "\n".join(lines[: lines.index("")]), "   ".join(lines[lines.index("") + 1 :])
     yield f"<pre>{escape(calendar)}</pre><p>{escape(legend)}</p>"

@@ -84,7 +84,7 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(call: Call, live: str,
     finally:
         lock.release()
     assert called.code == 1
-    assert called.err == f"! Session {running} is running. It is left out: export it when it has ended.\n"
+    assert called.err == f"! Session {running} is running. It is left out until it has ended.\n"
     assert ids(tmp_path / "out") == {live}
     assert (alone.code, (tmp_path / "alone").exists()) == (1, False)
     assert call("export", running, "--simulated", "--to", tmp_path / "alone").code == 0, "it was interrupted"

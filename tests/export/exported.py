@@ -8,9 +8,9 @@ from typing import Any
 
 from sar_tui.export.export import Exported, Options, export
 from sar_tui.export.registry import load
-from sar_tui.export.selection import Request
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import connect_to_read
+from sar_tui.store.selection import Request
 
 ALL = Request(everything=True, mixed=True)
 

@@ -11,7 +11,6 @@ import frictionless
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.export.selection import Request
 from sar_tui.framework.messages import FeedbackChoice
 from sar_tui.framework.messages.loop import Timing
 from sar_tui.plugins import Catalogue
@@ -20,6 +19,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from sar_tui.store.selection import Request
 from tests.examples import examples
 from tests.export.exported import export_csv, read_csv
 from tests.program import Call

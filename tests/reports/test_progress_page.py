@@ -12,7 +12,7 @@ from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import SessionResults
-from sar_tui.reports import progress_charts, progress_page, progress_words
+from sar_tui.reports import html_page, progress_charts, progress_page, progress_words
 from sar_tui.reports.progress import progress
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.reports.test_progress import SPANISH, fell, steady
@@ -145,7 +145,7 @@ def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
 
 def test_without_the_package_one_sentence_says_so(keyboard: type[Task], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
-    with pytest.raises(progress_page.ChartsMissing, match=r"pip install 'sar-tui\[report\]'"):
+    with pytest.raises(html_page.ChartsMissing, match=r"pip install 'sar-tui\[report\]'"):
         page(keyboard, steady(1))
 
 

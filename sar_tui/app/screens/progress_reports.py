@@ -46,7 +46,8 @@ class Reports(Screen[None]):
 
     @work(thread=True, exclusive=True, group="page")
     def _write_page(self, found: Progress) -> None:
-        from sar_tui.reports.progress_page import ChartsMissing, page, write_page
+        from sar_tui.reports.html_page import ChartsMissing, write_page
+        from sar_tui.reports.progress_page import page
 
         find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get
         name = f"progress-{self._participant}-{self._motor_task.name}"

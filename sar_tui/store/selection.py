@@ -1,4 +1,4 @@
-"""The sessions that an export takes."""
+"""Choice of stored sessions for an export or a report: by name, of a participant, or all."""
 
 import sqlite3
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.export.errors import ExportError
+from sar_tui.store.database import StoreError
 from sar_tui.store.participants import check_code
 from sar_tui.store.sessions import find, listing
 
@@ -33,7 +33,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Selection(msgspec.Struct, frozen=True):
-    """Sessions in the order in which they were stored, and sentences on those that cannot be exported."""
+    """Sessions in the order in which they were stored, and sentences on those that are left out."""
 
     sessions: tuple[Row, ...]
     refused: tuple[str, ...] = ()
@@ -59,17 +59,17 @@ def select(database: sqlite3.Connection, folder: Path, request: Request) -> Sele
     """Return the sessions that are asked for. One that runs is left out.
 
     Raises:
-        ExportError: there is none that can be exported, or the request is not clear.
-        StoreError: a named session does not exist, or the code is not valid.
+        StoreError: there is none, all of them are running, or the request is not clear; a named session does not exist,
+            or the code is not valid.
     """
     ways = sum([bool(request.names), bool(request.participant), request.everything])
     if ways != 1:
-        raise ExportError(
+        raise StoreError(
             "Say which sessions: name them (`sar-tui sessions` lists them), or give --participant CODE, or --all.",
             bad_input=True,
         )
     if request.simulated and request.mixed:
-        raise ExportError("--simulated takes simulated sessions only, --mixed both: give one of them.", bad_input=True)
+        raise StoreError("--simulated takes simulated sessions only, --mixed both: give one of them.", bad_input=True)
     if request.names:
         chosen = _named(database, folder, request)
     else:
@@ -77,12 +77,12 @@ def select(database: sqlite3.Connection, folder: Path, request: Request) -> Sele
         rows = listing(database, folder, participant=code)[::-1]
         chosen = [row for row in rows if _is_wanted(row, request)]
         if not chosen:
-            raise ExportError(_none(rows, request, code), bad_input=True)
+            raise StoreError(_none(rows, request, code), bad_input=True)
     ended = [row for row in chosen if row["status"] != "running"]
     running = [row for row in chosen if row["status"] == "running"]
-    refused = tuple(f"Session {row['id']} is running. It is left out: export it when it has ended." for row in running)
+    refused = tuple(f"Session {row['id']} is running. It is left out until it has ended." for row in running)
     if not ended:
-        raise ExportError(" ".join(f"Session {row['id']} is running: export it when it has ended." for row in running))
+        raise StoreError(" ".join(f"Session {row['id']} is running: wait until it has ended." for row in running))
     return Selection(tuple(ended), refused)
 
 
@@ -91,10 +91,10 @@ def _named(database: sqlite3.Connection, folder: Path, request: Request) -> list
     for row in found.values():
         if not _is_wanted(row, request):
             live = row["mode"] == "live"
-            raise ExportError(
+            raise StoreError(
                 f"Session {row['id']} is {row['mode']}: "
-                + ("leave out --simulated, " if live else "add --simulated to export such sessions, ")
-                + "or add --mixed to export both kinds together.",
+                + ("leave out --simulated, " if live else "add --simulated for such sessions, ")
+                + "or add --mixed for both kinds together.",
                 bad_input=True,
             )
     order = {id: number for number, (id,) in enumerate(database.execute("SELECT id FROM sessions ORDER BY rowid"))}
@@ -110,5 +110,5 @@ def _none(rows: Sequence[Row], request: Request, code: str | None) -> str:
     kind = "" if request.mixed else " simulated" if request.simulated else " live"
     said = f"There is no{kind} session{of}."
     if rows and not request.simulated:
-        said += " There are simulated ones: --simulated exports them."
+        said += " There are simulated ones: add --simulated."
     return said

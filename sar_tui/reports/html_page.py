@@ -1,0 +1,68 @@
+"""A self-contained HTML page to read and to print: style, tables, and drawn charts with their text alternatives."""
+
+import os
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+NO_PACKAGE = "The charts need the Python package vl-convert-python. Install it with: pip install 'sar-tui[report]'."
+_STYLE = """
+body { font: 15px/1.5 sans-serif; color: #111; background: #fff; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
+figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcaption { font-size: .85rem; color: #333; }
+table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
+th { border-bottom: 1px solid #888; } td:first-child, th:first-child { text-align: left; }
+pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
+@media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
+"""
+
+
+class ChartsMissing(Exception):
+    """The package that draws charts is not installed. The message is one clear sentence."""
+
+
+def document(title: str, body: Iterable[str], *, language: str = "en", foot: str = "") -> str:
+    """Return a page. ``title`` and ``foot`` are texts, ``body`` has parts in HTML."""
+    end = f'\n<p class="foot">{escape(foot)}</p>' if foot else ""
+    return (
+        f'<!DOCTYPE html>\n<html lang="{escape(language)}">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(body) + f"{end}\n</body>\n</html>\n"
+    )
+
+
+def write_page(text: str, path: Path) -> None:
+    """Write a page that only its owner can read. Raises FileExistsError and other OSErrors."""
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table of texts. All columns but the first are aligned to the right."""
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
+    cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in cells)}</tbody></table>"
+
+
+def figure(spec: dict[str, Any], caption: str, more: str = "") -> str:
+    """Return a drawn chart with its caption; ``more`` is added to its text alternative.
+
+    Args:
+        spec: of the chart, in Vega-Lite.
+
+    Raises:
+        ChartsMissing: the extra ``report`` is not installed.
+    """
+    label = escape(f"{caption} {more}".strip(), quote=True)
+    drawing = drawn(spec).replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1)
+    return f"<figure>{drawing}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def drawn(spec: dict[str, Any]) -> str:
+    """Return a chart as SVG. Raises ChartsMissing if the extra ``report`` is not installed."""
+    try:
+        import vl_convert
+    except ImportError:
+        raise ChartsMissing(NO_PACKAGE) from None
+    return str(vl_convert.vegalite_to_svg(spec))
