@@ -1,4 +1,4 @@
-"""The scripts of docs/export-data.md run on an export, and say what the database says."""
+"""The scripts of docs/analyse-exports.md run on an export, and say what the database says."""
 
 import re
 import runpy
@@ -14,7 +14,8 @@ from tests.export.exported import export_csv
 from tests.needs_statistics import needs_r
 from tests.program import Call
 
-PAGE = (Path(__file__).parents[2] / "docs" / "export-data.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "analyse-exports.md").read_text(encoding="utf-8")
 
 
 def script(kind: str) -> str:
@@ -61,7 +62,8 @@ def test_r(study: dict[int, Any], tmp_path: Path) -> None:
 def test_the_format_of_the_page_works(study: dict[int, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from sar_tui.export import registry
 
-    source = PAGE.partition("## Add a format")[2].partition("```python\n")[2].partition("```")[0]
+    page = (DOCS / "export-data.md").read_text(encoding="utf-8")
+    source = page.partition("## Add a format")[2].partition("```python\n")[2].partition("```")[0]
     (tmp_path / "counts.py").write_text(source)
     made = runpy.run_path(str(tmp_path / "counts.py"))["Counts"]
     monkeypatch.setattr("tests.export.exported.load", lambda name: made())
