@@ -1,264 +1,222 @@
-"""``sar-tui report``: statistics of a session for a paper."""
+"""``sar-tui report``: statistics of sessions for a paper."""
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar
+from sar_tui.cli.errors import Refused
+from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    import sqlite3
 
-    from sar_tui.reports.agreement import Agreement
-    from sar_tui.reports.distribution import Distribution
-    from sar_tui.reports.wizard import Latencies, WizardReport
+    from sar_tui.reports.sections import Section
+    from sar_tui.reports.wizard_study import OperatedSession, WizardStudy
+    from sar_tui.store.selection import Request, Selection
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
 _WIDTH = 76
 """Largest width of a histogram."""
-_LISTED = 30
-"""Deviations that are printed; JSON has all."""
-_FATES = {
-    "agent": "decided by the agent",
-    "accepted": "accepted",
-    "edited": "edited",
-    "vetoed": "vetoed",
-    "cut_off": "cut off",
-    "timed_out_done": "timed out, then done",
-    "timed_out_dropped": "timed out, then dropped",
-    "no_operator_done": "done without an operator",
-    "no_operator_dropped": "dropped without an operator",
-    "manual_dropped": "left to the operator, not done",
-    "late": "dropped: too late",
-    "stopped": "dropped: stopped",
-    "amended": "dropped: scored again",
-    "mode_changed": "dropped: the mode was changed",
-    "open": "undecided",
-}
-_DEVIATIONS = {"baton": "control"}
-"""Printed names of stored spellings."""
-_INITIATED = {"phrase": "phrases", "free text": "free texts", "gesture": "gestures", "mode": "changes of mode"}
+
+Sessions = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings.", show_default=False),
+]
+Participant = Annotated[
+    str | None,
+    typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Sessions of this participant."),
+]
+Everything = Annotated[bool, typer.Option("--all", help="All sessions.")]
+Simulated = Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")]
+Mixed = Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")]
+AsPage = Annotated[
+    Path | None,
+    typer.Option(
+        "--html", parser=named_path, metavar="FILE", show_default=False, help="Write a page to read and to print."
+    ),
+]
 
 
 @app.callback()
 def report() -> None:
-    """Report on a session."""
+    """Report on sessions for a paper."""
 
 
 @app.command("wizard")
 def wizard(
     context: typer.Context,
-    session: RecordedSession,
+    sessions: Sessions = None,
+    participant: Participant = None,
+    everything: Everything = False,
+    simulated: Simulated = False,
+    mixed: Mixed = False,
+    exclude: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--exclude",
+            metavar="SESSION=WHY",
+            show_default=False,
+            help="Leave out a session, and say why in the report. May be repeated.",
+        ),
+    ] = None,
+    html: AsPage = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Report what the operators of a session did, how fast, and how far they agreed with the agent."""
-    from sar_tui.reports import logged_messages
+    """Report what the operators of sessions did, how fast, and how far they agreed with the agent.
+
+    One session is reported in full. Several are pooled: agreement, latencies by operator and condition, exclusions,
+    and drift.
+    """
+    names = list(sessions or ())
+    home = Home.of(context, data, tasks)
+    if len(names) == 1 and not (participant or everything or exclude):
+        _one_session(home, names[0], html, as_json)
+        return
+    request = _request(names, participant, everything, simulated, mixed)
+    with home.database() as database:
+        found, selection = _study(home, database, request, exclude or [])
+    from sar_tui.reports.wizard_study_words import sections as sections_of_study
+
+    _put_out(found, sections_of_study(found), "Report on the operators of several sessions", html, as_json)
+    _tell_left_out(selection)
+
+
+@app.command("intervention")
+def intervention(
+    context: typer.Context,
+    sessions: Sessions = None,
+    participant: Participant = None,
+    everything: Everything = False,
+    simulated: Simulated = False,
+    mixed: Mixed = False,
+    html: AsPage = None,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Report the training that was given: dose, challenge and how it progressed, deviations, harms.
+
+    By the items of TIDieR and TIDieR-Rehab that the record knows.
+    """
+    from sar_tui.reports.intervention import intervention as make_report
+    from sar_tui.reports.intervention_record import read
+    from sar_tui.reports.intervention_words import sections
+    from sar_tui.store.selection import select
+
+    home = Home.of(context, data, tasks)
+    request = _request(list(sessions or ()), participant, everything, simulated, mixed)
+    with home.database() as database, progress_bar() as bar:
+        selection = select(database, home.folder, request)
+        line = bar.add_task("Reading", total=len(selection.sessions))
+        found = make_report(read(database, home.folder, selection, lambda: bar.advance(line)))
+    _put_out(found, sections(found), "Report on the intervention", html, as_json)
+    _tell_left_out(selection)
+
+
+def _one_session(home: Home, name: str, html: Path | None, as_json: bool) -> None:
+    from sar_tui.cli.sections import print_sections
+    from sar_tui.reports import logged_messages, wizard_words
     from sar_tui.reports.wizard import report as make_report
 
-    with Home.of(context, data, tasks).session(session) as (database, found):
-        messages = logged_messages.read(database, found["id"])
-    report, latencies = make_report(found["id"], found["parameters"], messages)
-    if as_json:
-        print_json(report)
-        return
+    with home.session(name) as (database, row):
+        messages = logged_messages.read(database, row["id"])
+    found, latencies = make_report(row["id"], row["parameters"], messages)
     out = console()
-    if not report.operated:
-        out.print(_without_operator(report), markup=False, soft_wrap=True)
-        _print_therapist(out, report)
-        if report.deviations:
-            _print_deviations(out, report)
+    mode = "" if row["mode"] == "live" else f", {row['mode']}"
+    who = " and ".join(filter(None, (row["participant"], row.get("partner"))))
+    title = f"Session {row['id']}: {row['task']}, {who}{mode}."
+    sections = wizard_words.sections(found, latencies, min(out.width, _WIDTH))
+    if as_json or html:
+        _put_out(found, sections, title, html, as_json)
         return
-    mode = "" if found["mode"] == "live" else f", {found['mode']}"
-    who = " and ".join(filter(None, (found["participant"], found.get("partner"))))
-    _say(out, f"Session {found['id']}: {found['task']}, {who}{mode}.", end="\n")
-    _print(out, report, latencies)
+    if found.operated:
+        out.print(title, markup=False, soft_wrap=True)
+    print_sections(out, sections, titled=False)
 
 
-def _without_operator(report: "WizardReport") -> str:
-    proposed = sum(row.n for row in report.proposals)
-    return f"No operator took part in session {report.session}: the agent decided on all its proposals ({proposed})."
+def _study(
+    home: Home, database: "sqlite3.Connection", request: "Request", exclude: Sequence[str]
+) -> "tuple[WizardStudy, Selection]":
+    """Return the report on the sessions that are asked for, and which those are."""
+    from sar_tui.reports import logged_messages
+    from sar_tui.reports.wizard_study import Exclusion, read_session, study
+    from sar_tui.store.database import StoreError
+    from sar_tui.store.selection import select
+
+    selection = select(database, home.folder, request)
+    by_hand = _excluded(selection.ids, exclude)
+    excluded = [Exclusion(session, why) for session, why in by_hand.items()]
+    read: list[OperatedSession] = []
+    with progress_bar() as bar:
+        line = bar.add_task("Reading", total=len(selection.sessions))
+        for row in selection.sessions:
+            if row["id"] not in by_hand:
+                try:
+                    read.append(read_session(row, logged_messages.read(database, row["id"])))
+                except StoreError as error:
+                    excluded.append(Exclusion(row["id"], str(error)))
+            bar.advance(line)
+    return study(read, excluded), selection
 
 
-def _print(out: "Console", report: "WizardReport", latencies: "Latencies") -> None:
-    share = f" ({report.operated_s / report.duration_s:.0%})" if report.duration_s else ""
-    who = f"Operators: {', '.join(report.operators)}. "
-    if report.observers:
-        who += f"Observers: {', '.join(report.observers)}. "
-    _say(out, f"{who}There was an operator for {report.operated_s:.1f} of {report.duration_s:.1f} s{share}.")
-    _say(out, f"Plan: {_plan(report.plan)}.")
-    _print_proposals(out, report)
-    _say(out, f"On the operators' own initiative: {_initiated(report.initiated)}.")
-    _print_therapist(out, report)
-    _print_latencies(out, report, latencies)
-    for line in _agreement(report.agreement):
-        _say(out, line, end="\n")
-    out.print()
-    _print_deviations(out, report)
-    _print_pauses(out, report)
-    _print_notes(out, report)
-    _say(
-        out,
-        "A paper must also report what is not recorded (Riek 2012): who the operators were, what they knew of the "
-        "hypotheses, how they were trained and instructed, how their errors were judged, and what the participant was "
-        "told.",
-        end="\n",
+def _excluded(known: Sequence[str], exclude: Sequence[str]) -> dict[str, str]:
+    """Return the reasons of sessions that are excluded, by id. Raises Refused."""
+    found = {}
+    for text in exclude:
+        name, _, why = text.partition("=")
+        meant = [session for session in known if name.strip() and session.startswith(name.strip())]
+        if len(meant) != 1:
+            many = "More than one" if meant else "None"
+            raise Refused(f"{many} of these sessions begins with {name.strip()!r}. Write --exclude SESSION=WHY.")
+        if not why.strip():
+            raise Refused(f"Say why {meant[0]} is excluded: --exclude {meant[0]}=WHY.")
+        found[meant[0]] = why.strip()
+    return found
+
+
+def _request(
+    names: Sequence[str], participant: str | None, everything: bool, simulated: bool, mixed: bool
+) -> "Request":
+    """Return the request. Sessions that are named may be of any kind."""
+    from sar_tui.store.selection import Request
+
+    return Request(
+        names=tuple(names),
+        participant=participant or "",
+        everything=everything,
+        simulated=simulated,
+        mixed=mixed or bool(names and not simulated),
     )
 
 
-def _print_therapist(out: "Console", report: "WizardReport") -> None:
-    if report.therapist:
-        _say(out, f"A therapist, at the participant's terminal: {_initiated(report.therapist)}.")
+def _put_out(found: object, sections: "Sequence[Section]", title: str, html: Path | None, as_json: bool) -> None:
+    """Print a report, as JSON if asked, or write it as a page. Raises Refused if the file exists."""
+    from sar_tui.cli.sections import print_sections
+
+    if html is not None:
+        from sar_tui.reports.html_page import write_page
+        from sar_tui.reports.sections import page
+
+        if html.exists():
+            raise Refused(f"{html} exists already, and is not overwritten. Name another file.")
+        write_page(page(title, sections), html)
+    if as_json:
+        print_json(found)
+    elif html is not None:
+        print(f"{html} is written. Open it in a browser, which can also print it.")
+    else:
+        print_sections(console(), sections)
 
 
-def _say(out: "Console", text: str, end: str = "\n\n") -> None:
-    out.print(text, markup=False, soft_wrap=True, end=end)
-
-
-def _print_proposals(out: "Console", report: "WizardReport") -> None:
-    from sar_tui.cli.tables import add, table
-    from sar_tui.reports.presence import KINDS
-
-    numbers = ("time", "n", "of kind")
-    head = table("proposals", "mode", *numbers, "outcomes", right=numbers, whole=("proposals", "mode"))
-    for row in report.proposals:
-        fates = ", ".join(f"{n} {_FATES[fate]}" for fate, n in row.fates.items())
-        mode = (row.mode, _percent(row.time_share)) if row.kind in KINDS else ("", "")  # a filler has no mode
-        add(head, row.kind, *mode, row.n, _percent(row.share), fates)
-    out.print(head)
-    out.print()
-
-
-def _plan(plan: dict[str, object]) -> str:
-    """Return the settings by name, without kinds that were autonomous from the start."""
-    from sar_tui.reports.presence import KINDS
-
-    kinds = {f"operator_{kind}" for kind in KINDS}
-    said = (f"{name} {value}" for name, value in plan.items() if name not in kinds or value != "autonomous")
-    return ", ".join(said)
-
-
-def _percent(share: float | None) -> str:
-    return "" if share is None else f"{share:.0%}"
-
-
-def _initiated(counts: dict[str, int]) -> str:
-    return ", ".join(f"{_INITIATED.get(what, what)} {n}" for what, n in sorted(counts.items())) or "nothing"
-
-
-def _print_latencies(out: "Console", report: "WizardReport", latencies: "Latencies") -> None:
-    from sar_tui.cli.tables import add, table
-    from sar_tui.reports.distribution import histogram
-
-    numbers = ("n", "median", "IQR", "5 %", "95 %", "worst")
-    head = table("latency, ms", *numbers, right=numbers)
-    for name, found in (
-        ("on screen → operator's key", report.decision_ms),
-        ("pending → decided by anyone", report.waiting_ms),
-        ("operator's key → session", report.link_ms),
-    ):
-        add(head, name, *_figures(found))
-    out.print(head)
-    out.print()
-    drawing = histogram(latencies.decision, min(out.width, _WIDTH))
-    if drawing:
-        _say(out, "From a proposal on the operator's screen to the key:", end="\n")
-        _say(out, "\n".join(drawing))
-    if report.undecided_seen:
-        _say(out, f"{_count(report.undecided_seen, 'proposal')} appeared on the operator's screen and got no key.")
-
-
-def _figures(found: "Distribution | None") -> Sequence[object]:
-    if found is None:
-        return (0, *[None] * 5)
-    return (found.n, *(f"{value:.1f}" for value in (found.median, found.iqr, found.p5, found.p95, found.worst)))
-
-
-def _agreement(found: "Agreement") -> Iterator[str]:
-    if not found.decided:
-        yield "No operator decided on a proposal."
-        return
-    yield (
-        f"Operators decided on {_count(found.decided, 'proposal')}: {found.accepted} as proposed "
-        f"({_percent(found.accepted_share)}), {found.edited} edited, {found.vetoed} vetoed."
-    )
-    if found.words_changed_median is not None and found.words_changed_most is not None:
-        yield (
-            f"{_count(found.edits_of_words, 'edit')} changed words: {found.words_changed_median:.0%} of them in the "
-            f"median, {found.words_changed_most:.0%} at most."
-        )
-    if found.valences:
-        kappa = (
-            "not defined, because there was only one valence" if found.valence_kappa is None else found.valence_kappa
-        )
-        yield (
-            f"The valence was overridden in {found.valences_overridden} of {found.valences} decided proposals that had "
-            f"one and were said; Cohen's kappa of proposed and said: {kappa}."
-        )
-
-
-def _print_deviations(out: "Console", report: "WizardReport") -> None:
-    from sar_tui.cli.tables import add, table
-
-    for absence in report.absences:
-        back = "until one was back" if absence.came_back else "until the run ended"
-        _say(
-            out,
-            f"No operator from {absence.at_s:.1f} s of run {absence.run} on, for {absence.duration_s:.1f} s, {back} "
-            f"({absence.actor} {absence.state}).",
-            end="\n",
-        )
-    if not report.deviations:
-        _say(out, "There was no deviation from the session's plan.")
-        return
-    counts = ", ".join(f"{_DEVIATIONS.get(what, what)} {n}" for what, n in sorted(report.counts.items()))
-    _say(out, f"Deviations from the session's plan: {counts}.")
-    head = table("run", "at, s", "what", "who", "detail", right=("run", "at, s"), whole=("what",))
-    for each in report.deviations[:_LISTED]:
-        notes = (each.detail, f"{each.duration_s:.1f} s" if each.duration_s is not None else "")
-        add(
-            head,
-            each.run,
-            f"{each.at_s:.1f}",
-            _DEVIATIONS.get(each.what, each.what),
-            each.actor,
-            ", ".join(filter(None, notes)),
-        )
-    out.print(head)
-    if len(report.deviations) > _LISTED:
-        _say(out, f"… and {len(report.deviations) - _LISTED} more: --json has them all.", end="\n")
-    out.print()
-
-
-def _print_pauses(out: "Console", report: "WizardReport") -> None:
-    for pause in report.pauses:
-        reason = f" ({pause.reason})" if pause.reason else ""
-        ended = f"{pause.ended_by} resumed" if pause.ended_by else "until the run ended"
-        _say(
-            out,
-            f"The participant paused at {pause.at_s:.1f} s of run {pause.run}{reason}, for {pause.duration_s:.1f} s; "
-            f"{ended}.",
-            end="\n",
-        )
-    if report.pauses:
-        out.print()
-
-
-def _print_notes(out: "Console", report: "WizardReport") -> None:
-    from sar_tui.cli.tables import add, table
-
-    _say(out, f"{_count(report.notes, 'note')}, {_count(report.event_marks, 'event mark')}.")
-    if not report.written:
-        return
-    head = table("run", "at, s", "who", "note or mark", right=("run", "at, s"))
-    for each in report.written:
-        add(head, each.run, f"{each.at_s:.1f}", each.actor, ": ".join(filter(None, (each.label, each.text))))
-    out.print(head)
-    out.print()
-
-
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}{'' if n == 1 else 's'}"
+def _tell_left_out(selection: "Selection") -> None:
+    """Name the sessions that are running. Raises Exit if there are any."""
+    for sentence in selection.refused:
+        console(error=True).print(f"! {sentence}", soft_wrap=True)
+    if selection.refused:
+        raise typer.Exit(FAILED)

@@ -1,7 +1,7 @@
 """A self-contained HTML page to read and to print: style, tables, and drawn charts with their text alternatives."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ body { font: 15px/1.5 sans-serif; color: #111; background: #fff; max-width: 46re
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcaption { font-size: .85rem; color: #333; }
 table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
-th { border-bottom: 1px solid #888; } td:first-child, th:first-child { text-align: left; }
+th { border-bottom: 1px solid #888; } td:first-child, th:first-child, .text { text-align: left; }
 pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
 """
@@ -38,11 +38,22 @@ def write_page(text: str, path: Path) -> None:
         file.write(text)
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table of texts. All columns but the first are aligned to the right."""
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
-    cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(f'<tr>{row}</tr>' for row in cells)}</tbody></table>"
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] | None = None) -> str:
+    """Return a table of texts.
+
+    Args:
+        right: heads of the columns that are aligned to the right; None: all but the first.
+    """
+    is_number = [index > 0 if right is None else head in right for index, head in enumerate(heads)]
+    head = "".join(_cell('th scope="col"', *each) for each in zip(heads, is_number, strict=True))
+    lines = ("".join(_cell("td", *each) for each in zip(row, is_number, strict=True)) for row in rows)
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(tag: str, text: str, is_number: bool) -> str:
+    align = "" if is_number else ' class="text"'
+    return f"<{tag}{align}>{escape(text)}</{tag[:2]}>"
 
 
 def figure(spec: dict[str, Any], caption: str, more: str = "") -> str:

@@ -1,9 +1,12 @@
 """Recorded messages of a session, with the run that each belongs to."""
 
 import sqlite3
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
+import msgspec
+
+from sar_tui.framework.bus import Topic
 from sar_tui.framework.messages import Message, OperatorChanged, Role, SessionStarted
 from sar_tui.store import messages
 
@@ -31,6 +34,27 @@ def read(database: sqlite3.Connection, session: str) -> list[LoggedMessage]:
         StoreError: this version of the program cannot read a message.
     """
     return [LoggedMessage(one.run, one.at, one.message) for one in messages.read(database, session)]
+
+
+def read_topics(database: sqlite3.Connection, session: str, topics: Sequence[Topic[Any]]) -> list[LoggedMessage]:
+    """Read the messages of some topics of a session, in order.
+
+    Raises:
+        StoreError: this version of the program cannot read a message.
+    """
+    kinds = {topic.name: topic.type for topic in topics}
+    marks = ",".join("?" * len(kinds))
+    rows = database.execute(
+        f"SELECT seq, run, at_ns, topic, message FROM events WHERE session=? AND topic IN ({marks}) ORDER BY seq",
+        (session, *kinds),
+    )
+    found = []
+    for seq, run, at, name, text in rows:
+        try:
+            found.append(LoggedMessage(run, at, msgspec.json.decode(text, type=kinds[name])))
+        except msgspec.MsgspecError as error:
+            raise messages.unreadable(session, seq) from error
+    return found
 
 
 def spans(logged: Iterable[LoggedMessage]) -> dict[int, Span]:

@@ -111,8 +111,7 @@ def report(
         parameters: of its task, as stored; older versions may lack some.
         messages: as recorded.
     """
-    given = {"operator_ms_per_word": 0, **parameters}  # earlier versions gave each proposal the same time
-    settings = msgspec.convert(current_values(TaskParameters, given), TaskParameters)
+    settings = operator_settings(parameters)
     operators = peers(messages, "operator")
     records = proposal_records(messages, settings)
     there = presence(messages)
@@ -142,7 +141,7 @@ def report(
         waiting_ms=distribution(latencies.waiting),
         link_ms=distribution(latencies.link),
         agreement=agreement(records),
-        agreement_by_kind=_agreement_by_kind(records),
+        agreement_by_kind=agreement_by_kind(records),
         counts=dict(counts),
         absences=list(there.absences),
         deviations=found,
@@ -152,6 +151,12 @@ def report(
         written=written,
     )
     return whole, latencies
+
+
+def operator_settings(parameters: Mapping[str, Any]) -> TaskParameters:
+    """Return the settings of a session from its stored parameters."""
+    given = {"operator_ms_per_word": 0, **parameters}  # earlier versions gave each proposal the same time
+    return msgspec.convert(current_values(TaskParameters, given), TaskParameters)
 
 
 def _proposals(
@@ -183,7 +188,7 @@ def _proposals(
     return rows
 
 
-def _agreement_by_kind(records: Sequence[ProposalRecord]) -> dict[str, Agreement]:
+def agreement_by_kind(records: Sequence[ProposalRecord]) -> dict[str, Agreement]:
     """Return the agreement for each kind on which an operator decided."""
     decided: dict[str, list[ProposalRecord]] = {}
     for record in records:

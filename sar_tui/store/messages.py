@@ -233,10 +233,13 @@ def read(database: sqlite3.Connection, session: str, after: int = 0) -> Iterator
             topic = ALL[name]
             message = _decoder(topic, stored)(text)
         except (KeyError, TypeError, msgspec.MsgspecError) as error:
-            raise StoreError(
-                f"Message {seq} of session {session} cannot be read by this version of sar-tui."
-            ) from error
+            raise unreadable(session, seq) from error
         yield StoredMessage(seq, run, at, topic, message)
+
+
+def unreadable(session: str, seq: int) -> StoreError:
+    """Return the error of a stored message that this version cannot read."""
+    return StoreError(f"Message {seq} of session {session} cannot be read by this version of sar-tui.")
 
 
 def _rows(database: sqlite3.Connection, session: str, after: int) -> Iterator[tuple[int, int, int, str, str, str]]:

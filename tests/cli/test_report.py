@@ -5,10 +5,13 @@ import re
 import sqlite3
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from sar_tui.cli.simulate import OperatorName
+from sar_tui.reports.intervention import InterventionReport
 from sar_tui.reports.wizard import WizardReport
+from sar_tui.reports.wizard_study import WizardStudy
 from sar_tui.simulation.operator import PROFILES
 from tests.program import Call
 
@@ -158,3 +161,66 @@ def test_an_unknown_operator_is_bad_input_and_leaves_no_session(call: Call) -> N
     assert called.code == 2
     assert "'--operator': 'nobody' is not one of 'careful', 'hasty', 'absent'" in called.err
     assert call("sessions", "--json").json == {"sessions": []}
+
+
+@pytest.fixture
+def two_operated(call: Call) -> tuple[str, str]:
+    """Two sessions with an operator, and a third without one."""
+    first = call(*SHORT, "--operator", "careful", "--attempts", 3, *BUSY).json["session"]
+    second = call(*SHORT, "--operator", "hasty", "--attempts", 3, "--set", "operator_feedback=approve").json["session"]
+    call(*SHORT, "--attempts", 1)
+    return first, second
+
+
+@pytest.mark.parametrize(
+    ("kind", "report"), [("wizard", WizardStudy), ("intervention", InterventionReport)], ids=["wizard", "intervention"]
+)
+def test_json_of_several_sessions_is_described_in_the_data_dictionary(
+    call: Call, two_operated: tuple[str, str], kind: str, report: type[msgspec.Struct]
+) -> None:
+    printed = call("report", kind, "--all", "--simulated", "--json").json
+    assert list(printed) == list(report.__struct_fields__)
+    documented = set(re.findall(r"`([^`\n]+)`", PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0]))
+    data = {"counts", "agreement_by_kind", "valence_table", "settings", "statuses", "modes", "feedback", "outputs"}
+    data |= {"deviations", "pauses", "events"}
+
+    def fields(value: object) -> set[str]:
+        match value:
+            case dict():
+                nested = (fields(part) for name, part in value.items() if name not in data)
+                return set(value).union(*nested)
+            case list():
+                return set().union(*map(fields, value))
+            case _:
+                return set()
+
+    assert fields(printed) - documented == set()
+
+
+def test_a_page_of_a_report_is_self_contained_and_not_overwritten(
+    call: Call, two_operated: tuple[str, str], tmp_path: Path
+) -> None:
+    for name, arguments in (
+        ("one", ("wizard", two_operated[0])),
+        ("study", ("wizard", "--all", "--simulated")),
+        ("intervention", ("intervention", "--all", "--simulated")),
+    ):
+        page = tmp_path / f"{name}.html"
+        assert call("report", *arguments, "--html", page).code == 0
+        text = page.read_text(encoding="utf-8")
+        assert "<table>" in text
+        assert not re.search("<script|src=|href=|url\\(", text)
+        assert page.stat().st_mode & 0o777 == 0o600
+        again = call("report", *arguments, "--html", page)
+        assert (again.code, "not overwritten" in again.err) == (2, True)
+
+
+def test_a_session_is_excluded_with_its_reason(call: Call, two_operated: tuple[str, str]) -> None:
+    first, second = two_operated
+    ask = ("report", "wizard", "--all", "--simulated", "--exclude")
+    printed = call(*ask, f"{first}=Fire alarm.", "--json").json
+    assert [each["session"] for each in printed["sessions"]] == [second]
+    assert {"session": first, "why": "Fire alarm."} in printed["excluded"]
+    for text, said in ((f"{first}=", "Say why"), ("nope=x", "None of these sessions")):
+        called = call(*ask, text)
+        assert (called.code, said in called.err) == (2, True)

@@ -1,0 +1,367 @@
+"""The intervention as it was given, for the items of TIDieR and TIDieR-Rehab that are in the record. Pure.
+
+TIDieR has twelve items for the description of an intervention (Hoffmann et al. 2014, doi:10.1136/bmj.g1687).
+TIDieR-Rehab adds what rehabilitation needs: dose, challenge and how it progressed, personalisation, deviations.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import date, datetime
+from itertools import pairwise
+from statistics import median
+from typing import Any
+
+import msgspec
+
+from sar_tui.framework.policies.wellbeing import SEVERE
+from sar_tui.progress.lines import SessionResults
+from sar_tui.reports.dose import planned_attempts
+from sar_tui.store.adverse_events import AdverseEvent
+from sar_tui.store.programmes import Programme
+
+_WEEK = 7
+_CHALLENGE = ("difficulty_policy", "start_from", "min_level", "max_level", "threshold", "min_accuracy")
+_FEEDBACK = ("feedback_schedule", "feedback_form", "feedback_compared_with", "feedback_delay_ms", "outputs", "language")
+_DOSE = (
+    "attempts", "prompts_per_attempt", "reaches_per_attempt", "practice_attempts", "planned_attempts_a_day",
+    "attempts_a_day", "minutes_a_day", "session_minutes", "days_between_visits", "rest_every", "rest_after_attempts",
+    "rest_seconds",
+)  # fmt: skip
+
+
+class Spread(msgspec.Struct, frozen=True):
+    """Median, least and greatest of some values."""
+
+    median: float
+    least: float
+    most: float
+
+
+class TaskGiven(msgspec.Struct, frozen=True):
+    """A task that was given.
+
+    Attributes:
+        versions: of the task, in all sessions.
+        settings: values of each setting of dose, challenge and feedback, the commonest first.
+    """
+
+    task: str
+    title: str
+    versions: list[str]
+    sessions: int
+    settings: dict[str, list[Any]]
+
+
+class PersonDose(msgspec.Struct, frozen=True):
+    """The dose that a participant got.
+
+    Attributes:
+        days: on which they trained; ``span_days``: from the first of them to the last.
+        sessions_a_week: None in less than a week.
+        planned, done: attempts without practice.
+        repetitions: prompts or reaches in the attempts done.
+        time_on_task_min: in attempts.
+        time_in_sessions_min: with instructions, feedback and rests; None if it is not known, as of simulated sessions.
+    """
+
+    participant: str
+    sessions: int
+    days: int
+    span_days: int
+    sessions_a_week: float | None
+    planned: int
+    done: int
+    repetitions: int
+    time_on_task_min: float
+    time_in_sessions_min: float | None
+
+
+class PersonChallenge(msgspec.Struct, frozen=True):
+    """The challenge that a participant met in a task, and how it progressed.
+
+    Attributes:
+        first_level, last_level: of the first attempt of the first session, and of the last attempt of the last.
+        lowest, highest: levels that were played.
+        reached_share: of the attempts, that reached the goal; ``right_share``: of the responses, that were right.
+        up, down: changes of level by the rule; ``by_person``: by a therapist or operator.
+        goals: changes of the goal otherwise than with the level.
+    """
+
+    participant: str
+    task: str
+    sessions: int
+    first_level: int
+    last_level: int
+    lowest: int
+    highest: int
+    reached_share: float | None
+    right_share: float | None
+    up: int
+    down: int
+    by_person: int
+    goals: int
+
+
+class ProgrammeChange(msgspec.Struct, frozen=True):
+    """A version of a participant's programme, from its second on: the settings it changed, and why."""
+
+    participant: str
+    task: str
+    version: int
+    saved_at: str
+    changed: dict[str, Any]
+    reason: str
+
+
+class Harms(msgspec.Struct, frozen=True):
+    """Adverse events by severity, and what participants said of pain and tiredness.
+
+    Attributes:
+        sessions_with_pain: with pain of 1 or more, or told in a pause; ``severe``: with 7 or more of 10.
+        asked: sessions in which something is known of pain.
+    """
+
+    events: dict[str, int]
+    asked: int
+    sessions_with_pain: int
+    severe: int
+    worst_pain: int | None
+    worst_tiredness: int | None
+
+
+class Acts(msgspec.Struct):
+    """Counts over the messages of sessions.
+
+    Attributes:
+        up, down, by_person, goals: changes of level and goal, by session.
+        deviations: by actor and type.
+        skipped: attempts left out; ``pauses``: of participants, by reason.
+        outputs: addresses, or names, of what showed and said it.
+    """
+
+    up: Counter[str] = msgspec.field(default_factory=Counter)
+    down: Counter[str] = msgspec.field(default_factory=Counter)
+    by_person: Counter[str] = msgspec.field(default_factory=Counter)
+    goals: Counter[str] = msgspec.field(default_factory=Counter)
+    deviations: Counter[tuple[str, str]] = msgspec.field(default_factory=Counter)
+    skipped: int = 0
+    pauses: Counter[str] = msgspec.field(default_factory=Counter)
+    outputs: Counter[str] = msgspec.field(default_factory=Counter)
+
+
+class InterventionReport(msgspec.Struct, frozen=True):
+    """The intervention over some sessions.
+
+    Attributes:
+        first, last: local days of the first and last session.
+        modes, statuses, feedback: numbers of sessions by mode and status; of attempts by feedback.
+        software: versions of the program.
+        operated: sessions with an operator.
+        dose: by participant; ``repetitions_a_session``, ``minutes_a_session`` (time on task): over all sessions.
+        adherence: done of the planned attempts; None if none was planned.
+        challenge: by participant and task. ``reached_share``: over all attempts.
+        programmes: changes of programmes. ``differing``: settings with more than one value, by task.
+        deviations: number by who caused them and what they were.
+    """
+
+    sessions: list[str]
+    participants: list[str]
+    first: str
+    last: str
+    modes: dict[str, int]
+    statuses: dict[str, int]
+    software: list[str]
+    tasks: list[TaskGiven]
+    outputs: dict[str, int]
+    operated: int
+    dose: list[PersonDose]
+    repetitions_a_session: Spread | None
+    minutes_a_session: Spread | None
+    adherence: float | None
+    challenge: list[PersonChallenge]
+    reached_share: float | None
+    feedback: dict[str, int]
+    programmes: list[ProgrammeChange]
+    deviations: dict[str, dict[str, int]]
+    skipped: int
+    pauses: dict[str, int]
+    harms: Harms
+
+
+class Record(msgspec.Struct, frozen=True):
+    """The record of the sessions.
+
+    Attributes:
+        rows: as `store.sessions.listing` returns them, in the order in which they were played.
+        results: of each participant in these sessions, in their order.
+        acts: counted in their messages.
+        feedback: number of attempts by feedback.
+        operated: sessions with an operator.
+        programmes: versions of programmes by participant and task.
+        events: adverse events of the participants.
+    """
+
+    rows: Sequence[Mapping[str, Any]]
+    results: Mapping[str, Sequence[SessionResults]]
+    acts: Acts
+    feedback: Mapping[str, int]
+    operated: int
+    programmes: Mapping[tuple[str, str], Sequence[Programme]]
+    events: Sequence[AdverseEvent]
+
+
+def intervention(record: Record) -> InterventionReport:
+    """Report on an intervention from its record. There is at least one session."""
+    rows, acts = record.rows, record.acts
+    days = [_began(row).date() for row in rows]
+    played = [each for results in record.results.values() for each in results]
+    dose = [_dose(code, results, rows) for code, results in record.results.items() if results]
+    planned = sum(each.planned for each in dose)
+    attempts = sum(len(each.results) for each in played)
+    deviations: dict[str, dict[str, int]] = {}
+    for (actor, what), n in sorted(acts.deviations.items()):
+        deviations.setdefault(actor, {})[what] = n
+    return InterventionReport(
+        sessions=[row["id"] for row in rows],
+        participants=list(record.results),
+        first=min(days).isoformat(),
+        last=max(days).isoformat(),
+        modes=dict(Counter(row["mode"] for row in rows)),
+        statuses=dict(Counter(row["status"] for row in rows)),
+        software=sorted({str(row["software"].get("sar_tui", "")) for row in rows} - {""}),
+        tasks=_tasks(rows),
+        outputs=dict(acts.outputs),
+        operated=record.operated,
+        dose=dose,
+        repetitions_a_session=_spread([each.trials for each in played]),
+        minutes_a_session=_spread([round(each.seconds / 60, 2) for each in played]),
+        adherence=round(sum(each.done for each in dose) / planned, 4) if planned else None,
+        challenge=[each for code, results in record.results.items() for each in _challenge(code, results, acts)],
+        reached_share=round(sum(each.reached for each in played) / attempts, 4) if attempts else None,
+        feedback=dict(record.feedback),
+        programmes=list(_changes(record.programmes)),
+        deviations=deviations,
+        skipped=acts.skipped,
+        pauses=dict(acts.pauses),
+        harms=_harms(played, record.events),
+    )
+
+
+def _began(row: Mapping[str, Any]) -> datetime:
+    return datetime.fromisoformat(row["started_at"]).astimezone()
+
+
+def _minutes(row: Mapping[str, Any]) -> float:
+    """Return how long a session took, in min; 0 if it has no end."""
+    if not row["ended_at"]:
+        return 0.0
+    took = datetime.fromisoformat(row["ended_at"]) - datetime.fromisoformat(row["started_at"])
+    return max(0.0, took.total_seconds() / 60)
+
+
+def _spread(values: Sequence[float]) -> Spread | None:
+    return Spread(round(median(values), 2), min(values), max(values)) if values else None
+
+
+def _tasks(rows: Sequence[Mapping[str, Any]]) -> list[TaskGiven]:
+    made = []
+    for task in dict.fromkeys(row["task"] for row in rows):
+        own = [row for row in rows if row["task"] == task]
+        about = [row["software"].get("task") or {} for row in own]
+        made.append(
+            TaskGiven(
+                task=task,
+                title=str(about[-1].get("title") or task),
+                versions=sorted({str(each.get("version", "")) for each in about} - {""}),
+                sessions=len(own),
+                settings={
+                    name: values
+                    for name in (*_DOSE, *_CHALLENGE, *_FEEDBACK)
+                    if (values := _values(row["parameters"].get(name) for row in own))
+                },
+            )
+        )
+    return made
+
+
+def _values(given: Iterable[Any]) -> list[Any]:
+    """Return the different values, the commonest first; a setting that no session has has none."""
+    counted: dict[str, tuple[int, Any]] = {}
+    for value in given:
+        if value is not None:
+            count, _ = counted.get(repr(value), (0, None))
+            counted[repr(value)] = (count + 1, value)
+    return [value for _, value in sorted(counted.values(), key=lambda pair: -pair[0])]
+
+
+def _dose(code: str, results: Sequence[SessionResults], rows: Sequence[Mapping[str, Any]]) -> PersonDose:
+    days = sorted({each.began.date() for each in results})
+    span = (days[-1] - days[0]).days + 1
+    own = {each.session for each in results}
+    on_task = sum(each.seconds for each in results) / 60
+    in_sessions = sum(_minutes(row) for row in rows if row["id"] in own)
+    return PersonDose(
+        participant=code,
+        sessions=len(results),
+        days=len(days),
+        span_days=span,
+        sessions_a_week=round(len(results) / span * _WEEK, 2) if span >= _WEEK else None,
+        planned=sum(map(planned_attempts, results)),
+        done=sum(len(each.results) for each in results),
+        repetitions=sum(each.trials for each in results),
+        time_on_task_min=round(on_task, 2),
+        time_in_sessions_min=round(in_sessions, 2) if in_sessions >= on_task else None,
+    )
+
+
+def _challenge(code: str, results: Sequence[SessionResults], acts: Acts) -> Iterable[PersonChallenge]:
+    for task in dict.fromkeys(each.task for each in results):
+        own = [each for each in results if each.task == task and each.results]
+        if not own:
+            continue
+        levels = [result.level for each in own for result in each.results]
+        trials = sum(each.trials for each in own)
+        yield PersonChallenge(
+            participant=code,
+            task=task,
+            sessions=len(own),
+            first_level=levels[0],
+            last_level=levels[-1],
+            lowest=min(levels),
+            highest=max(levels),
+            reached_share=round(sum(each.reached for each in own) / len(levels), 4),
+            right_share=round(sum(each.right for each in own) / trials, 4) if trials else None,
+            up=sum(acts.up[each.session] for each in own),
+            down=sum(acts.down[each.session] for each in own),
+            by_person=sum(acts.by_person[each.session] for each in own),
+            goals=sum(acts.goals[each.session] for each in own),
+        )
+
+
+def _changes(programmes: Mapping[tuple[str, str], Sequence[Programme]]) -> Iterable[ProgrammeChange]:
+    for (participant, task), versions in programmes.items():
+        for before, after in pairwise(versions):
+            names = {*before.parameters, *after.parameters}
+            changed = {
+                name: after.parameters.get(name)
+                for name in sorted(names)
+                if before.parameters.get(name) != after.parameters.get(name)
+            }
+            yield ProgrammeChange(participant, task, after.version, after.created_at, changed, after.reason)
+
+
+def _harms(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> Harms:
+    pain = [each.felt.pain for each in played if each.felt.pain is not None]
+    return Harms(
+        events=dict(Counter(event.severity for event in events)),
+        asked=len(pain),
+        sessions_with_pain=sum(one > 0 for one in pain),
+        severe=sum(one >= SEVERE for one in pain),
+        worst_pain=max(pain, default=None),
+        worst_tiredness=max((each.felt.fatigue for each in played if each.felt.fatigue is not None), default=None),
+    )
+
+
+def days_between(first: str, last: str) -> int:
+    """Return the number of days from one to another, both counted."""
+    return (date.fromisoformat(last) - date.fromisoformat(first)).days + 1

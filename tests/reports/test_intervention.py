@@ -1,0 +1,93 @@
+"""The intervention report on simulated sessions: its figures are those of queries on the tables."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.reports.intervention import Acts, Record, intervention
+from sar_tui.reports.intervention_words import sections
+from sar_tui.store.adverse_events import AdverseEvent
+from sar_tui.store.programmes import Programme
+from tests.program import Call
+
+BRIEF = ("--attempts", 6, "--set", "prompts_per_attempt=3", "--json")
+
+
+@pytest.fixture
+def study(call: Call) -> dict[str, Any]:
+    """The report on three sessions: two of one person, one of another with an operator."""
+    call("simulate", "keyboard", "-p", "P01", "--user", "average", "--seed", 1, *BRIEF)
+    call("simulate", "keyboard", "-p", "P01", "--user", "average", "--seed", 2, *BRIEF, "--set", "start_level=3")
+    call("simulate", "reaching", "-p", "P02", "--user", "poor", "--seed", 3, "--attempts", 2, "--operator", "careful")
+    found: dict[str, Any] = call("report", "intervention", "--all", "--simulated", "--json").json
+    return found
+
+
+def test_the_dose_is_that_of_the_tables(study: dict[str, Any], tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
+        expected = database.execute(
+            "SELECT participant, count(DISTINCT attempts.session), count(*), sum(trials),"
+            " round(sum(ended_ns - started_ns) / 6e10, 2)"
+            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY participant"
+        ).fetchall()
+    told = [
+        (each["participant"], each["sessions"], each["done"], each["repetitions"], each["time_on_task_min"])
+        for each in study["dose"]
+    ]
+    assert told == expected
+    assert study["adherence"] == 1
+    assert study["operated"] == 1
+
+
+def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
+        expected = database.execute(
+            "SELECT participant, min(level), max(level), round(avg(outcome='success'), 4)"
+            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY participant"
+        ).fetchall()
+        (up,) = database.execute(
+            "SELECT count(*) FROM events WHERE topic='event_handler/level'"
+            " AND json_extract(message, '$.level')>json_extract(message, '$.previous')"
+        ).fetchone()
+    challenge = study["challenge"]
+    told = [(each["participant"], each["lowest"], each["highest"], each["reached_share"]) for each in challenge]
+    assert told == expected
+    assert sum(each["up"] + each["by_person"] for each in challenge) >= up > 0
+    settings = study["tasks"][0]["settings"]
+    assert (settings["attempts"], settings["prompts_per_attempt"]) == ([6], [3])
+
+
+def record(**changes: Any) -> Record:
+    row = {
+        "id": "s1", "task": "keyboard", "mode": "live", "status": "completed", "participant": "P01", "partner": None,
+        "parameters": {}, "software": {}, "started_at": "2026-03-01T09:00:00+00:00", "ended_at": None,
+    }  # fmt: skip
+    given = {"rows": [row], "results": {"P01": []}, "acts": Acts(), "feedback": {}, "operated": 0}
+    return Record(**{**given, "programmes": {}, "events": [], **changes})
+
+
+def test_a_changed_programme_is_a_modification_with_its_reason() -> None:
+    versions = [
+        Programme({"threshold": 900.0}, version=1, created_at="2026-03-01T09:00:00+00:00"),
+        Programme({"attempts": 10}, version=2, created_at="2026-03-08T09:00:00+00:00", reason="Tired."),
+    ]
+    (change,) = intervention(record(programmes={("P01", "keyboard"): versions})).programmes
+    assert (change.version, change.changed, change.reason) == (2, {"attempts": 10, "threshold": None}, "Tired.")
+
+
+def test_harms_are_counted_and_nothing_asked_is_said_as_such() -> None:
+    event = AdverseEvent(event="e1", version=1, participant="P01", onset="2026-03-01", what="A fall.", severity="mild")
+    found = intervention(record(events=[event]))
+    assert found.harms.events == {"mild": 1}
+    text = str(sections(found))
+    assert "Adverse events: 1 mild." in text
+    assert "Nothing is known of pain" in text
+
+
+def test_a_session_without_attempts_is_reported() -> None:
+    found = intervention(record())
+    assert (found.adherence, found.reached_share, found.dose) == (None, None, [])
+    assert "No attempt was finished." in str(sections(found))
