@@ -35,6 +35,7 @@ COMMANDS = {
     "serve": "serve:serve",
     "backup": "backup:backup",
     "check": "check:check",
+    "site": "site:site",
     "rescue": "rescue:rescue",
     "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",

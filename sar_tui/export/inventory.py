@@ -18,7 +18,8 @@ LEAVING = ("open", "code", "time", "text")
 """Treatments of columns that may leave."""
 
 _INVENTORY: dict[str, dict[str, Treatment]] = {
-    "participants": {"code": "code", "created_at": "time"},
+    "site": {"number": "inner", "code": "open"},
+    "participants": {"code": "code", "created_at": "time", "site": "open"},
     "instrument_scores": {
         "participant": "code",
         "instrument": "open",
@@ -28,6 +29,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "recorded_at": "time",
         "recorded_by": "person",
         "removed": "open",
+        "site": "open",
     },
     "programmes": {
         "participant": "code",
@@ -38,6 +40,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "reason": "text",
         "parameters": "parts",
         "theme": "open",
+        "site": "open",
     },
     "sessions": {
         "id": "open",
@@ -52,6 +55,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "machine": "parts",
         "mode": "open",
         "programme": "open",
+        "site": "open",
     },
     "sessions.software": {
         "sar_tui": "open",
@@ -195,6 +199,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "question": "open",
         "answer": "open",
         "at": "time",
+        "site": "open",
     },
     "adverse_events": {
         "event": "open",
@@ -208,6 +213,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "outcome": "text",
         "recorded_at": "time",
         "recorded_by": "person",
+        "site": "open",
     },
     "earlier_events": {
         "session": "open",
@@ -236,6 +242,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "sessions": "inner",
         "options": "inner",
         "manifest": "inner",
+        "site": "open",
     },
     "checkpoints": {"session": "inner", "seq": "inner", "program": "inner", "crc32": "inner", "state": "inner"},
     "imu_streams": {

@@ -60,7 +60,11 @@ def check_score(instrument: Instrument, score: float) -> None:
 def _insert(db: sqlite3.Connection, participant: str, score: Score, author: str, *, removed: bool = False) -> None:
     row = (participant, score.instrument, score.date, score.score, score.note, _now(), author, removed)
     with transaction(db) as connection:
-        connection.execute("INSERT INTO instrument_scores VALUES (?,?,?,?,?,?,?,?)", row)
+        connection.execute(
+            "INSERT INTO instrument_scores (participant, instrument, date, score, note, recorded_at, recorded_by,"
+            " removed) VALUES (?,?,?,?,?,?,?,?)",
+            row,
+        )
 
 
 def scores_of(db: sqlite3.Connection, participant: str) -> list[Score]:

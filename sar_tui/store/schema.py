@@ -2,6 +2,8 @@
 
 import sqlite_utils
 
+from sar_tui.store import views
+
 migrations = sqlite_utils.Migrations("sar-tui")
 """One function for each version, in order. A released function never changes."""
 
@@ -247,6 +249,19 @@ def version_12(db: sqlite_utils.Database) -> None:
     )
 
 
+@migrations()
+def version_13(db: sqlite_utils.Database) -> None:
+    """Site codes; views of attempts, trials and reaches. An empty site is the database's own."""
+    db.execute("CREATE TABLE site (number INTEGER PRIMARY KEY CHECK (number=1), code TEXT NOT NULL)")
+    for table in _OF_SITES:
+        db.execute(f"ALTER TABLE {table} ADD COLUMN site TEXT NOT NULL DEFAULT ''")
+    for view in (views.ATTEMPTS, views.TRIALS, views.REACHES):
+        db.execute(view)
+
+
+_OF_SITES = (
+    "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
+)  # fmt: skip
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")

@@ -45,7 +45,7 @@ def test_a_backup_holds_all_rows_and_only_its_owner_can_read_it(
 def test_a_backup_is_made_while_something_is_written(database: sqlite3.Connection, data: Path) -> None:
     participants.add(database, "P07")  # in the write-ahead log only
     database.execute("BEGIN IMMEDIATE")
-    database.execute("INSERT INTO participants VALUES ('P08', '')")
+    database.execute("INSERT INTO participants (code, created_at) VALUES ('P08', '')")
     made = back_up(data)
     database.execute("ROLLBACK")
     with closing(sqlite3.connect(made.path)) as copy:

@@ -323,7 +323,7 @@ from sar_tui.store.database import connect
 folder = Path(sys.argv[1])
 first, second = connect(folder), connect(folder)
 for line in sys.stdin:
-    second.execute("INSERT INTO participants VALUES (?, 'now')", (line.strip(),))
+    second.execute("INSERT INTO participants (code, created_at) VALUES (?, 'now')", (line.strip(),))
     print("stored", flush=True)
 """
 
@@ -357,21 +357,21 @@ def test_committed_data_survive_kill_9_and_are_visible_to_other_programs(data: P
 def test_a_transaction_is_all_or_nothing(database: sqlite3.Connection) -> None:
     def half() -> None:
         with transaction(database) as connection:
-            connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
+            connection.execute("INSERT INTO participants (code, created_at) VALUES ('P01', 'now')")
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         half()
     assert list(Database(database)["participants"].rows) == []
     with transaction(database) as connection:
-        connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
+        connection.execute("INSERT INTO participants (code, created_at) VALUES ('P02', 'now')")
     assert [row["code"] for row in Database(database)["participants"].rows] == ["P02"]
 
 
 def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(database: sqlite3.Connection) -> None:
     def too_much() -> None:
         with transaction(database) as connection:
-            connection.execute("INSERT INTO participants VALUES ('P01', 'now')")
+            connection.execute("INSERT INTO participants (code, created_at) VALUES ('P01', 'now')")
             connection.execute("INSERT INTO notes (session, text) VALUES ('s', zeroblob(1000000))")
 
     pages = pragma(database, "page_count")
@@ -380,7 +380,7 @@ def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(databa
         too_much()
     assert list(Database(database)["participants"].rows) == []
     with transaction(database) as connection:
-        connection.execute("INSERT INTO participants VALUES ('P02', 'now')")
+        connection.execute("INSERT INTO participants (code, created_at) VALUES ('P02', 'now')")
 
 
 def test_a_file_beside_the_database_that_may_not_be_written_to_is_named() -> None:

@@ -368,7 +368,7 @@ def test_a_transaction_in_a_database_that_stays_is_not_refused(data: Path) -> No
     database = connect(data)
     for code in ("P01", "P02"):
         with transaction(database) as connection:
-            connection.execute("INSERT INTO participants VALUES (?, 'now')", (code,))
+            connection.execute("INSERT INTO participants (code, created_at) VALUES (?, 'now')", (code,))
         with closing(connect(data)) as other:
             other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     assert participants.codes(database) == ["P01", "P02"]

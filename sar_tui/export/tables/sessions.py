@@ -7,6 +7,7 @@ from typing import Any
 
 from sar_tui.export.columns import MODE, SESSION, TASK, Column, Reference, Table, Values, stored
 from sar_tui.export.json_columns import object_of
+from sar_tui.store.sites import resolved
 
 _SOFTWARE = {
     "sar_tui": stored("sessions.software.sar_tui", "string", "Version of sar-tui at the start of the session."),
@@ -77,6 +78,7 @@ _COLUMNS = (
     stored("seats.participant", "string", "Code of the participant at seat A."),
     stored("seats.participant", "string", "Code of the participant at seat B, in a task for two.", name="partner"),
     stored("sessions.seed", "integer", "Seed of all that is random."),
+    stored("sessions.site", "string", "Code of the site that recorded it; missing: the site has none."),
     stored("sessions.programme", "integer", "Version of the participant's programme; missing: there was none."),
     *_SOFTWARE.values(),
     *_MACHINE.values(),
@@ -110,8 +112,8 @@ def _rows(
     statuses: Mapping[str, str], passports: Mapping[str, str], database: sqlite3.Connection, session: str
 ) -> Iterator[Values]:
     for row in database.execute(
-        "SELECT id, mode, task, theme, NULL, started_at, ended_at, own.participant, other.participant, seed, programme,"
-        " software, machine FROM sessions"
+        "SELECT id, mode, task, theme, NULL, started_at, ended_at, own.participant, other.participant, seed,"
+        f" nullif({resolved('sessions.site')}, ''), programme, software, machine FROM sessions"
         " LEFT JOIN seats AS own ON own.session=id AND own.seat='A'"
         " LEFT JOIN seats AS other ON other.session=id AND other.seat='B' WHERE id=?",
         (session,),

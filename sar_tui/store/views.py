@@ -1,0 +1,64 @@
+"""Views of attempts, trials and reaches, a row each, for any program that reads SQLite (3.34 or newer).
+
+They are part of a migration (``schema``): to change one, drop and create it in a new migration.
+"""
+
+_REACH = {
+    "text": ("closed", "mark", "hand", "detector", "detector_version"),
+    "measures": (
+        "marker_cm", "reach_time_ms", "robust_reach_time_ms", "thesis_reach_time_ms", "out_ms", "dwell_ms", "back_ms",
+        "turn_after_ms", "peak_extension_rad_s", "peak_return_rad_s", "time_to_peak_ms", "time_to_peak_share",
+        "movement_units_out", "movement_units_back", "movement_units", "sparc_out", "sparc_back", "sparc", "ldlj_out",
+        "ldlj_back", "tremor_index", "reaches", "samples", "rate_hz",
+    ),
+}  # fmt: skip
+"""Fields of ``trials.details`` that are columns of the view of reaches."""
+
+SITE = "coalesce(nullif({column}, ''), (SELECT code FROM site), '')"
+"""The site of a row in words: an empty one is the database's own, which may have no code yet."""
+_WHO = (
+    "(SELECT participant FROM seats WHERE seats.session={row}.session AND seats.seat={row}.seat) AS participant, "
+    + SITE.format(column="sessions.site")
+    + " AS site, {row}.session, task, mode, {row}.attempt"
+)
+_TIME = (
+    "(SELECT strftime('%Y-%m-%dT%H:%M:%f+00:00', json_extract(clock_anchor, '$.utc'),"
+    " printf('%+.3f seconds', ({at} - json_extract(clock_anchor, '$.clock_ns')) / 1e9))"
+    " FROM runs WHERE runs.session={row}.session AND runs.run={run}) AS started_at"
+)
+"""A moment of a run by the time of day (UTC), from its steady clock."""
+_ATTEMPT = "practice, level, goal, metric_unit, outcome"
+_OF_TRIALS = (
+    "FROM trials JOIN sessions ON sessions.id=trials.session LEFT JOIN attempts ON attempts.session=trials.session"
+    " AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"
+)
+_REACTION = "CASE WHEN abs(reaction_time_ms) < 9e999 THEN reaction_time_ms END AS reaction_time_ms"
+_ONSET = _TIME.format(row="trials", at="trials.onset_ns", run="trials.run")
+_FLAGS = "json_extract(timing, '$.flags') AS flags"
+
+ATTEMPTS = f"""CREATE VIEW v_attempts AS
+SELECT {_WHO.format(row="attempts")}, attempts.seat, {_ATTEMPT},
+    CASE WHEN abs(metric) < 9e999 THEN metric END AS metric, accuracy, correct, trials, feedback,
+    {
+    _TIME.format(
+        row="attempts",
+        at="attempts.started_ns",
+        run="coalesce((SELECT min(trials.run) FROM trials WHERE trials.session=attempts.session"
+        " AND trials.attempt=attempts.attempt), attempts.run)",
+    )
+},
+    (SELECT avg(reaction_time_ms) FROM trials WHERE trials.session=attempts.session
+        AND trials.attempt=attempts.attempt AND trials.seat=attempts.seat AND trials.correct
+        AND abs(reaction_time_ms) < 9e999) AS reaction_time_ms
+FROM attempts JOIN sessions ON sessions.id=attempts.session"""
+
+TRIALS = f"""CREATE VIEW v_trials AS
+SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, stimulus, response, trials.correct,
+    {_REACTION}, {_ONSET}, {_FLAGS}
+{_OF_TRIALS}"""
+
+REACHES = f"""CREATE VIEW v_reaches AS
+SELECT {_WHO.format(row="trials")}, trials.trial, trials.seat, {_ATTEMPT}, trials.correct, {_REACTION}, {_ONSET},
+    {", ".join(f"json_extract(details, '$.{name}') AS {name}" for names in _REACH.values() for name in names)}, {_FLAGS}
+{_OF_TRIALS}
+WHERE json_extract(details, '$.reach_time_ms') IS NOT NULL"""
