@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from sar_tui.export.columns import SESSION, TO_SESSION, Column, Table, Values, stored
 from sar_tui.export.json_columns import object_of
 from sar_tui.export.roles import ROLES, role
+from sar_tui.export.run_numbers import runs_of_actions
 
 _PARTS = {
     "text": stored("actions.proposed.text", "string", "Text on the screen."),
@@ -27,6 +28,7 @@ def _parts(prefix: str, of: str) -> list[Column]:
 
 
 def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    run = runs_of_actions(database, session)
     for id, kind, proposed, final, decision, actor, *rest in database.execute(
         "SELECT id, kind, proposed, final, decision, actor, mode, ground, reason, proposed_ns, shown_ns, deadline_ns,"
         " decided_ns, started_ns, ended_ns FROM actions WHERE session=? ORDER BY rowid",
@@ -35,7 +37,7 @@ def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
         first, last = object_of(proposed), object_of(final)
         attempt = (first or last).get("attempt") or None
         yield (
-            session, id, kind, attempt, decision, role(actor), *rest, last.get("level"),
+            session, id, run(id), kind, attempt, decision, role(actor), *rest, last.get("level"),
             *(_or_none(first.get(key)) for key in _PARTS), *(_or_none(last.get(key)) for key in _PARTS),
         )  # fmt: skip
 
@@ -50,6 +52,7 @@ ACTIONS = Table(
     columns=(
         SESSION,
         stored("actions.id", "string", "Id of the action in its session.", name="action", required=True),
+        stored("messages.run", "integer", "The run of the program in which it was decided, or else proposed."),
         stored("actions.kind", "string", "What it is for: greeting, feedback, …; difficulty is a change of level."),
         stored("actions.proposed.attempt", "integer", "The attempt it belongs to; missing if to none."),
         stored(

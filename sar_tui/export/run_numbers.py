@@ -1,0 +1,44 @@
+"""Runs of the program that actions and notes belong to: their tables do not say, but the messages do."""
+
+import sqlite3
+from collections.abc import Callable
+
+Find = Callable[[object], int | None]
+
+_OF_ACTIONS = (
+    "action_center/proposed",
+    "arbiter/offered",
+    "arbiter/action",
+    "arbiter/dropped",
+    "arbiter/level_ruled",
+)
+
+
+def runs_of_actions(database: sqlite3.Connection, session: str) -> Find:
+    """Return the run of an action by its id: the one in which it was decided, or proposed if it was not decided."""
+    return _single(database, session) or _found(
+        database,
+        "SELECT coalesce(json_extract(message, '$.id'), json_extract(message, '$.proposal.id')), max(run) FROM events"
+        f" WHERE session=? AND topic IN ({', '.join('?' * len(_OF_ACTIONS))}) GROUP BY 1",
+        (session, *_OF_ACTIONS),
+    )
+
+
+def runs_of_notes(database: sqlite3.Connection, session: str) -> Find:
+    """Return the run of a note by its ``at_ns``."""
+    return _single(database, session) or _found(
+        database,
+        "SELECT coalesce(nullif(json_extract(message, '$.at'), 0), at_ns), run FROM events"
+        " WHERE session=? AND topic='operator/noted'",
+        (session,),
+    )
+
+
+def _single(database: sqlite3.Connection, session: str) -> Find | None:
+    """Return what finds the only run of a session; None if it has several. Saves reading the messages."""
+    runs = [run for (run,) in database.execute("SELECT run FROM runs WHERE session=?", (session,))]
+    return (lambda _: runs[0]) if len(runs) == 1 else None
+
+
+def _found(database: sqlite3.Connection, statement: str, values: tuple[str, ...]) -> Find:
+    return dict(database.execute(statement, values)).get
