@@ -22,6 +22,7 @@ class Column(msgspec.Struct, frozen=True):
         levels: all values that it can have; empty if they are not known.
         required: True if a value is never missing.
         treatment: what becomes of its values on their way out.
+        tasks: the tasks whose rows may have a value; None: all.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Column(msgspec.Struct, frozen=True):
     levels: tuple[str, ...] = ()
     required: bool = False
     treatment: Treatment = "text"
+    tasks: tuple[str, ...] | None = None
 
 
 class Reference(msgspec.Struct, frozen=True):

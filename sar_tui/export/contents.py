@@ -1,7 +1,8 @@
 """The contents of an export, as every format gets them: tables whose rows come from the database one by one."""
 
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from copy import copy
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -84,6 +85,12 @@ class Contents:
         self._codes = {privacy.code(code): code for code in selection.participants}
         self._persons = {row["id"]: row["participant"] for row in selection.sessions}
         self._owners = {"session": selection.ids, "participant": list(self._codes)}
+
+    def part(self, names: Collection[str]) -> "Contents":
+        """Return these contents with the named tables only."""
+        part = copy(self)
+        part.tables = tuple(table for table in self.tables if table.name in names)
+        return part
 
     def owners(self, table: Table) -> list[str]:
         """Return the sessions that the table has rows of, by id, or the participants, by their codes as they leave."""

@@ -58,15 +58,18 @@ def columns(
     What nobody declares may be anything: its texts leave only if texts are asked for.
     """
     found: dict[str, set[Type]] = {key: set(one.types) for key, one in declared.items()}
+    tasks: dict[str, set[str]] = {}
     # A damaged value has no keys; reading its row reports it.
     value = f"CASE WHEN json_valid({table}.{column}) THEN {table}.{column} ELSE '{{}}' END"
     rows = database.execute(
-        f"SELECT DISTINCT part.key, part.type FROM {table}, json_each({value}) AS part"
+        f"SELECT DISTINCT part.key, part.type, sessions.task FROM {table} JOIN sessions ON sessions.id=session,"
+        f" json_each({value}) AS part"
         f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({value})='object' ORDER BY part.key",
         (msgspec.json.encode(list(sessions)).decode(),),
     )
-    for key, kind in rows:
+    for key, kind, task in rows:
         found.setdefault(key, set())
+        tasks.setdefault(key, set()).add(task)
         if kind != "null":
             found[key].add(_TYPES.get(kind, "string"))
     made: dict[str, Column] = {}
@@ -79,6 +82,7 @@ def columns(
             type=type,
             unit=next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), ""),
             treatment="open" if is_open else "text",
+            tasks=tuple(sorted(tasks.get(key, ()))),
         )
     return made
 

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 from sar_tui import __version__
-from sar_tui.export.target import MANIFEST
+from sar_tui.export.target import LOCK, MANIFEST
 
 _BLOCK = 1 << 20
 
@@ -21,7 +21,7 @@ def write_manifest(folder: Path, **facts: Any) -> str:
     files = [
         {"path": path.relative_to(folder).as_posix(), "bytes": path.stat().st_size, "sha256": sha256(path)}
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and not path.name.startswith(".")
+        if path.is_file() and path.name != LOCK
     ]
     manifest = msgspec.json.format(msgspec.json.encode({"sar_tui": __version__, **facts, "files": files})) + b"\n"
     (folder / MANIFEST).write_bytes(manifest)

@@ -17,7 +17,7 @@ from sar_tui.export.errors import ExportError
 
 MANIFEST = "sar-tui-export.json"
 """The file in an export that says what it holds, and by which a later export knows its own folder."""
-_LOCK = ".sar-tui-lock"
+LOCK = ".sar-tui-lock"
 """Held in the hidden folder while it is written, so that one that was left behind is recognised."""
 _BEFORE = "-before"
 """Ending of the hidden name under which an earlier export waits for a moment while the new one takes its place."""
@@ -52,13 +52,13 @@ def target(folder: Path, format: str) -> Iterator[Path]:
     check(folder, format)
     make_private(parent)
     hidden = Path(tempfile.mkdtemp(prefix=_prefix(folder), dir=parent))
-    lock = filelock.FileLock(hidden / _LOCK, mode=0o600)
+    lock = filelock.FileLock(hidden / LOCK, mode=0o600)
     try:
         lock.acquire(blocking=False)
         yield hidden
         check(folder, format)  # again: somebody may have put files there meanwhile
         lock.release()
-        (hidden / _LOCK).unlink(missing_ok=True)
+        (hidden / LOCK).unlink(missing_ok=True)
         _put_in_place(hidden, folder)
     except BaseException:
         lock.release()
@@ -159,7 +159,7 @@ def _remove_left_behind(folder: Path) -> None:
 
 
 def _is_locked(path: Path) -> bool:
-    lock = filelock.FileLock(path / _LOCK, mode=0o600)
+    lock = filelock.FileLock(path / LOCK, mode=0o600)
     try:
         lock.acquire(blocking=False)
     except (filelock.Timeout, OSError):

@@ -28,13 +28,7 @@ class CsvFormat:
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
         """Write a file for each table, and the description of all."""
         for table in contents.tables:
-            with (folder / _file(table)).open("w", encoding="utf-8", newline="") as file:
-                writer = csv.writer(file)
-                writer.writerow([column.name for column in table.columns])
-                booleans = [index for index, column in enumerate(table.columns) if column.type == "boolean"]
-                for owner in contents.owners(table):
-                    writer.writerows(_with_booleans(contents.rows(table, owner), booleans))
-                    progress()
+            write_table(folder / _file(table), table, contents, progress)
         package = {
             "profile": "tabular-data-package",
             "name": "sar-tui-export",
@@ -43,6 +37,17 @@ class CsvFormat:
             "resources": [_resource(table, folder / _file(table)) for table in contents.tables],
         }
         (folder / "datapackage.json").write_bytes(msgspec.json.format(msgspec.json.encode(package)) + b"\n")
+
+
+def write_table(path: Path, table: Table, contents: Contents, progress: Callable[[], None]) -> None:
+    """Write the rows of a table as a CSV file."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow([column.name for column in table.columns])
+        booleans = [index for index, column in enumerate(table.columns) if column.type == "boolean"]
+        for owner in contents.owners(table):
+            writer.writerows(_with_booleans(contents.rows(table, owner), booleans))
+            progress()
 
 
 def _file(table: Table) -> str:
