@@ -17,6 +17,7 @@ GROUP = "sar_tui.exports"
 """Entry points of this group name a class like `Format`."""
 BUNDLED = {
     "csv": "sar_tui.export.formats.csv:CsvFormat",
+    "bids": "sar_tui.export.formats.bids.format:BidsFormat",
 }
 """Each bundled format by its name: its module, and there its class."""
 

@@ -1,0 +1,74 @@
+"""Files with values between tabs, and the JSON that describes their columns."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from sar_tui.export.columns import Column
+
+MISSING = "n/a"
+_ESCAPES = str.maketrans({"\t": "\\t", "\n": "\\n", "\r": "\\r", "\\": "\\\\"})
+_BOOLEANS = {"true": "Yes.", "false": "No."}
+
+
+def value(of: Any) -> str:
+    """Return a value as it is written.
+
+    Tabs, line ends and backslashes of a text are written as in JSON, and a quote at its beginning, which other programs
+    would take for the beginning of a quoted text.
+    """
+    if of is None or of == "":
+        return MISSING
+    if isinstance(of, str):
+        if of.isalnum():
+            return of
+        escaped = of.translate(_ESCAPES)
+        return f"\\{escaped}" if escaped.startswith('"') else escaped
+    if isinstance(of, bool):
+        return "true" if of else "false"
+    return repr(of)
+
+
+def line(values: Iterable[Any]) -> str:
+    """Return a line of values."""
+    return "\t".join(map(value, values)) + "\n"
+
+
+def seconds(ns: int) -> str:
+    """Return nanoseconds as seconds, with all digits."""
+    whole, rest = divmod(abs(ns), 10**9)
+    return f"{'-' if ns < 0 else ''}{whole}.{rest:09d}"
+
+
+def write_rows(path: Path, head: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a header line and rows."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(line(head))
+        file.writelines(map(line, rows))
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON file for people to read."""
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(content)) + b"\n")
+
+
+def described(columns: Iterable[Column]) -> dict[str, Any]:
+    """Return what a JSON sidecar says of columns: meaning, unit, and levels."""
+    return {column.name: description(column) for column in columns}
+
+
+def description(column: Column, levels: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Return what a JSON sidecar says of a column.
+
+    Args:
+        levels: the meaning of each level, where the name of a level does not say enough.
+    """
+    if levels is None:
+        levels = _BOOLEANS if column.type == "boolean" else dict(zip(column.levels, column.levels, strict=True))
+    return {
+        "Description": column.meaning,
+        **({"Units": column.unit} if column.unit else {}),
+        **({"Levels": levels} if levels else {}),
+    }
