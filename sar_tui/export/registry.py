@@ -18,6 +18,7 @@ GROUP = "sar_tui.exports"
 BUNDLED = {
     "csv": "sar_tui.export.formats.csv:CsvFormat",
     "bids": "sar_tui.export.formats.bids.format:BidsFormat",
+    "psych-ds": "sar_tui.export.formats.psych_ds:PsychDsFormat",
 }
 """Each bundled format by its name: its module, and there its class."""
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sar_tui import __version__
+from sar_tui.export.dataset_name import dataset_name
 from sar_tui.export.formats.bids.study import Study
 from sar_tui.export.formats.bids.tsv import described, write_json, write_rows
 
@@ -45,7 +46,7 @@ def write_dataset(study: Study, left_out: Iterable[str], folder: Path) -> None:
     Args:
         left_out: sentences on what is not in the data set.
     """
-    name = _name(study)
+    name = dataset_name({session.row["mode"] for session in study.sessions})
     write_json(
         folder / "dataset_description.json",
         {
@@ -74,12 +75,6 @@ def write_dataset(study: Study, left_out: Iterable[str], folder: Path) -> None:
         said.append("".join(["## Left out\n\n", *sentences]))
     (folder / "README.md").write_text("\n".join(said), encoding="utf-8")
     (folder / ".bidsignore").write_text("".join(f"{name}\n" for name in _BESIDE), encoding="utf-8")
-
-
-def _name(study: Study) -> str:
-    modes = {session.row["mode"] for session in study.sessions}
-    kinds = "" if modes <= {"live"} else " (simulated sessions)" if "live" not in modes else " (some are simulated)"
-    return f"Sessions of motor tasks{kinds}"
 
 
 def _modes(study: Study) -> str:
