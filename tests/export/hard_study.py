@@ -40,8 +40,9 @@ def store_study(data: Path, catalogue: Catalogue) -> None:
                 software={"sar_tui": "0"}, machine={}, mode="live",
             )  # fmt: skip
             sessions.begin_run(database, id, software={}, machine={}, clock_ns=5_000_000_000)
-        for trial, stimulus in enumerate(('"', "\\", "NA", "n", "true", "ñ"), 1):
-            values = (INTERRUPTED, 1, trial, "A", 1, stimulus, None, 0, 5_000_000_000 + trial * 10**9, None, None, "{}")
+        for trial, stimulus in enumerate(('"', "\\", "never", "NA", "n", "true", "ñ"), 1):
+            onset = None if stimulus == "never" else 5_000_000_000 + trial * 10**9
+            values = (INTERRUPTED, 1, trial, "A", 1, stimulus, None, 0, onset, None, None, "{}")
             database.execute(
                 "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns,"
                 f" response_ns, reaction_time_ms, timing) VALUES ({','.join('?' * 12)})",

@@ -4,6 +4,7 @@ import json
 import re
 import runpy
 import shutil
+from collections.abc import Callable
 from contextlib import closing
 from fractions import Fraction
 from pathlib import Path
@@ -166,8 +167,8 @@ def test_events_of_behaviour_count_from_the_time_of_day_in_scans(study: Path, da
         ).fetchone()
     rows = [row for row in read(folder / scan["filename"].replace("_beh", "_events")) if row["trial_type"] == "trial"]
     assert scan["acq_time"] == utc
-    assert [row["onset"] for row in rows] == [f"{second}.000000000" for second in range(1, 7)]
-    assert [row["stimulus"] for row in rows] == ['\\"', "\\\\", "NA", "n", "true", "ñ"]
+    assert [row["onset"] for row in rows] == [*(f"{second}.000000000" for second in (1, 2, 4, 5, 6, 7)), "n/a"]
+    assert [row["stimulus"] for row in rows] == ['\\"', "\\\\", "NA", "n", "true", "ñ", "never"]
 
 
 def test_motion_holds_every_sample_and_a_row_of_missing_values_at_each_gap(study: Path, dataset: Path) -> None:
@@ -220,6 +221,18 @@ def test_every_session_is_there_with_its_status_and_its_mode(dataset: Path) -> N
     assert read(one(dataset, f"sub-P01/ses-{EMPTY}/beh/*_beh.tsv")) == []
     assert {row["mode"] for row in rows.values()} == {"live", "simulated"}
     assert json.loads((dataset / "dataset_description.json").read_text())["Name"].endswith("(some are simulated)")
+
+
+def test_every_table_is_one_step_of_the_progress_for_each_of_its_owners(study: Path, tmp_path: Path) -> None:
+    steps: list[int] = []
+    with closing(connect_to_read(study)) as database:
+
+        def start(number: int) -> Callable[[], None]:
+            steps.append(number)
+            return lambda: steps.append(-1)
+
+        export(database, study, Catalogue(), ALL, load("bids"), tmp_path / "out", start)
+    assert sum(steps) == 0
 
 
 def test_scores_and_answers_are_phenotypes(dataset: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from sar_tui.export.columns import Column
 from sar_tui.export.formats.bids.behaviour import RESPONSE_TIME, in_seconds
 from sar_tui.export.formats.bids.study import Row, Session, Study
-from sar_tui.export.formats.bids.tsv import MISSING, described, description, seconds, write_json, write_rows
+from sar_tui.export.formats.bids.tsv import described, description, seconds, write_json, write_rows
 
 _TYPES = {
     "attempt": "An attempt, from its first to its last moment.",
@@ -48,33 +48,28 @@ def write_events(study: Study, session: Session, run: int, window: Window, path:
     """Write the events of a run.
 
     Args:
-        window: the time that onsets count from, None: from the first event; events outside of it are left out if it has
-            an end, as there is a recording of motion then.
+        window: the time that onsets count from, None: from the first event. If it has an end, as that of a recording of
+            motion, only the events inside of it are written.
     """
     told = [column.name for column in _columns(study)]
-
-    def rows() -> Iterator[list[Any]]:
-        zero = window.zero_ns
-        for event in _events(study, session, run):
-            if zero is None:
-                zero = event.onset_ns
-            if window.last_ns is not None and not zero <= event.onset_ns <= window.last_ns:
-                continue
-            lasting = MISSING if event.duration_ns is None else seconds(event.duration_ns)
-            start = [
-                seconds(event.onset_ns - zero),
-                lasting,
-                event.kind,
-                in_seconds(event.told.get("reaction_time_ms")),
-            ]
-            yield [*start, *map(event.told.get, told)]
-        if window.last_ns is None:
-            for trial in _trials(study, session, run):
-                if trial["onset_ns"] is None:  # it has no place in time
-                    yield [MISSING, MISSING, "trial", in_seconds(trial["reaction_time_ms"]), *map(trial.get, told)]
-
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_rows(path, ("onset", "duration", "trial_type", "response_time", *told), rows())
+    head = ("onset", "duration", "trial_type", "response_time", *told)
+    write_rows(path, head, _rows(study, session, run, window, told))
+
+
+def _rows(study: Study, session: Session, run: int, window: Window, told: list[str]) -> Iterator[list[Any]]:
+    zero, last = window
+    unplaced: list[Row] = []
+    for event in _events(study, session, run, unplaced):
+        if zero is None:
+            zero = event.onset_ns
+        if last is None or zero <= event.onset_ns <= last:
+            lasted = None if event.duration_ns is None else seconds(event.duration_ns)
+            response_time = in_seconds(event.told.get("reaction_time_ms"))
+            yield [seconds(event.onset_ns - zero), lasted, event.kind, response_time, *map(event.told.get, told)]
+    if last is None:
+        for trial in unplaced:
+            yield [None, None, "trial", in_seconds(trial["reaction_time_ms"]), *map(trial.get, told)]
 
 
 def describe_events(study: Study, task: str, facts: dict[str, Any], folder: Path) -> None:
@@ -103,28 +98,33 @@ def _columns(study: Study) -> list[Column]:
     ]
 
 
-def _events(study: Study, session: Session, run: int) -> Iterator[Event]:
-    """Yield the events of a run by onset. Trials come from the database one by one, as they are many."""
+def _events(study: Study, session: Session, run: int, unplaced: list[Row]) -> Iterator[Event]:
+    """Yield the events of a run by onset. Trials come from the database one by one, as they are many.
+
+    Args:
+        unplaced: gets the trials without an onset.
+    """
     few = [
         *_attempts(study, session, run),
         *_actions(study, session, run),
         *_notes(study, session, run),
         *_faults(study, session, run),
     ]
-    trials = (
-        Event(trial["onset_ns"], _between(trial["onset_ns"], trial["response_ns"]), "trial", trial)
-        for trial in _trials(study, session, run)
-        if trial["onset_ns"] is not None
-    )
-    return merge(sorted(few, key=_onset), trials, key=_onset)
+
+    def trials() -> Iterator[Event]:
+        for trial in study.rows("trials", session.id):
+            if trial["seat"] != session.seat or trial["run"] != run:
+                continue
+            if trial["onset_ns"] is None:
+                unplaced.append(trial)
+            else:
+                yield Event(trial["onset_ns"], _between(trial["onset_ns"], trial["response_ns"]), "trial", trial)
+
+    return merge(sorted(few, key=_onset), trials(), key=_onset)
 
 
 def _onset(event: Event) -> int:
     return event.onset_ns
-
-
-def _trials(study: Study, session: Session, run: int) -> Iterator[Row]:
-    return (row for row in study.rows("trials", session.id) if row["seat"] == session.seat and row["run"] == run)
 
 
 def _attempts(study: Study, session: Session, run: int) -> Iterator[Event]:

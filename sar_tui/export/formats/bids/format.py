@@ -1,5 +1,6 @@
 """The format ``bids``."""
 
+from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -28,16 +29,16 @@ class BidsFormat:
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
         """Write the data set. Raises ExportError if BIDS cannot tell two participants or tasks apart."""
         study = Study(contents)
-        contents.problems.extend(study.left_out)
-        with_motion = set()
-        last = ""
+        sessions = defaultdict(list)
         for session in study.sessions:
-            if _write_session(study, session, folder / session.folder):
-                with_motion.add(session.task)
-            if session.id != last:
-                last = session.id
-                for _ in _OWN:
-                    progress()
+            sessions[session.id].append(session)
+        with_motion = set()
+        for id in study.owners("sessions"):
+            for session in sessions[id]:
+                if _write_session(study, session, folder / session.folder):
+                    with_motion.add(session.task)
+            for _ in _OWN:
+                progress()
         for task in study.tasks:
             facts = _facts(study, task)
             describe_behaviour(study, task, facts, folder)

@@ -41,11 +41,8 @@ _FRAME = {
         "Description": "The axes of a channel are those of this frame.",
         "Levels": {
             "sensor": {
-                "Description": "The axes printed on the sensor. On the back of the hand as this program asks for it: y "
-                "along the fingers, z out of the back of the hand, and x so that the frame is right-handed.",
-                "SpatialAxes": "n/a",
-                "RotationRule": "n/a",
-                "RotationOrder": "n/a",
+                "Description": "The axes printed on the sensor. As sar-tui asks for it to be worn: y along the "
+                "fingers, z out of the back of the hand.",
             }
         },
     }

@@ -81,7 +81,6 @@ class Study:
         subjects: labels by the codes of participants.
         tasks: labels by the names of tasks.
         sessions: in the order of the export.
-        left_out: sentences on sessions without a participant.
 
     Raises:
         ExportError: names that BIDS cannot tell apart.
@@ -94,12 +93,9 @@ class Study:
         self.subjects = labels("Participants", "sub", self.owners("participants"), _RECODE)
         self.tasks = labels("Tasks", "task", dict.fromkeys(row["task"] for row in found), _APART)
         sessions = labels("Sessions", "ses", self.owners("sessions"), _APART)
-        self.left_out: list[str] = []
         self.sessions: list[Session] = []
         for row in found:
             codes = {seat: row[name] for seat, name in (("A", "participant"), ("B", "partner")) if row[name]}
-            if not codes:
-                self.left_out.append(f"Session {row['session']} has no participant: BIDS has no place for its data.")
             for seat, code in codes.items():
                 others = [self.subjects[other] for place, other in codes.items() if place != seat]
                 self.sessions.append(

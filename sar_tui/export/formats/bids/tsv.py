@@ -1,6 +1,6 @@
 """Files with values between tabs, and the JSON that describes their columns."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,27 +13,31 @@ _ESCAPES = str.maketrans({"\t": "\\t", "\n": "\\n", "\r": "\\r", "\\": "\\\\"})
 _BOOLEANS = {"true": "Yes.", "false": "No."}
 
 
-def value(of: Any) -> str:
-    """Return a value as it is written.
+def text(of: str) -> str:
+    """Return a text as it is written.
 
-    Tabs, line ends and backslashes of a text are written as in JSON, and a quote at its beginning, which other programs
-    would take for the beginning of a quoted text.
+    Tabs, line ends and backslashes are written as in JSON, and a quote at its beginning, which other programs would
+    take for the beginning of a quoted text.
     """
-    if of is None or of == "":
-        return MISSING
-    if isinstance(of, str):
-        if of.isalnum():
-            return of
-        escaped = of.translate(_ESCAPES)
-        return f"\\{escaped}" if escaped.startswith('"') else escaped
-    if isinstance(of, bool):
-        return "true" if of else "false"
-    return repr(of)
+    if of.isalnum():
+        return of
+    escaped = of.translate(_ESCAPES)
+    return f"\\{escaped}" if escaped.startswith('"') else escaped or MISSING
+
+
+_WRITTEN: dict[type, Callable[[Any], str]] = {
+    float: repr,
+    int: repr,
+    str: text,
+    bool: {True: "true", False: "false"}.__getitem__,
+    type(None): lambda _: MISSING,
+}
+"""Writers of values by their types; millions of samples pass here."""
 
 
 def line(values: Iterable[Any]) -> str:
     """Return a line of values."""
-    return "\t".join(map(value, values)) + "\n"
+    return "\t".join([_WRITTEN[type(value)](value) for value in values]) + "\n"
 
 
 def seconds(ns: int) -> str:
