@@ -28,6 +28,8 @@ from sar_tui.store.selection import Selection
 if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue
 
+_MONTH = len("2026-11")
+
 
 class Contents:
     """The tables of the selected sessions, without what does not leave.
@@ -74,7 +76,7 @@ class Contents:
             imu(self.problems.append),
             *((EVENTS,) if with_events else ()),
         )
-        self._whole = {table.name: table for table in whole}
+        self._whole: dict[str, Table] = {table.name: table for table in whole}
         self.tables = tuple(map(privacy.leaving, whole))
         self.left_out = [
             f"{table.name}.{column.name}"
@@ -84,6 +86,8 @@ class Contents:
         ]  # fmt: skip
         self._codes = {privacy.code(code): code for code in selection.participants}
         self._persons = {row["id"]: row["participant"] for row in selection.sessions}
+        moments = ((row["id"], privacy.moment(row["started_at"], row["participant"])) for row in selection.sessions)
+        self._months = {session: moment[:_MONTH] for session, moment in moments if moment}
         self._owners = {"session": selection.ids, "participant": list(self._codes)}
 
     def part(self, names: Collection[str]) -> "Contents":
@@ -91,6 +95,22 @@ class Contents:
         part = copy(self)
         part.tables = tuple(table for table in self.tables if table.name in names)
         return part
+
+    def whole(self, table: Table) -> Table:
+        """Return a table with all its columns, also those that do not leave."""
+        return self._whole[table.name]
+
+    def by_month(self, table: Table) -> list[tuple[str, list[str]]]:
+        """Return the owners of a table by the month in which their sessions began, as it leaves: "2026-11".
+
+        The month is empty for a table of participants, and of a session without a date.
+        """
+        if table.of == "participant":
+            return [("", self.owners(table))]
+        found: dict[str, list[str]] = {}
+        for session in self.owners(table):
+            found.setdefault(self._months.get(session, ""), []).append(session)
+        return sorted(found.items())
 
     def owners(self, table: Table) -> list[str]:
         """Return the sessions that the table has rows of, by id, or the participants, by their codes as they leave."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -19,6 +19,7 @@ from sar_tui.export.passports import Passport, passports
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.recoding import recoding
 from sar_tui.export.registry import Format
+from sar_tui.export.sites import Part, check_sites, parts
 from sar_tui.export.target import check, sync, target
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
@@ -35,7 +36,7 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
         sessions: the ids of those that it holds.
         left_out: columns that did not leave.
         problems: a sentence on each session, or part of one, that it lacks.
-        manifest: SHA-256 of the manifest.
+        manifest: SHA-256 of the manifest; of each site's, with spaces between them, in a format for many sites.
     """
 
     folder: str
@@ -97,52 +98,80 @@ def export(
         ExportError: nothing can be exported, or not there.
         StoreError: a session does not exist, or the database cannot be read.
     """
-    check(folder.resolve(), format.name)
+    by_site = getattr(format, "by_site", False)
+    (check_sites if by_site else check)(folder.resolve(), format.name)
     if options.recode is not None and options.recode.resolve().is_relative_to(folder.resolve()):
         raise ExportError(
             "The map of codes must not be in the folder that leaves. Name a file outside.", bad_input=True
         )
-    with ExitStack() as snapshot:
+    written: list[_Written] = []
+    with ExitStack() as targets, ExitStack() as snapshot:
         snapshot.enter_context(_snapshot(database))
         selection = select(database, data, request)
         recoded = recoding(database, options.recode, selection.participants) if options.recode else None
-        privacy = Privacy(options.with_notes, recoded)
-        measured = passports(selection.sessions, with_dates=recoded is None)
-        contents = Contents(database, selection, privacy, catalogue, measured, with_events=options.with_events)
-        with target(folder, format.name) as hidden:
-            format.write(contents, hidden, start(contents.steps))
-            snapshot.close()
-            _add_provenance(hidden, selection, measured)
-            is_recorded = isinstance(database, StoreConnection)  # others can only read
-            problems = [*selection.refused, *dict.fromkeys(contents.problems), *([] if is_recorded else [_UNRECORDED])]
-            manifest = write_manifest(
-                hidden,
-                format=format.name,
-                created=datetime.now(UTC).isoformat(timespec="seconds"),
-                options=options.facts,
-                sessions=selection.ids,
-                left_out=contents.left_out,
-                problems=problems,
-            )
-            sync(hidden)
-            if is_recorded:  # before the folder appears: nothing leaves that the ledger does not have
-                record(
-                    database,
-                    author=options.author,
-                    recipient=options.recipient,
-                    format=format.name,
-                    sessions=selection.ids,
-                    options=options.facts,
-                    manifest=manifest,
-                )
+        made = []
+        for part in parts(database, selection, folder) if by_site else [Part(folder, selection)]:
+            privacy = Privacy(options.with_notes, recoded, part.of_site)
+            measured = passports(part.selection.sessions, with_dates=recoded is None)
+            whole = Contents(database, part.selection, privacy, catalogue, measured, with_events=options.with_events)
+            made.append((part, whole, measured))
+        advance = start(sum(contents.steps for _, contents, _ in made))
+        for part, contents, measured in made:
+            hidden = targets.enter_context(target(part.folder, format.name))
+            format.write(contents, hidden, advance)
+            _add_provenance(hidden, part.selection, measured)
+            written.append(_Written(hidden, part.selection, contents))
+        snapshot.close()
+        manifests = [_finish(each, database, format, options, selection.refused) for each in written]
     return Exported(
         folder=str(folder),
         format=format.name,
         sessions=selection.ids,
-        left_out=contents.left_out,
-        problems=problems,
-        manifest=manifest,
+        left_out=list(dict.fromkeys(column for each in written for column in each.contents.left_out)),
+        problems=_problems(database, selection.refused, *(each.contents for each in written)),
+        manifest=" ".join(manifests),
     )
+
+
+class _Written(NamedTuple):
+    """Contents that are written into a hidden folder."""
+
+    hidden: Path
+    selection: Selection
+    contents: Contents
+
+
+def _finish(
+    written: _Written, database: sqlite3.Connection, format: Format, options: Options, refused: Sequence[str]
+) -> str:
+    """Write the manifest of a folder, and add the export to the ledger. Return the SHA-256 of the manifest."""
+    manifest = write_manifest(
+        written.hidden,
+        format=format.name,
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        options=options.facts,
+        sessions=written.selection.ids,
+        left_out=written.contents.left_out,
+        problems=_problems(database, refused, written.contents),
+    )
+    sync(written.hidden)
+    if isinstance(database, StoreConnection):  # before the folder appears: nothing leaves that the ledger does not have
+        record(
+            database,
+            author=options.author,
+            recipient=options.recipient,
+            format=format.name,
+            sessions=written.selection.ids,
+            options=options.facts,
+            manifest=manifest,
+        )
+    return manifest
+
+
+def _problems(database: sqlite3.Connection, refused: Sequence[str], *written: Contents) -> list[str]:
+    """Return a sentence on each thing that an export lacks. A database that can only be read has no ledger."""
+    told = dict.fromkeys(problem for contents in written for problem in contents.problems)
+    return [*refused, *told, *([] if isinstance(database, StoreConnection) else [_UNRECORDED])]
 
 
 def _add_provenance(folder: Path, selection: Selection, measured: Sequence[Passport]) -> None:

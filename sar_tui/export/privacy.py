@@ -16,14 +16,31 @@ class Privacy(msgspec.Struct, frozen=True):
     Attributes:
         with_notes: texts that somebody may have typed leave, too.
         recoded: the participants' codes and date shifts in the export; None if codes and dates leave as they are.
+        of_site: the site whose data these are, and that of the database; None if codes leave as they are stored here.
     """
 
     with_notes: bool = False
     recoded: Mapping[str, Recoded] | None = None
+    of_site: tuple[str, str] | None = None
 
     def code(self, participant: str) -> str:
-        """Return a participant's code as it leaves."""
-        return participant if self.recoded is None else self.recoded[participant].code
+        """Return a participant's code as it leaves.
+
+        In the data of a site its own participants are P01, and those of other sites P01@BERN, in whichever database
+        the data are.
+        """
+        if self.recoded is not None:
+            return self.recoded[participant].code
+        if self.of_site is None:
+            return participant
+        site, here = self.of_site
+        return (participant if "@" in participant else f"{participant}@{here}").removesuffix(f"@{site}")
+
+    def moment(self, stamp: str | None, participant: str) -> str | None:
+        """Return a date, with or without the time of day, as it leaves."""
+        if stamp is None or self.recoded is None:
+            return stamp
+        return shifted(stamp, days=self.recoded[participant].shift_days)
 
     def leaves(self, column: Column) -> bool:
         """Return True if the values of a column may leave."""
@@ -40,12 +57,11 @@ class Privacy(msgspec.Struct, frozen=True):
             table: with the columns that leave, as `leaving` returns it.
             participant: the person by whose shift their dates are shifted.
         """
-        if self.recoded is None:
-            return rows
-        changes: dict[str, Callable[[str], str | None]] = {
-            "code": self.code,
-            "time": partial(shifted, days=self.recoded[participant].shift_days),
-        }
+        changes: dict[str, Callable[[str], str | None]] = {}
+        if self.recoded is not None or self.of_site is not None:
+            changes["code"] = self.code
+        if self.recoded is not None:
+            changes["time"] = partial(self.moment, participant=participant)
         which = [(index, changes[c.treatment]) for index, c in enumerate(table.columns) if c.treatment in changes]
         return (_changed(row, which) for row in rows) if which else rows
 

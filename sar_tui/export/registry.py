@@ -17,6 +17,7 @@ GROUP = "sar_tui.exports"
 """Entry points of this group name a class like `Format`."""
 BUNDLED = {
     "csv": "sar_tui.export.formats.csv:CsvFormat",
+    "parquet": "sar_tui.export.formats.parquet:ParquetFormat",
     "bids": "sar_tui.export.formats.bids.format:BidsFormat",
     "psych-ds": "sar_tui.export.formats.psych_ds:PsychDsFormat",
 }
@@ -29,6 +30,8 @@ class Format(Protocol):
     Attributes:
         name: as in ``--format``.
         title: what it writes, in a few words.
+
+    A class may have ``by_site = True``: it then writes the sessions of each site apart, into a folder ``site=CODE``.
     """
 
     name: ClassVar[str]

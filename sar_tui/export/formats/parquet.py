@@ -1,0 +1,142 @@
+"""Parquet files for many sites: a folder a site, in it a folder a table, divided by month."""
+
+from collections.abc import Callable, Iterable, Iterator
+from datetime import datetime
+from itertools import groupby, islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from sar_tui import __version__
+from sar_tui.export.columns import Column, Table, Type, Values
+from sar_tui.export.contents import Contents
+from sar_tui.export.errors import ExportError
+
+if TYPE_CHECKING:
+    import pyarrow
+
+ROWS = 1 << 16
+"""Rows that are written at a time, as one row group."""
+NO_PACKAGE = "Parquet needs the Python package pyarrow. Install it with: pip install 'sar-tui[lake]'."
+_TYPES: dict[Type, str] = {"string": "string", "integer": "int64", "number": "float64", "boolean": "bool_"}
+
+
+class ParquetFormat:
+    """The same columns with the same types in every export, whatever it holds, so that all are one data set.
+
+    Columns that differ between tasks (details of trials, qualities of attempts) are one column, a JSON object. Columns
+    that do not leave are there, and empty. Missing values are null.
+    """
+
+    name = "parquet"
+    title = "a Parquet data set of many sites, for DuckDB, Spark and Polars"
+    by_site = True
+
+    def __init__(self) -> None:
+        try:
+            import pyarrow  # noqa: F401
+        except ImportError:
+            raise ExportError(NO_PACKAGE) from None
+
+    def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
+        """Write a folder for each table; in it a folder for each month in which its sessions began."""
+        for table in contents.tables:
+            shape = _Shape(contents.whole(table), table)
+            for month, owners in contents.by_month(table):
+                place = folder / table.name / f"month={month}" if month else folder / table.name
+                _write(place / f"{table.name}.parquet", shape, _rows(contents, table, owners, progress))
+
+
+def _rows(contents: Contents, table: Table, owners: Iterable[str], progress: Callable[[], None]) -> Iterator[Values]:
+    for owner in owners:
+        yield from contents.rows(table, owner)
+        progress()
+
+
+class _Shape:
+    """Columns of a table in Parquet, and the way from a row to their values. The site is in the names of folders."""
+
+    def __init__(self, whole: Table, leaving: Table) -> None:
+        self._places = {column.name: index for index, column in enumerate(leaving.columns)}
+        self.plain = [column for column in whole.columns if column.tasks is None and column.name != "site"]
+        objects = [column for column in whole.columns if column.tasks is not None]
+        self._objects = {
+            name: [(_key(column), self._places[column.name]) for column in columns if column.name in self._places]
+            for name, columns in groupby(objects, key=_object)
+        }
+        if not objects and (name := _OBJECTS.get(whole.name)):
+            self._objects[name] = []
+        self.schema = self._schema(whole)
+
+    def _schema(self, whole: Table) -> "pyarrow.Schema":
+        import pyarrow as pa
+
+        fields = [_field(column) for column in self.plain]
+        fields += [
+            pa.field(name, pa.string(), metadata={"meaning": "What the task keeps of it, a JSON object."})
+            for name in self._objects
+        ]
+        return pa.schema(fields, metadata={"title": whole.title, "key": ", ".join(whole.key), "sar_tui": __version__})
+
+    def columns(self, rows: list[Values]) -> "list[pyarrow.Array]":
+        """Return the values of rows by column."""
+        import pyarrow as pa
+
+        found = list(zip(*rows, strict=True))
+        missing = (None,) * len(rows)
+        arrays = []
+        for column, field in zip(self.plain, self.schema, strict=False):
+            values = found[self._places[column.name]] if column.name in self._places else missing
+            if column.type == "datetime":
+                values = tuple(map(_moment, values))
+            arrays.append(pa.array(values, field.type))
+        objects = (pa.array([_json(row, places) for row in rows], pa.string()) for places in self._objects.values())
+        return [*arrays, *objects]
+
+
+_OBJECTS = {"trials": "details", "attempts": "qualities"}
+"""Tables with a column of what differs between tasks."""
+
+
+def _object(column: Column) -> str:
+    return column.name.partition("_")[0]
+
+
+def _key(column: Column) -> str:
+    return column.name.partition("_")[2]
+
+
+def _json(row: Values, places: list[tuple[str, int]]) -> str:
+    return msgspec.json.encode({key: row[place] for key, place in places if row[place] is not None}).decode()
+
+
+def _field(column: Column) -> "pyarrow.Field":
+    import pyarrow as pa
+
+    kind = pa.timestamp("us", tz="UTC") if column.type == "datetime" else getattr(pa, _TYPES[column.type])()
+    about: dict[str, Any] = {"meaning": column.meaning}
+    if column.unit:
+        about["unit"] = column.unit
+    if column.levels:
+        about["levels"] = ", ".join(column.levels)
+    return pa.field(column.name, kind, metadata=about)
+
+
+def _moment(text: str | None) -> datetime | None:
+    """Return a stored time; None for a text that is none."""
+    try:
+        return None if text is None else datetime.fromisoformat(text)
+    except ValueError:
+        return None
+
+
+def _write(path: Path, shape: _Shape, rows: Iterator[Values]) -> None:
+    """Write rows as a file. A table without rows has a file, too, so that it can be asked for."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with parquet.ParquetWriter(path, shape.schema, compression="zstd") as file:
+        while block := list(islice(rows, ROWS)):
+            file.write_batch(pa.record_batch(shape.columns(block), schema=shape.schema))

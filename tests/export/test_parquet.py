@@ -1,0 +1,195 @@
+"""Parquet files of many sites are one data set, and hold what the databases hold, as DuckDB reads them."""
+
+import json
+import math
+import re
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import duckdb
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pyarrow import parquet
+
+from sar_tui.export.errors import ExportError
+from sar_tui.export.export import Exported, Options, export
+from sar_tui.export.formats.parquet import ROWS, ParquetFormat
+from sar_tui.plugins import Catalogue
+from sar_tui.store import sessions, sites
+from sar_tui.store.database import connect
+from sar_tui.store.selection import Request
+from tests.examples import examples
+from tests.export.exported import ALL, no_bar
+from tests.export.test_csv import TRIAL
+from tests.program import Call
+
+PAGE = (Path(__file__).parents[2] / "docs" / "many-sites.md").read_text(encoding="utf-8")
+
+
+def leave(data: Path, lake: Path, request: Request = ALL, **options: Any) -> Exported:
+    """Export the sessions of a data folder as Parquet."""
+    with closing(connect(data)) as database:
+        return export(database, data, Catalogue(), request, ParquetFormat(), lake, no_bar, Options(**options))
+
+
+def query(lake: Path, table: str, what: str = "*", rest: str = "") -> list[tuple[Any, ...]]:
+    return duckdb.sql(f"SELECT {what} FROM '{lake}/site=*/{table}/*/*.parquet' {rest}").fetchall()
+
+
+@pytest.fixture
+def clinic(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Make the data of a site: sessions of some tasks, each of the participant P01."""
+
+    def make(site: str, *tasks: str) -> Path:
+        data = tmp_path / site
+        for task in tasks:
+            codes = ("P01", "P02") if task == "pairs" else ("P01",)
+            who = [part for code in codes for part in ("-p", code, "--user", "poor")]
+            assert call("simulate", task, *who, "--attempts", 1, "--seed", 3, "--data", data).code == 0
+        with closing(connect(data)) as database:
+            sites.set_own(database, site)
+        return data
+
+    return make
+
+
+def test_exports_of_several_sites_in_one_folder_are_one_data_set(clinic: Any, tmp_path: Path) -> None:
+    lake = tmp_path / "lake"
+    for site, tasks in (("BERN", ("keyboard", "reaching")), ("ULM", ("pairs",)), ("JENA", ("keyboard",))):
+        leave(clinic(site, *tasks), lake)
+    found = query(lake, "trials", "site, task, count(*)", "GROUP BY ALL ORDER BY ALL")
+    assert [(site, task) for site, task, _ in found] == [
+        ("BERN", "keyboard"), ("BERN", "reaching"), ("JENA", "keyboard"), ("ULM", "pairs"),
+    ]  # fmt: skip
+    people = query(lake, "trials", "DISTINCT site, participant", "WHERE participant='P01' ORDER BY ALL")
+    assert people == [("BERN", "P01"), ("JENA", "P01"), ("ULM", "P01")]
+    times = query(lake, "trials", "(details->>'reach_time_ms')::double", "WHERE task='reaching'")
+    assert all(time > 0 for (time,) in times)
+    schemas = {}
+    for path in lake.rglob("*.parquet"):
+        schemas.setdefault(path.stem, set()).add(str(parquet.read_schema(path)))
+    assert {name for name, different in schemas.items() if len(different) > 1} == set()
+
+
+def test_a_file_describes_its_columns(clinic: Any, tmp_path: Path) -> None:
+    leave(clinic("BERN", "keyboard"), tmp_path / "lake")
+    (path,) = (tmp_path / "lake").glob("site=BERN/trials/*/trials.parquet")
+    field = parquet.read_schema(path).field("reaction_time_ms")
+    assert field.metadata[b"unit"] == b"ms"
+    assert b"Missing for a miss" in field.metadata[b"meaning"]
+    assert re.fullmatch(r"month=\d{4}-\d{2}", path.parent.name)
+
+
+@given(rows=st.lists(TRIAL, max_size=5))
+@examples(100)
+def test_odd_texts_and_numbers_are_read_back_as_they_are_stored(
+    tmp_path_factory: Any, rows: list[dict[str, Any]]
+) -> None:
+    place = tmp_path_factory.mktemp("odd")
+    with closing(connect(place)) as database:
+        sites.set_own(database, "BERN")
+        sessions.create(
+            database, "s1", task="keyboard", theme="calm", participant="P01", seed=1,
+            parameters={}, software={"sar_tui": "0"}, machine={}, mode="live",
+        )  # fmt: skip
+        for number, row in enumerate(rows, 1):
+            values = {"session": "s1", "attempt": 1, "trial": number, "seat": "A", "run": 1, "timing": "{}", **row}
+            database.execute(
+                f"INSERT INTO trials ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})",
+                tuple(values.values()),
+            )
+    leave(place, place / "lake")
+    names = ("stimulus", "response", "correct", "onset_ns", "response_ns", "reaction_time_ms", "details")
+    read = query(place / "lake", "trials", ", ".join(names), "ORDER BY trial")
+    for got, row in zip(read, rows, strict=True):
+        time = row["reaction_time_ms"]
+        row["reaction_time_ms"] = time if time is not None and math.isfinite(time) else None
+        known = json.loads(row["details"] or "null") or {}
+        details = {name: value for name, value in known.items() if value is not None}
+        assert got[:-1] == tuple(row[name] for name in names[:-1])
+        assert json.loads(got[-1]) == details
+
+
+def test_rows_beyond_one_block_are_all_there(
+    call: Call, clinic: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.export.formats.parquet.ROWS", 7)
+    data = clinic("BERN", "reaching")
+    leave(data, tmp_path / "lake")
+    with closing(connect(data)) as database:
+        (samples,) = database.execute("SELECT sum(n) FROM imu_chunks").fetchone()
+    assert query(tmp_path / "lake", "imu", "count(*)") == [(samples,)]
+    assert ROWS > 7
+
+
+def test_a_site_needs_a_code_and_only_its_own_data_are_replaced(call: Call, clinic: Any, tmp_path: Path) -> None:
+    call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--data", tmp_path / "nameless")
+    with pytest.raises(ExportError, match="sar-tui site BERN"):
+        leave(tmp_path / "nameless", tmp_path / "lake")
+    lake = tmp_path / "lake"
+    leave(clinic("BERN", "keyboard"), lake)
+    leave(clinic("ULM", "keyboard"), lake)
+    before = {path: path.read_bytes() for path in lake.glob("site=BERN/**/*.parquet")}
+    leave(clinic("ULM", "keyboard"), lake)
+    assert {path: path.read_bytes() for path in lake.glob("site=BERN/**/*.parquet")} == before
+    assert query(lake, "sessions", "site, count(*)", "GROUP BY ALL ORDER BY ALL") == [("BERN", 1), ("ULM", 2)]
+    assert {path.name for path in lake.iterdir()} == {"site=BERN", "site=ULM"}
+
+
+def test_another_database_of_the_same_site_does_not_replace_its_data(clinic: Any, tmp_path: Path) -> None:
+    lake, data = tmp_path / "lake", clinic("BERN", "keyboard")
+    leave(data, lake)
+    data.rename(tmp_path / "first")
+    with pytest.raises(ExportError, match="1 session that this database does not have"):
+        leave(clinic("BERN", "keyboard"), lake)
+    assert query(lake, "sessions", "count(*)") == [(1,)]
+
+
+def test_other_files_are_never_among_the_data(clinic: Any, tmp_path: Path) -> None:
+    (tmp_path / "lake").mkdir()
+    (tmp_path / "lake" / "thesis.docx").write_text("mine")
+    with pytest.raises(ExportError, match=r"thesis\.docx"):
+        leave(clinic("BERN", "keyboard"), tmp_path / "lake")
+    assert [path.name for path in (tmp_path / "lake").iterdir()] == ["thesis.docx"]
+
+
+def test_months_follow_shifted_dates(clinic: Any, tmp_path: Path) -> None:
+    lake = tmp_path / "lake"
+    leave(clinic("BERN", "keyboard"), lake, recode=tmp_path / "map.csv")
+    rows = query(lake, "sessions", "month, strftime(started_at, '%Y-%m'), timezone('UTC', started_at)")
+    assert all(month == f"{began:%Y-%m}" for month, _, began in rows)
+    ((code,),) = duckdb.sql(f"SELECT participant FROM '{lake}/site=*/participants/*.parquet'").fetchall()
+    assert code != "P01"
+
+
+def test_without_the_package_one_sentence_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(ExportError, match=r"pip install 'sar-tui\[lake\]'"):
+        ParquetFormat()
+
+
+def test_the_query_of_the_page_gives_what_the_databases_hold(
+    clinic: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = []
+    for site in ("BERN", "ULM"):
+        data = clinic(site, "keyboard", "reaching")
+        leave(data, tmp_path / "lake")
+        with closing(connect(data)) as database:
+            expected += [
+                (site, *row)
+                for row in database.execute(
+                    "SELECT participant, count(*), avg(reaction_time_ms) FROM trials JOIN sessions ON id=session"
+                    " JOIN seats USING (session, seat) LEFT JOIN attempts USING (session, attempt, seat)"
+                    " WHERE task='keyboard' AND trials.correct AND NOT practice GROUP BY 1"
+                )
+            ]
+    monkeypatch.chdir(tmp_path)
+    found = duckdb.sql(PAGE.partition("```sql\n")[2].partition("```")[0]).fetchall()
+    assert [row[:3] for row in found] == [row[:3] for row in expected]
+    assert [row[3] for row in found] == [pytest.approx(row[3]) for row in expected]
+    for script in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL):
+        exec(script, {})
