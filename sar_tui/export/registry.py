@@ -17,6 +17,7 @@ GROUP = "sar_tui.exports"
 """Entry points of this group name a class like `Format`."""
 BUNDLED = {
     "csv": "sar_tui.export.formats.csv:CsvFormat",
+    "mat": "sar_tui.export.formats.mat:MatFormat",
     "parquet": "sar_tui.export.formats.parquet:ParquetFormat",
     "bids": "sar_tui.export.formats.bids.format:BidsFormat",
     "psych-ds": "sar_tui.export.formats.psych_ds:PsychDsFormat",

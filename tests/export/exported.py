@@ -20,9 +20,13 @@ def no_bar(steps: int) -> Callable[[], None]:
 
 
 def export_csv(data: Path, folder: Path, request: Request = ALL, **options: Any) -> Exported:
+    return export_as("csv", data, folder, request, **options)
+
+
+def export_as(format: str, data: Path, folder: Path, request: Request = ALL, **options: Any) -> Exported:
     database = connect_to_read(data)
     try:
-        return export(database, data, Catalogue(), request, load("csv"), folder, no_bar, Options(**options))
+        return export(database, data, Catalogue(), request, load(format), folder, no_bar, Options(**options))
     finally:
         database.close()
 

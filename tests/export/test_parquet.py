@@ -23,7 +23,7 @@ from sar_tui.store.database import connect
 from sar_tui.store.selection import Request
 from tests.examples import examples
 from tests.export.exported import ALL, no_bar
-from tests.export.test_csv import TRIAL
+from tests.export.test_round_trip import TRIAL
 from tests.program import Call
 
 PAGE = (Path(__file__).parents[2] / "docs" / "many-sites.md").read_text(encoding="utf-8")

@@ -1,0 +1,180 @@
+"""Trials that leave equal those of the database, to the last digit, whichever format they leave in."""
+
+import json
+import math
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from tests.examples import examples
+from tests.export import mat_files
+from tests.export.exported import export_as, read_csv
+from tests.export.varied import store_trials
+from tests.needs_statistics import needs_octave
+
+Read = Callable[[Path], list[dict[str, Any]]]
+
+
+def from_csv(folder: Path) -> list[dict[str, Any]]:
+    return read_csv(folder, "trials")
+
+
+def from_mat(folder: Path) -> list[dict[str, Any]]:
+    return mat_files.rows(folder, "trials", mat_files.with_scipy)
+
+
+def from_mat_by_octave(folder: Path) -> list[dict[str, Any]]:
+    return mat_files.rows(folder, "trials", mat_files.with_octave)
+
+
+each_format = pytest.mark.parametrize(
+    ("format", "read"), [("csv", from_csv), ("mat", from_mat)], ids=["csv", "mat"]
+)  # fmt: skip
+
+KEY = ("session", "attempt", "trial", "seat")
+PLAIN = (*KEY, "run", "stimulus", "response", "correct", "onset_ns", "response_ns", "reaction_time_ms")
+
+
+def stored_trials(data: Path) -> list[dict[str, Any]]:
+    """Return all trials as the program reads them, sorted by their key, an empty text as missing."""
+    with closing(connect(data)) as database:
+        ids = [id for (id,) in database.execute("SELECT id FROM sessions")]
+        rows = [row for id in ids for row in sessions.rows(database, "trials", id)]
+    return _sorted(rows)
+
+
+def _sorted(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return sorted(rows, key=lambda row: [row[name] for name in KEY])
+
+
+def assert_equal_to_the_database(data: Path, trials: list[dict[str, Any]]) -> None:
+    written, expected = _sorted(trials), stored_trials(data)
+    assert len(written) == len(expected)
+    for row, stored in zip(written, expected, strict=True):
+        assert {name: row[name] for name in PLAIN} == {name: _or_none(stored[name]) for name in PLAIN}
+        timing, details = stored["timing"] or {}, stored["details"] or {}
+        flags = " ".join(timing.get("flags", ())) or None
+        known = {name: _or_none(value) for name, value in timing.items() if name != "flags"}
+        assert {name: row[name] for name in known} | {"flags": row["flags"]} == known | {"flags": flags}
+        told = {f"details_{name}": _or_none(value) for name, value in details.items()}
+        assert {name: row[name] for name in told} == told
+        assert all(value is None for name, value in row.items() if name.startswith("details_") and name not in told)
+
+
+def _or_none(value: object) -> object:
+    return None if value == "" else value
+
+
+SETTINGS = {
+    "keyboard": st.fixed_dictionaries(
+        {
+            "attempts": st.integers(1, 2),
+            "prompts_per_attempt": st.integers(1, 6),
+            "response_timeout_ms": st.sampled_from([700, 5000]),
+            "feedback_schedule": st.sampled_from(["every", "summary", "none"]),
+        }
+    ),
+    "reaching": st.fixed_dictionaries({"attempts": st.just(1), "reaches_per_attempt": st.integers(1, 2)}),
+    "pairs": st.fixed_dictionaries(
+        {"attempts": st.just(1), "policy": st.sampled_from(["alternate", "race", "cooperative", "joint attention"])}
+    ),
+}
+GENERATED: dict[str, Any] = {
+    "played": st.lists(
+        st.sampled_from(sorted(SETTINGS)).flatmap(lambda task: st.tuples(st.just(task), SETTINGS[task])),
+        min_size=1,
+        max_size=3,
+    ),
+    "seed": st.integers(0, 2**31),
+    "user": st.sampled_from(sorted(PEOPLE)),
+}
+
+
+@needs_octave
+@given(**GENERATED)
+@examples(20)
+def test_trials_of_generated_sessions(
+    tmp_path_factory: Any, catalogue: Catalogue, played: list[tuple[str, dict[str, object]]], seed: int, user: str
+) -> None:
+    place = tmp_path_factory.mktemp("played")
+    for number, (task, settings) in enumerate(played):
+        plan = make_plan(catalogue, task, [f"P{number}"], settings, seed=seed + number, mode="simulated")
+        simulate(plan, PEOPLE[user], place / "data", catalogue)
+    for format, read in {"csv": from_csv, "mat": from_mat_by_octave}.items():
+        export_as(format, place / "data", place / format)
+        assert_equal_to_the_database(place / "data", read(place / format))
+
+
+TEXT = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=8) | st.sampled_from(
+    [
+        '"',
+        'a "b", c',
+        "¿Qué\r\ntal?",
+        "\r",
+        "\n",
+        ",",
+        ";",
+        "=1+1",
+        " ",
+        "'",
+        "NA",
+        "null",
+        "ñ, á",
+        "\u2028",
+        "true",
+        "🙂",
+    ]
+)
+REAL = st.none() | st.floats(allow_nan=False, allow_infinity=True) | st.sampled_from([0.1 + 0.2, 5e-324, 1e22, -0.0])
+WHOLE = st.integers(-(2**63) + 1, 2**63 - 1)
+TRIAL = st.fixed_dictionaries(
+    {
+        "stimulus": TEXT,
+        "response": st.none() | TEXT,
+        "correct": st.sampled_from([0, 1]),
+        "onset_ns": st.none() | WHOLE,
+        "response_ns": st.none() | WHOLE,
+        "reaction_time_ms": REAL,
+        "details": st.none()
+        | st.just("null")
+        | st.fixed_dictionaries(
+            {"choices": st.integers(1, 9), "key_gap_ms": st.none() | st.floats(allow_nan=False, allow_infinity=False)}
+        ).map(json.dumps),
+    }
+)
+
+
+@each_format
+@given(rows=st.lists(TRIAL, max_size=5))
+@examples(200)
+def test_odd_texts_and_numbers(tmp_path_factory: Any, format: str, read: Read, rows: list[dict[str, Any]]) -> None:
+    _assert_they_come_back(tmp_path_factory.mktemp("odd"), format, read, rows)
+
+
+@needs_octave
+@given(rows=st.lists(TRIAL, min_size=10, max_size=40))
+@examples(10)
+def test_odd_texts_and_numbers_in_octave(tmp_path_factory: Any, rows: list[dict[str, Any]]) -> None:
+    _assert_they_come_back(tmp_path_factory.mktemp("odd"), "mat", from_mat_by_octave, rows)
+
+
+def _assert_they_come_back(place: Path, format: str, read: Read, rows: list[dict[str, Any]]) -> None:
+    store_trials(place / "data", rows)
+    export_as(format, place / "data", place / "out")
+    for row in rows:
+        if row["reaction_time_ms"] is not None and not math.isfinite(row["reaction_time_ms"]):
+            row["reaction_time_ms"] = None  # of an earlier version, and read as no result
+    found = read(place / "out") if rows else []
+    assert_equal_to_the_database(place / "data", found)
+    assert [row["stimulus"] for row in found] == [row["stimulus"] or None for row in rows]
