@@ -214,7 +214,8 @@ def test_a_session_of_two_is_one_of_each(dataset: Path) -> None:
     (mine,), (partners,) = (read(dataset / f"sub-{code}" / f"sub-{code}_sessions.tsv") for code in ("P02", "P3"))
     assert mine["session_id"] == partners["session_id"]
     assert (mine["seat"], mine["partner"], partners["seat"], partners["partner"]) == ("A", "sub-P3", "B", "sub-P02")
-    assert [row["participant_id"] for row in read(dataset / "participants.tsv")] == ["sub-P01", "sub-P02", "sub-P3"]
+    codes = {row["participant_id"]: row["participant"] for row in read(dataset / "participants.tsv")}
+    assert codes == {"sub-P01": "P01", "sub-P02": "P02", "sub-P3": "P-3"}
 
 
 def test_every_session_is_there_with_its_status_and_its_mode(dataset: Path) -> None:

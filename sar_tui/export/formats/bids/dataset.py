@@ -62,11 +62,11 @@ def write_dataset(study: Study, left_out: Iterable[str], folder: Path) -> None:
             ],
         },
     )
-    columns = [column for column in study.columns("participants") if column.name != "participant"]
+    columns = study.columns("participants")
     rows = [
-        (f"sub-{study.subjects[code]}", *(row[column.name] for column in columns))
+        (f"sub-{study.subjects[code]}", *row)
         for code in study.owners("participants")
-        for row in study.rows("participants", code)
+        for row in study.values("participants", code)
     ]
     write_rows(folder / "participants.tsv", ("participant_id", *(column.name for column in columns)), rows)
     write_json(folder / "participants.json", described(columns))
