@@ -32,17 +32,17 @@ class BidsFormat:
         sessions = defaultdict(list)
         for session in study.sessions:
             sessions[session.id].append(session)
+        facts = {task: _facts(study, task) for task in study.tasks}
         with_motion = set()
         for id in study.owners("sessions"):
             for session in sessions[id]:
-                if _write_session(study, session, folder / session.folder):
+                if _write_session(study, session, facts[session.task], folder / session.folder):
                     with_motion.add(session.task)
             for _ in _OWN:
                 progress()
-        for task in study.tasks:
-            facts = _facts(study, task)
-            describe_behaviour(study, task, facts, folder)
-            describe_events(study, task, facts, folder)
+        for task, known in facts.items():
+            describe_behaviour(study, task, known, folder)
+            describe_events(study, task, known, folder)
             if task in with_motion:
                 describe_motion(study, task, folder)
         write_sessions(study, folder)
@@ -55,8 +55,12 @@ class BidsFormat:
         CsvFormat().write(rest, source, progress)
 
 
-def _write_session(study: Study, session: Session, folder: Path) -> bool:
-    """Write the files of a session of a subject. Return True if it has samples of motion."""
+def _write_session(study: Study, session: Session, facts: dict[str, Any], folder: Path) -> bool:
+    """Write the files of a session of a subject. Return True if it has samples of motion.
+
+    Args:
+        facts: about its task.
+    """
     recordings: list[tuple[str, str | None]] = []
     shown_by = presentation(session)
     for number in sorted(write_behaviour(study, session, folder)):
@@ -64,7 +68,7 @@ def _write_session(study: Study, session: Session, folder: Path) -> bool:
         recordings.append((session.path("beh", "beh.tsv", number), run.time_of_day(run.clock_ns)))
         write_events(study, session, number, Window(run.clock_ns), folder / session.path("beh", "events.tsv", number))
         write_json(folder / session.path("beh", "events.json", number), shown_by)
-    motion = list(write_motion(study, session, _facts(study, session.task), folder))
+    motion = list(write_motion(study, session, facts, folder))
     for each in motion:
         run = session.runs.get(each.run, Run(each.run))
         recordings.append((each.path, run.time_of_day(each.first_ns)))

@@ -13,7 +13,10 @@ _ACQ_TIME = "acq_time"
 def write_sessions(study: Study, folder: Path) -> None:
     """Write the sessions of each subject, and what their columns mean."""
     columns = {column.name: column for column in study.columns("sessions") if column.name not in _ELSEWHERE}
-    for subject in study.subjects.values():
+    sessions: dict[str, list[Session]] = {}
+    for session in study.sessions:
+        sessions.setdefault(session.subject, []).append(session)
+    for subject, own in sessions.items():
         rows = (
             (
                 f"ses-{session.label}",
@@ -22,18 +25,17 @@ def write_sessions(study: Study, folder: Path) -> None:
                 f"sub-{session.partner}" if session.partner else None,
                 *(session.row[name] for name in columns),
             )
-            for session in study.sessions
-            if session.subject == subject
+            for session in own
         )
         path = folder / f"sub-{subject}" / f"sub-{subject}_sessions.tsv"
         path.parent.mkdir(exist_ok=True)
         write_rows(path, ("session_id", _ACQ_TIME, "seat", "partner", *columns), rows)
-    own = {
+    added = {
         _ACQ_TIME: {"Description": "When the session began, UTC."},
         "seat": {"Description": "The participant's place: A, or B in a task for two."},
         "partner": {"Description": "The other participant, in a task for two."},
     }
-    write_json(folder / "sessions.json", {**own, **described(columns.values())})
+    write_json(folder / "sessions.json", {**added, **described(columns.values())})
 
 
 def write_scans(session: Session, recordings: Iterable[tuple[str, str | None]], folder: Path) -> None:
