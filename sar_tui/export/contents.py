@@ -15,6 +15,7 @@ from sar_tui.export.tables.attempts import attempts
 from sar_tui.export.tables.events import EVENTS
 from sar_tui.export.tables.imu import IMU_STREAMS, SENSOR_FAULTS, imu
 from sar_tui.export.tables.notes import NOTES
+from sar_tui.export.tables.outputs import OUTPUTS
 from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
 from sar_tui.export.tables.participants import PARTICIPANTS
 from sar_tui.export.tables.runs import RUNS
@@ -70,6 +71,7 @@ class Contents:
             attempts(database, selection.ids),
             trials(database, selection.ids, _declared(catalogue, selection.tasks)),
             ACTIONS,
+            OUTPUTS,
             NOTES,
             IMU_STREAMS,
             SENSOR_FAULTS,

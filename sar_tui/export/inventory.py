@@ -280,9 +280,18 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "field": "open",
     },
     "sensor": {"number": "open", "state": "open", "count": "open", "duration_ms": "open", "serial": "device"},
+    "output": {
+        "number": "open",
+        "action": "open",
+        "output": "open",
+        "deed": "open",
+        "started_ns": "open",
+        "ended_ns": "open",
+        "outcome": "open",
+    },
     "sessions.parameters": {"name": "open", "value": "open", "text": "text", "unit": "open", "title": "open"},
 }
-"""By table, or JSON column, and by column, or part of the JSON; ``sensor`` is a message."""
+"""By table, or JSON column, and by column, or part of the JSON; ``sensor`` and ``output`` are messages."""
 
 SOURCES = {f"{table}.{column}": found for table, columns in _INVENTORY.items() for column, found in columns.items()}
 """Every column and every part of a JSON column that is known, with its treatment."""

@@ -1,0 +1,68 @@
+"""Parts of actions as outputs did them: a row for what each output said, showed or moved."""
+
+import re
+import sqlite3
+from collections.abc import Iterator
+from typing import Any, get_args
+
+from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
+from sar_tui.export.json_columns import object_of
+from sar_tui.framework.messages.base import ActionPart
+
+_ENDS = ("done", "aborted", "failed")
+
+
+def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+    found: list[dict[str, Any]] = []
+    latest: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for run, at, message in database.execute(
+        "SELECT run, at_ns, message FROM events WHERE session=? AND topic='output/report' ORDER BY seq", (session,)
+    ):
+        report = object_of(message)
+        key = (run, report.get("action"), report.get("output"), report.get("deed"))
+        part = latest.get(key)
+        if part is None or "outcome" in part:
+            part = latest[key] = {"key": key}
+            found.append(part)
+        state, when = report.get("state"), report.get("at") or at
+        if state == "started":
+            part.setdefault("started_ns", when)
+        elif state in _ENDS:
+            part |= {"ended_ns": when, "outcome": state}
+    for number, part in enumerate(found, 1):
+        run, action, output, deed = part["key"]
+        yield (
+            session, number, run, action, _kind(output), deed, part.get("started_ns"), part.get("ended_ns"),
+            part.get("outcome"),
+        )  # fmt: skip
+
+
+def _kind(output: object) -> str | None:
+    """Return the kind of an output: the first word of its name, which may go on with an address."""
+    found = re.match(r"[a-z]+", str(output))
+    return found[0] if found else None
+
+
+OUTPUTS = Table(
+    name="outputs",
+    title="A part of an action, as one output did it",
+    columns=(
+        SESSION,
+        stored("output.number", "integer", "Number of the part in its session, from 1.", name="part", required=True),
+        stored("messages.run", "integer", "The run of the program.", required=True),
+        stored(
+            "output.action",
+            "string",
+            "The action. Tones of a prompt (go-…) and of the end of an attempt (end-…), and gaze cues (cue-…), are not in "
+            "the table of actions.",
+        ),
+        stored("output.output", "string", "Kind of the output: screen, speech, tones, servo, ros."),
+        stored("output.deed", "string", "What it did.", levels=get_args(ActionPart)),
+        stored("output.started_ns", "integer", "When it was audible or visible; missing: never.", unit="ns"),
+        stored("output.ended_ns", "integer", "When it ended. Text ends when other text replaces it.", unit="ns"),
+        stored("output.outcome", "string", "How it ended; missing: it was under way at the end.", levels=_ENDS),
+    ),
+    key=("session", "part"),
+    rows=_rows,
+    references=(TO_SESSION,),
+)

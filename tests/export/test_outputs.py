@@ -1,0 +1,44 @@
+"""What outputs said, showed and moved leaves, from its start to its end."""
+
+import json
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from sar_tui.store.database import connect
+from tests.export.exported import export_csv, read_csv
+from tests.export.varied import store_trials
+
+REPORTS: list[tuple[str, str, str, str, int]] = [
+    ("a1", "speech", "say", "queued", 10),
+    ("a1", "screen", "show", "queued", 10),
+    ("a1", "screen", "show", "started", 20),
+    ("a1", "speech", "say", "started", 30),
+    ("a1", "speech", "say", "aborted", 40),
+    ("go-1", "ros://robot.clinic:9090", "tone", "queued", 50),
+    ("a1", "speech", "say", "started", 60),
+    ("a1", "speech", "say", "done", 70),
+]
+
+
+def test_each_part_of_an_action_has_its_times(tmp_path: Path) -> None:
+    store_trials(tmp_path / "data", [])
+    store_reports(tmp_path / "data", REPORTS)
+    export_csv(tmp_path / "data", tmp_path / "out")
+    rows = read_csv(tmp_path / "out", "outputs")
+    names = ("action", "output", "deed", "started_ns", "ended_ns", "outcome")
+    assert [tuple(row[name] for name in names) for row in rows] == [
+        ("a1", "speech", "say", 30, 40, "aborted"),
+        ("a1", "screen", "show", 20, None, None),
+        ("go-1", "ros", "tone", None, None, None),
+        ("a1", "speech", "say", 60, 70, "done"),
+    ]
+
+
+def store_reports(data: Path, reports: list[tuple[str, str, str, str, int]], session: str = "s1") -> None:
+    rows: list[Any] = []
+    for seq, (action, output, deed, state, at) in enumerate(reports, 1):
+        message = {"action": action, "output": output, "deed": deed, "state": state, "at": at, "seat": "A"}
+        rows.append((session, seq, 1, at, "output/report", json.dumps(message)))
+    with closing(connect(data)) as database:
+        database.executemany("INSERT INTO earlier_events VALUES (?,?,?,?,?,?)", rows)
