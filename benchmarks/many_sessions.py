@@ -86,14 +86,14 @@ _LOOKS: dict[str, Callable[[Path], None]] = {
 }
 
 
-def fill(data: Path, catalogue: Catalogue, count: int) -> None:
-    """Store a simulated session and copies of it, as sessions of one participant."""
+def fill(data: Path, catalogue: Catalogue, count: int, ids: str = "c0de") -> None:
+    """Store a simulated session and copies of it, whose ids begin with ``ids``, as sessions of one participant."""
     plan = make_plan(catalogue, "keyboard", [_WHO], seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["average"], data, catalogue)
     with closing(connect(data)) as database:
         database.execute("BEGIN")
         for number in range(2, count + 1):
-            _copy(database, session, f"c0de{number:06}")
+            _copy(database, session, f"{ids}{number:06}")
         database.execute("UPDATE sessions SET mode='live'")
         database.execute("COMMIT")
         participants.add(database, _WHO)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks import agent, commands, export, many_sessions, operator, paint, response, sensor, simulate
+from benchmarks import agent, commands, export, many_sessions, merge, operator, paint, response, sensor, simulate
 
 
 class Extent(NamedTuple):
@@ -79,6 +79,11 @@ def _export(extent: Extent) -> Any:
     return export.measure(few, many, extent.folder, extent.progress("exports", export.steps()))
 
 
+def _merge(extent: Extent) -> Any:
+    few, many = (5, 50) if extent.quick else (100, 1000)
+    return merge.measure(few, many, extent.folder, extent.progress("merges", merge.steps()))
+
+
 PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "response": _response,
     "paint": _paint,
@@ -86,6 +91,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "simulate": _simulate,
     "sessions": _sessions,
     "export": _export,
+    "merge": _merge,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

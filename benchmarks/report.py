@@ -52,7 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "sessions", "export", "sensor", "agent", "operator"):
+    for name in ("response", "sessions", "export", "merge", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -133,6 +133,25 @@ def _export(exported: Results) -> dict[str, Rows]:
     }
 
 
+def _merge(merged: Results) -> dict[str, Rows]:
+    return {
+        "A merge into a database of as many sessions": [
+            ["sessions", "trials", "size (MB)", "seconds", "again, with nothing new", "peak memory (MB)"],
+            *(
+                [
+                    f"{size['sessions']}",
+                    f"{size['trials']}",
+                    f"{size['megabytes']:.0f}",
+                    f"{size['merge_s']:.1f}",
+                    f"{size['again_s']:.1f}",
+                    f"{size['memory_mb']:.0f}",
+                ]
+                for size in merged["sizes"]
+            ),
+        ]
+    }
+
+
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
@@ -186,6 +205,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "simulate": _simulate,
     "sessions": _sessions,
     "export": _export,
+    "merge": _merge,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

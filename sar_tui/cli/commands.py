@@ -36,6 +36,7 @@ COMMANDS = {
     "backup": "backup:backup",
     "check": "check:check",
     "site": "site:site",
+    "merge": "merge:merge",
     "rescue": "rescue:rescue",
     "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",

@@ -309,7 +309,7 @@ def _tasks(database: Any, participant: str, task: str | None) -> tuple[str, list
     from sar_tui.store import participants, programmes
 
     code = participants.check_code(participant)
-    if code not in participants.codes(database):
+    if code not in participants.codes(database) and not programmes.tasks(database, code):
         raise Refused(f"There is no participant {code}.")
     return code, [task] if task is not None else programmes.tasks(database, code)
 

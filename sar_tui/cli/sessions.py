@@ -36,7 +36,7 @@ def sessions(
     tasks: Tasks = None,
 ) -> None:
     """List the recorded sessions, the newest first."""
-    from sar_tui.store import participants, wellbeing
+    from sar_tui.store import participants, sites, wellbeing
     from sar_tui.store.sessions import listing, operators
 
     home = Home.of(context, data, tasks)
@@ -45,7 +45,11 @@ def sessions(
         known = operators(database)
         listed = listing(database, home.folder, participant=code)
         felt = wellbeing.by_session(database, [row["id"] for row in listed])
-    rows = [{**row, "operators": known.get(row["id"], []), "wellbeing": felt.get(row["id"], [])} for row in listed]
+        own = sites.own(database)
+    rows = [
+        {**row, "site": row["site"] or own, "operators": known.get(row["id"], []), "wellbeing": felt.get(row["id"], [])}
+        for row in listed
+    ]
     if as_json:
         print_json({"sessions": rows})
         return
@@ -82,7 +86,7 @@ def show(
     """Show a session: attempts, plot, timing."""
     from sar_tui.reports import difficulty_changes, rests, skipped_attempts
     from sar_tui.reports.output_summary import output_summaries
-    from sar_tui.store import adverse_events, wellbeing
+    from sar_tui.store import adverse_events, sites, wellbeing
     from sar_tui.store import sessions as store
 
     watch_plugins(context)
@@ -100,6 +104,7 @@ def show(
         changes += rests.lines(database, found["id"]) if must_rest and not as_json else []
         changes += skipped_attempts.lines(database, found["id"]) if not as_json else []
         events = adverse_events.listing(database, session=found["id"])
+        found["site"] = found["site"] or sites.own(database)
     if as_json:
         known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs}
         print_json({**known, "wellbeing": felt, "adverse_events": events})
@@ -145,11 +150,13 @@ def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> 
 def _programme(database: "sqlite3.Connection", row: Row) -> str:
     """Return the version of the programme that a session ran, who saved it, and why; empty if there was none."""
     from sar_tui.store import programmes
+    from sar_tui.store.merge.people import code_at
 
     version = row["programme"]
     if version is None:
         return ""
-    saved = programmes.versions(database, row["participant"], row["task"])
+    code = code_at(database, row["participant"], row["site"])
+    saved = programmes.versions(database, code, row["task"])
     known = next((each for each in saved if each.version == version), programmes.Programme())
     by = f" by {known.author}" if known.author else ""
     why = f": {known.reason}" if known.reason else ""
@@ -163,6 +170,7 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
     for name, value in (
         ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
         ("Participant", participant_codes(row)),
+        *([("Site", row["site"])] if row["site"] else []),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
         *([("Programme", programme)] if programme else []),
         ("Began", f"{local_time(row['started_at'])}{ended}"),

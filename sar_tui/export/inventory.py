@@ -19,6 +19,8 @@ LEAVING = ("open", "code", "time", "text")
 
 _INVENTORY: dict[str, dict[str, Treatment]] = {
     "site": {"number": "inner", "code": "open"},
+    "same_people": {"code": "code", "same_as": "code"},
+    "conflicts": {"kind": "inner", "key": "inner", "digest": "inner", "content": "inner"},
     "participants": {"code": "code", "created_at": "time", "site": "open"},
     "instrument_scores": {
         "participant": "code",

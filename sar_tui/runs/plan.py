@@ -14,7 +14,7 @@ from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
-from sar_tui.store.participants import check_code
+from sar_tui.store.participants import check_own
 from sar_tui.store.programmes import Programme
 from sar_tui.theme_folder import languages
 
@@ -78,14 +78,14 @@ def make_plan(
         id: the session's id; drawn when the session starts by default.
 
     Raises:
-        StoreError: a code is not valid, or the codes do not match the task's seats.
+        StoreError: a code is not valid, or of another site, or the codes do not match the task's seats.
         PluginError: there is no such task or theme.
         ParameterError: a setting is unknown or out of bounds, or there is no such output, language or level.
         Failed: the task cannot be set up.
     """
     saved = saved or Programme()
     kind = catalogue.task(task) if isinstance(task, str) else task
-    codes = [check_code(code) for code in participants]
+    codes = [check_own(code) for code in participants]
     if mode == "simulated" and len(codes) == 1 < len(kind.seats):
         codes.append(f"{codes[0]}-B")
     check_seats(kind, codes)

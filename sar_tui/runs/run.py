@@ -241,13 +241,15 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
     """Return the interrupted session that `store.sessions.find` finds for a name.
 
     Raises:
-        StoreError: there is no such session, or it is live, or it has ended.
+        StoreError: there is no such session, or it is live, or it has ended, or it is of another site.
     """
     row = sessions.find(database, folder, name)
     if files := rescue_files(folder, row["id"]):
         raise StoreError(
             f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` first.", bad_input=True
         )
+    if row["site"]:
+        raise StoreError(f"The session {row['id']} is of {row['site']}: it can be resumed only there.", bad_input=True)
     if row["status"] != "interrupted" or row["mode"] != "live":
         raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
     return row

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from sar_tui.store.database import StoreError, transaction
-from sar_tui.store.participants import check_known
+from sar_tui.store.participants import check_known, check_own
 
 Severity = Literal["mild", "moderate", "severe"]
 SEVERITIES: tuple[str, ...] = get_args(Severity)
@@ -127,6 +127,9 @@ def amend(db: sqlite3.Connection, event: str, author: str = "", **changes: str |
         StoreError: there is no such event, nothing would change, a value is not valid, or the disk cannot write.
     """
     found = versions(db, event)
+    _, sign, site = event.partition("@")
+    if found and sign:
+        raise StoreError(f"The adverse event {event} is of {site}: it can be amended only there.", bad_input=True)
     if not found:
         raise StoreError(f"There is no adverse event {event}. `sar-tui adverse list` lists them.", bad_input=True)
     given = {name: value for name, value in changes.items() if value is not None}
@@ -167,6 +170,7 @@ def _select(db: sqlite3.Connection, condition: str = "", *values: str) -> list[A
 
 
 def _insert(db: sqlite3.Connection, event: AdverseEvent) -> AdverseEvent:
+    check_own(event.participant)
     slots = ",".join("?" for _ in _FIELDS)
     with transaction(db) as connection:
         connection.execute(

@@ -23,7 +23,7 @@ RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
 """Beginnings of the names of rescue files: to be brought back, and those that were. See `store.rescue`."""
 SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
-VERSION = 13
+VERSION = 14
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
@@ -303,6 +303,13 @@ def _migrate(database: sqlite3.Connection, path: Path) -> None:
         if version:
             _announce(path)
             _back_up(database, path, version)
+        _apply_migrations(database)
+        database.execute(f"PRAGMA user_version={VERSION}")
+
+
+def bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
+    """Migrate a copy of the database at ``path``, without a backup. Raises StoreError if that one is newer."""
+    if _version(database, path) < VERSION:
         _apply_migrations(database)
         database.execute(f"PRAGMA user_version={VERSION}")
 

@@ -6,6 +6,7 @@ from datetime import UTC, date, datetime
 
 from sar_tui.progress.instruments import INSTRUMENTS, Instrument, Score
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.participants import check_own
 
 _LONGEST_NOTE = 2000
 
@@ -58,6 +59,7 @@ def check_score(instrument: Instrument, score: float) -> None:
 
 
 def _insert(db: sqlite3.Connection, participant: str, score: Score, author: str, *, removed: bool = False) -> None:
+    check_own(participant)
     row = (participant, score.instrument, score.date, score.score, score.note, _now(), author, removed)
     with transaction(db) as connection:
         connection.execute(

@@ -79,10 +79,10 @@ class Flaw(NamedTuple):
     what: str
 
 
-def flaws(database: sqlite3.Connection) -> Iterator[Flaw]:
+def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
     """Yield the flaws of a database, as it was when the first of them was looked for.
 
-    Nothing is written, and a session may go on meanwhile.
+    Nothing is written, and a session may go on meanwhile. Gaps are looked for unless they do not matter.
 
     Raises:
         StoreError: the database cannot be read at all.
@@ -94,7 +94,7 @@ def flaws(database: sqlite3.Connection) -> Iterator[Flaw]:
             yield from found
             if not found:  # the rest is read from these pages
                 yield from _orphans(database)
-                yield from _gaps(database)
+                yield from _gaps(database) if gaps else ()
                 yield from _damaged_samples(database)
                 yield from _damaged_texts(database)
         finally:

@@ -11,11 +11,14 @@ import msgspec
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 
-_CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
+_CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}(@[A-Za-z0-9][A-Za-z0-9-]{0,15})?")
 
 
 def check_code(code: str) -> str:
-    """Return a code as it is stored, in capital letters. Raise StoreError if it is not valid."""
+    """Return a code as it is stored, in capital letters. Raise StoreError if it is not valid.
+
+    A participant of another site has its code behind an @: P01@BERN.
+    """
     code = code.strip()
     if not _CODE.fullmatch(code):  # before the capitals: those of ß and ı are letters of other codes
         raise StoreError(
@@ -26,13 +29,25 @@ def check_code(code: str) -> str:
     return code.upper()
 
 
+def check_own(code: str) -> str:
+    """Return a code as it is stored. Raise StoreError if it is not valid, or of a participant of another site."""
+    code = check_code(code)
+    _, sign, site = code.partition("@")
+    if sign:
+        raise StoreError(
+            f"{code} is a participant of {site}: what {site} recorded can be looked at, and is changed only there.",
+            bad_input=True,
+        )
+    return code
+
+
 def add(db: sqlite3.Connection, code: str) -> str:
     """Add a participant unless they are known, and return the code as it is stored.
 
     Raises:
-        StoreError: the code is not valid, or the disk cannot write.
+        StoreError: the code is not valid, or of another site, or the disk cannot write.
     """
-    code = check_code(code)
+    code = check_own(code)
     row = (code, datetime.now(UTC).isoformat())
     with transaction(db) as connection:
         connection.execute("INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", row)
@@ -40,8 +55,8 @@ def add(db: sqlite3.Connection, code: str) -> str:
 
 
 def codes(db: sqlite3.Connection) -> list[str]:
-    """Return the codes of all participants of live sessions, sorted."""
-    return [code for (code,) in db.execute("SELECT code FROM participants ORDER BY code")]
+    """Return the codes of this site's participants of live sessions, sorted."""
+    return [code for (code,) in db.execute("SELECT code FROM participants WHERE site='' ORDER BY code")]
 
 
 def check_known(db: sqlite3.Connection, code: str) -> str:
@@ -93,15 +108,16 @@ _NEWEST_FIRST = f"""SELECT code, newest.id,
     (SELECT group_concat(sessions.id || ' ' || status) FROM
         (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT {_LOOKED_AT}) AS own
         CROSS JOIN sessions ON sessions.id=own.session
-        WHERE status IN ('running', 'interrupted') AND mode='live')
+        WHERE status IN ('running', 'interrupted') AND mode='live' AND site='')
 FROM participants LEFT JOIN sessions AS newest ON newest.id=
     (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT 1)
+WHERE participants.site=''
 ORDER BY max(coalesce(newest.started_at, ''), created_at) DESC, code"""
 """Each participant's seats are looked up from the newest on, so that only some of their sessions are read."""
 
 
 def newest_first(db: sqlite3.Connection, folder: Path) -> list[Known]:
-    """Return the participants of live sessions; first who began a session, or was added, last."""
+    """Return this site's participants of live sessions; first who began a session, or was added, last."""
 
     def waits(unfinished: str | None) -> bool:
         found = [each.split() for each in unfinished.split(",")] if unfinished else []
@@ -126,9 +142,10 @@ def last_task(db: sqlite3.Connection, participant: str) -> str | None:
 
 
 def last_used(db: sqlite3.Connection) -> str | None:
-    """Return the (first) participant of the live session that was begun or resumed last; None without a session."""
+    """Return the (first) participant of this site's live session that was begun or resumed last; None without one."""
     row = db.execute(
         "SELECT participant FROM runs JOIN sessions ON sessions.id = runs.session"
-        " JOIN seats ON seats.session = runs.session AND seat='A' WHERE mode='live' ORDER BY runs.rowid DESC LIMIT 1"
+        " JOIN seats ON seats.session = runs.session AND seat='A' WHERE mode='live' AND site=''"
+        " ORDER BY runs.rowid DESC LIMIT 1"
     ).fetchone()
     return row[0] if row else None

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.participants import check_own
 from sar_tui.store.stored_json import read_json
 
 LONGEST_TEXT = 500
@@ -104,8 +105,9 @@ def save(
 
     Raises:
         Superseded: another version was saved since ``after``.
-        StoreError: the disk cannot write; nothing was saved.
+        StoreError: the participant is of another site, or the disk cannot write; nothing was saved.
     """
+    check_own(participant)
     parameters = msgspec.json.encode(changed.parameters)
     with transaction(db) as connection:
         last = newest(connection, participant, task)

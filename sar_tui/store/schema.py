@@ -255,13 +255,38 @@ def version_13(db: sqlite_utils.Database) -> None:
     db.execute("CREATE TABLE site (number INTEGER PRIMARY KEY CHECK (number=1), code TEXT NOT NULL)")
     for table in _OF_SITES:
         db.execute(f"ALTER TABLE {table} ADD COLUMN site TEXT NOT NULL DEFAULT ''")
+    for statement in _INSERT_SETTINGS:
+        db.execute(statement)
     for view in (views.ATTEMPTS, views.TRIALS, views.REACHES):
         db.execute(view)
+
+
+@migrations()
+def version_14(db: sqlite_utils.Database) -> None:
+    """Codes of the same person at several sites; versions of records that contradict each other."""
+    db.execute(
+        "CREATE TABLE same_people (code TEXT NOT NULL, same_as TEXT NOT NULL, PRIMARY KEY (code, same_as))"
+        " WITHOUT ROWID"
+    )
+    db.execute(
+        "CREATE TABLE conflicts (kind TEXT NOT NULL, key TEXT NOT NULL, digest TEXT NOT NULL, content BLOB NOT NULL,"
+        " PRIMARY KEY (kind, key, digest))"
+    )
 
 
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip
+_INSERT_SETTINGS = (
+    "DROP TRIGGER insert_settings",
+    """CREATE TRIGGER insert_settings INSTEAD OF INSERT ON settings BEGIN
+    INSERT INTO programmes (participant, task, version, created_at, author, reason, parameters, theme)
+    SELECT NEW.participant, NEW.task, coalesce(max(version), 0) + 1, NEW.updated_at, '',
+        'Saved by an earlier version of sar-tui.', NEW.parameters, NEW.theme
+    FROM programmes WHERE participant=NEW.participant AND task=NEW.task;
+END""",
+)
+"""As before, with the names of the columns: there is another one."""
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
 """A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")

@@ -213,10 +213,9 @@ def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = N
 
 
 def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
-    """Return the newest live session that can be resumed, as `listing` does; None if there is none."""
-    rows = _query(
-        db, f"{_LISTED} WHERE mode='live' AND status IN ('running', 'interrupted'){_NEWEST_FIRST}", {"limit": -1}
-    )
+    """Return the newest live session that can be resumed here, as `listing` does; None if there is none."""
+    unfinished = "mode='live' AND site='' AND status IN ('running', 'interrupted')"
+    rows = _query(db, f"{_LISTED} WHERE {unfinished}{_NEWEST_FIRST}", {"limit": -1})
     interrupted = (row for row in rows if _with_status(row, folder)["status"] == "interrupted")
     row = next(interrupted, None)
     return _typed("sessions", row) if row else None

@@ -7,7 +7,7 @@ from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.views import SITE
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]{0,15}")
-_OF_OTHERS = ("participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports")
+OF_SITES = ("participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports")
 """Tables with a column ``site``: empty in the rows of the database's own site."""
 
 
@@ -59,7 +59,7 @@ def set_own(db: sqlite3.Connection, code: str) -> str:
 
 def _known_outside(db: sqlite3.Connection) -> str:
     """Return the reason why the code must not change, in words; empty if there is none."""
-    if any(db.execute(f"SELECT 1 FROM {table} WHERE site<>'' LIMIT 1").fetchone() for table in _OF_OTHERS):
+    if any(db.execute(f"SELECT 1 FROM {table} WHERE site<>'' LIMIT 1").fetchone() for table in OF_SITES):
         return "data of other sites was merged into it"
     if db.execute("SELECT 1 FROM exports WHERE site='' AND format='parquet' LIMIT 1").fetchone():
         return "data was exported under this code"

@@ -166,7 +166,7 @@ def read_sessions(database: sqlite3.Connection, folder: Path, catalogue: Catalog
 
 def can_resume(row: sessions.Row) -> bool:
     """Return True if a listed session can be gone on with."""
-    return bool(row["status"] == "interrupted" and row["mode"] == "live")
+    return bool(row["status"] == "interrupted" and row["mode"] == "live" and not row["site"])
 
 
 def _note(row: sessions.Row, felt: list[wellbeing.Row], participant: str | None, *, is_offered: bool) -> str:

@@ -1,0 +1,96 @@
+"""``sar-tui merge``: bring in what another database has."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json, progress_bar
+from sar_tui.tui.exit_codes import FAILED
+
+if TYPE_CHECKING:
+    from sar_tui.store.merge.merge import Merged
+
+_WORDS = {
+    "participants": ("participant", "participants"),
+    "programmes": ("version of a programme", "versions of programmes"),
+    "wellbeing": ("answer on pain and tiredness", "answers on pain and tiredness"),
+    "adverse_events": ("version of an adverse event", "versions of adverse events"),
+    "instrument_scores": ("score of an instrument", "scores of instruments"),
+    "exports": ("export in the ledger", "exports in the ledger"),
+    "same_people": ("row of a person with two codes", "rows of persons with two codes"),
+}
+"""Tables whose changed rows are told, with the words for one and for several."""
+
+
+def merge(
+    context: typer.Context,
+    other: Annotated[
+        Path | None,
+        typer.Argument(
+            parser=named_path, metavar="[OTHER.db]", help="The other database, or its data folder.", show_default=False
+        ),
+    ] = None,
+    same: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--same",
+            metavar="CODE@SITE=CODE",
+            show_default=False,
+            help="Two codes of one person, such as P01@BERN=P01. May be repeated.",
+        ),
+    ] = None,
+    one_site: Annotated[
+        bool, typer.Option("--one-site", help="Both are of one site, where a code stands for one person.")
+    ] = False,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
+    """Bring what another database has into this one; without one, list what contradicts and who is the same person.
+
+    The other database is only read, and a backup of this one is made.
+    """
+    from sar_tui.store.merge.merge import merge as merge_databases
+
+    home = Home.of(context, data, tasks)
+    with progress_bar() as bar:
+
+        def start(step: str) -> Callable[[int, int], None]:
+            shown = bar.add_task(step, total=None)
+            return lambda done, total: bar.update(shown, completed=done, total=total)
+
+        merged = merge_databases(home.folder, other, same or (), one_site=one_site, start=start)
+    if as_json:
+        print_json(merged)
+    else:
+        _print(merged, other)
+    if merged.left_out or merged.rescue_files:
+        raise typer.Exit(FAILED)
+
+
+def _print(merged: "Merged", other: Path | None) -> None:
+    if other is not None:
+        told = [
+            _count(len(merged.added), ("new session", "new sessions")),
+            _count(len(merged.updated), ("session that went on", "sessions that went on")),
+            *(_count(merged.records.get(table, 0), words) for table, words in _WORDS.items()),
+        ]
+        found = ", ".join(filter(None, told))
+        print(f"From {merged.other}: {found or 'nothing that this database did not have'}.")
+    if merged.backup:
+        print(f"As it was before: {merged.backup}")
+    for code, same_as in merged.same:
+        print(f"{code} is {same_as}.")
+    for conflict in merged.conflicts:
+        print(f"! Another version of the {conflict.kind} {conflict.key} is kept aside ({conflict.digest[:8]}).")
+    for session in merged.left_out:
+        print(f"! Session {session} is running there. It is left out: merge again when it has ended.")
+    for path in merged.rescue_files:
+        print(f"! {path} holds data that is not in that database. Run `sar-tui rescue` there, and merge again.")
+
+
+def _count(number: int, words: tuple[str, str]) -> str:
+    """Return "2 new sessions", or "1 new session"; empty for none."""
+    return f"{number} {words[number != 1]}" if number else ""

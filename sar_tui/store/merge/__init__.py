@@ -1,0 +1,1 @@
+"""Brings what another database has into this one."""

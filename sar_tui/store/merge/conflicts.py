@@ -1,0 +1,133 @@
+"""Versions of a record that contradict each other: one is in the tables, the others are kept aside.
+
+Every database chooses the same one, so that the order of merges makes no difference.
+"""
+
+import hashlib
+import sqlite3
+import zlib
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import msgspec
+
+from sar_tui.store.merge.people import People, in_full
+from sar_tui.store.sites import OF_SITES
+
+Kind = Literal["session", "programme", "wellbeing", "adverse event", "instrument score"]
+Content = dict[str, list[dict[str, Any]]]
+"""Rows of a record by table, in the order in which they were stored; codes and sites are in full."""
+
+
+class Conflict(msgspec.Struct, frozen=True):
+    """A version of a record that is kept aside.
+
+    Attributes:
+        key: of the record, in words: the session's id; or participant, task and version of a programme.
+        digest: SHA-256 of the content.
+    """
+
+    kind: str
+    key: str
+    digest: str
+
+
+def encoded(content: Content) -> bytes:
+    """Return a content as bytes that are the same in every database."""
+    return msgspec.msgpack.encode(content, order="deterministic")
+
+
+def digest(content: Content) -> str:
+    """Return the SHA-256 of a content, whatever the order of its rows."""
+    in_order = {
+        table: sorted(msgspec.msgpack.encode(row, order="deterministic") for row in rows)
+        for table, rows in content.items()
+    }
+    return hashlib.sha256(msgspec.msgpack.encode(in_order, order="deterministic")).hexdigest()
+
+
+def listing(db: sqlite3.Connection) -> list[Conflict]:
+    """Return all versions that are kept aside."""
+    return [Conflict(*row) for row in db.execute("SELECT kind, key, digest FROM conflicts ORDER BY kind, key, digest")]
+
+
+def contents(db: sqlite3.Connection, schema: str, kind: Kind, key: str) -> list[Content]:
+    """Return the versions of a record that are kept aside."""
+    found = db.execute(f"SELECT content FROM {schema}.conflicts WHERE kind=? AND key=?", (kind, key)).fetchall()
+    return [_decoded(content) for (content,) in found]
+
+
+def _decoded(packed: bytes) -> Content:
+    return msgspec.msgpack.decode(zlib.decompress(packed), type=Content)
+
+
+def keep(db: sqlite3.Connection, schema: str, kind: str, key: str, content: Content) -> None:
+    """Keep a version aside, unless it is there."""
+    row = (kind, key, digest(content), zlib.compress(encoded(content)))
+    db.execute(f"INSERT OR IGNORE INTO {schema}.conflicts VALUES (?,?,?,?)", row)
+
+
+def drop(db: sqlite3.Connection, kind: Kind, key: str, digest: str) -> None:
+    """Keep a version aside no longer: it is in the tables now, or another one extends it."""
+    db.execute("DELETE FROM main.conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, digest))
+
+
+def rename(db: sqlite3.Connection, schema: str, people: People) -> None:
+    """Give the versions that are kept aside the names of persons who are known as the same now."""
+    for kind, key, old, packed in db.execute(f"SELECT kind, key, digest, content FROM {schema}.conflicts").fetchall():
+        named = _with_codes(_decoded(packed), lambda table, code: _in_words(people, table, code))
+        new_key = key if kind == "session" else key_of(kind, named)
+        if (digest(named), new_key) != (old, key):
+            db.execute(f"DELETE FROM {schema}.conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, old))
+            keep(db, schema, kind, new_key, named)
+
+
+_KEYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "programme": ("programmes", ("participant", "task", "version")),
+    "wellbeing": ("wellbeing", ("participant", "question", "at")),
+    "adverse event": ("adverse_events", ("event", "version")),
+    "instrument score": ("instrument_scores", ("participant", "instrument", "date", "recorded_at")),
+}
+
+
+def key_of(kind: str, content: Content) -> str:
+    """Return the key of a record, in words."""
+    table, columns = _KEYS[kind]
+    (row,) = content[table]
+    return " ".join(str(row[column]) for column in columns)
+
+
+def in_words(content: Content, people: People) -> Content:
+    """Return rows of the main database with codes and sites in full."""
+    named = _with_codes(content, lambda table, code: _in_words(people, table, in_full(code, people.own)))
+    for row in named.get("adverse_events", ()):
+        row["event"] = in_full(row["event"], people.own)
+    return {table: [_with_site(table, row, "", people.own) for row in rows] for table, rows in named.items()}
+
+
+def as_stored(content: Content, people: People) -> Content:
+    """Return rows with the codes and sites by which the main database stores them."""
+
+    def stored(table: str, code: str) -> str:
+        return people.shortened(code) if table == "programmes" else people.stored(code)
+
+    named = _with_codes(content, stored)
+    for row in named.get("adverse_events", ()):
+        row["event"] = people.shortened(row["event"])
+    return {table: [_with_site(table, row, people.own, "") for row in rows] for table, rows in named.items()}
+
+
+def _in_words(people: People, table: str, code: str) -> str:
+    return code if table == "programmes" else people.name(code)
+
+
+def _with_codes(content: Content, code: Callable[[str, str], str]) -> Content:
+    return {
+        table: [{**row, "participant": code(table, row["participant"])} if "participant" in row else {**row}
+                for row in rows]
+        for table, rows in content.items()
+    }  # fmt: skip
+
+
+def _with_site(table: str, row: dict[str, Any], old: str, new: str) -> dict[str, Any]:
+    return {**row, "site": new} if table in OF_SITES and row["site"] == old else row

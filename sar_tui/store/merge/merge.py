@@ -1,0 +1,227 @@
+"""Merges another database into this one: what it has more is added, nothing is lost, and the order does not matter."""
+
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import msgspec
+
+from sar_tui.drivers.private_folder import make_private
+from sar_tui.store import sites
+from sar_tui.store.backup import FOLDER, back_up
+from sar_tui.store.database import FILE, StoreError, connect, transaction
+from sar_tui.store.locks import Held, hold, is_held
+from sar_tui.store.merge import conflicts
+from sar_tui.store.merge.columns import session_tables
+from sar_tui.store.merge.conflicts import Conflict
+from sar_tui.store.merge.order import put_in_order
+from sar_tui.store.merge.people import Pair, People, parse_same, stored_pairs
+from sar_tui.store.merge.records import merge_records
+from sar_tui.store.merge.renaming import rename_others, rename_own
+from sar_tui.store.merge.session_records import merge_sessions
+from sar_tui.store.merge.source import copied, remove_leftovers
+
+Start = Callable[[str], Callable[[int, int], None]]
+"""Begins a step with a name, and returns a function that is called with what is done of it, and the whole."""
+
+
+class Merged(msgspec.Struct, frozen=True, kw_only=True):
+    """Result of a merge.
+
+    Attributes:
+        site: of this database. ``other``: of the other one; empty if there was none.
+        added, updated: ids of sessions that this database did not have, or less of.
+        records: numbers of other rows that were added or changed, by table.
+        left_out: sessions that run there now.
+        rescue_files: of the other data folder, which were not read.
+        conflicts: all versions that are kept aside. ``new_conflicts``: the number of those that are new.
+        same: codes in full that are the same person.
+        backup: of this database as it was before; None if nothing had to change.
+    """
+
+    site: str
+    other: str = ""
+    added: list[str] = []
+    updated: list[str] = []
+    records: dict[str, int] = {}
+    left_out: list[str] = []
+    rescue_files: list[str] = []
+    conflicts: list[Conflict] = []
+    new_conflicts: int = 0
+    same: list[Pair] = []
+    backup: str | None = None
+
+
+def merge(
+    folder: Path, other: Path | None, same: Iterable[str] = (), *, one_site: bool = False, start: Start
+) -> Merged:
+    """Bring what another database has into that of a data folder, in one transaction. The other one is only read.
+
+    Args:
+        folder: the data folder.
+        other: the other database, or its data folder; None only to note who is the same person.
+        same: codes of the same person, such as "P01@BERN=P01".
+        one_site: both databases are of one site, so that the same code is the same person.
+        start: begins a step.
+
+    Raises:
+        StoreError: the other database cannot be merged, a session runs here, or the disk cannot write. Nothing has
+            changed then.
+    """
+    with closing(connect(folder)) as db, _alone(folder):
+        own = sites.own(db)
+        if not own:
+            raise StoreError(
+                "This site has no code yet, by which others know it. Set it first, such as: sar-tui site BERN",
+                bad_input=True,
+            )
+        pairs = {parse_same(text, own) for text in same}
+        if other is None:
+            return _changed(db, folder, lambda: _note(db, own, pairs))
+        with copied(other, folder, start("Reading")) as source:
+            db.execute("ATTACH ? AS other", (str(source.copy),))
+            try:
+                db.execute("PRAGMA other.journal_mode=OFF")
+                db.execute("PRAGMA other.synchronous=OFF")
+                site = _site_of_other(db, own, other, one_site)
+                result = _changed(db, folder, lambda: _merge(db, own, site, pairs, source.running, start("Merging")))
+            finally:
+                db.execute("DETACH other")
+        return msgspec.structs.replace(
+            result, left_out=list(source.running), rescue_files=[str(path) for path in source.rescue_files]
+        )
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Hold the lock of merges, and refuse if a session runs here: it would wait for the database."""
+    try:
+        held = hold(folder, "merge", FILE)
+    except Held:
+        raise StoreError("Another merge goes on in this data folder. Wait until it has ended.") from None
+    try:
+        remove_leftovers(folder)
+        yield
+    finally:
+        held.release()
+
+
+def _check_nothing_runs(db: sqlite3.Connection, folder: Path) -> None:
+    for (id,) in db.execute("SELECT id FROM main.sessions WHERE status='running'").fetchall():
+        if is_held(folder, "session", id):
+            raise StoreError(f"Session {id} is running here, and a merge would hold it up: merge when it has ended.")
+
+
+def _site_of_other(db: sqlite3.Connection, own: str, other: Path, one_site: bool) -> str:
+    row = db.execute("SELECT code FROM other.site").fetchone()
+    if row is None:
+        raise StoreError(
+            f"{other} has no code of its site. Set it there first, such as: sar-tui site BERN", bad_input=True
+        )
+    site = str(row[0])
+    if site == own and not one_site:
+        raise StoreError(
+            f"{other} is of {own}, as this database is. If the same code is the same person in both, such as on two "
+            "computers of one clinic, add --one-site; otherwise give one of them another code by sar-tui site.",
+            bad_input=True,
+        )
+    if site != own and one_site:
+        raise StoreError(f"{other} is of {site}, and this database of {own}: leave out --one-site.", bad_input=True)
+    return site
+
+
+def _changed(db: sqlite3.Connection, folder: Path, work: Callable[[], Merged]) -> Merged:
+    """Do what changes the database in one transaction, after a backup; if there was nothing to do, nothing changes."""
+    _check_nothing_runs(db, folder)
+    with _undone_unless_changed(db) as changes:
+        result = work()
+        if changes(result):
+            path = _free(folder / FOLDER)
+            back_up(folder, path)  # another connection: it copies what was there before this transaction
+            result = msgspec.structs.replace(result, backup=str(path))
+    return result
+
+
+class _Unchanged(Exception):
+    pass
+
+
+@contextmanager
+def _undone_unless_changed(db: sqlite3.Connection) -> Iterator[Callable[[Merged], bool]]:
+    has_changed = False
+    before = conflicts.listing(db)
+
+    def changes(result: Merged) -> bool:
+        nonlocal has_changed
+        found = (result.added, result.updated, result.conflicts != before)
+        has_changed = any(found) or any(result.records.values())
+        return has_changed
+
+    try:
+        with transaction(db):
+            yield changes
+            if not has_changed:
+                raise _Unchanged
+    except _Unchanged:
+        pass
+
+
+def _free(folder: Path) -> Path:
+    """Return the path of a backup that does not exist yet."""
+    make_private(folder)
+    stamp, number = f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}", 1
+    while (path := folder / f"sar-tui-before-merge-{stamp}-{number}.db").exists():
+        number += 1
+    return path
+
+
+def _note(db: sqlite3.Connection, own: str, pairs: set[Pair]) -> Merged:
+    people, changed = _same_people(db, own, pairs)
+    return Merged(site=own, records={"same_people": changed}, conflicts=conflicts.listing(db), same=sorted(people.same))
+
+
+def _same_people(db: sqlite3.Connection, own: str, pairs: set[Pair]) -> tuple[People, int]:
+    """Note who is the same person, and return the number of rows that changed."""
+    before = stored_pairs(db)
+    people = People(own, before | pairs)
+    people.check()
+    if people.same == before:
+        return people, 0
+    db.executemany("INSERT OR IGNORE INTO main.same_people VALUES (?,?)", sorted(people.same))
+    conflicts.rename(db, "main", people)
+    return people, len(people.same - before) + rename_own(db, people)
+
+
+def _merge(
+    db: sqlite3.Connection,
+    own: str,
+    site: str,
+    pairs: set[Pair],
+    running: Iterable[str],
+    progress: Callable[[int, int], None],
+) -> Merged:
+    before = set(conflicts.listing(db))
+    people, renamed = _same_people(db, own, pairs | stored_pairs(db, "other"))
+    _leave_out(db, running)
+    rename_others(db, people, site)
+    conflicts.rename(db, "other", people)
+    sessions = merge_sessions(db, people, progress)
+    records = {"same_people": renamed, **merge_records(db, people)}
+    if sessions.added or sessions.updated:
+        put_in_order(db)
+    aside = conflicts.listing(db)
+    return Merged(
+        site=own, other=site, added=sessions.added, updated=sessions.updated, records=records, conflicts=aside,
+        new_conflicts=len(set(aside) - before), same=sorted(people.same),
+    )  # fmt: skip
+
+
+def _leave_out(db: sqlite3.Connection, sessions: Iterable[str]) -> None:
+    """Remove sessions from the copy of the other database."""
+    for id in sessions:
+        db.execute("DELETE FROM other.sessions WHERE id=?", (id,))
+        db.execute("DELETE FROM other.conflicts WHERE kind='session' AND key=?", (id,))
+        for table in (*session_tables(db), "wellbeing", "adverse_events"):
+            db.execute(f"DELETE FROM other.{table} WHERE session=?", (id,))
