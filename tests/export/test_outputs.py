@@ -1,4 +1,4 @@
-"""What outputs said, showed and moved leaves, from its start to its end."""
+"""Parts of actions leave as their outputs did them, from start to end."""
 
 import json
 from contextlib import closing

@@ -53,8 +53,8 @@ OUTPUTS = Table(
         stored(
             "output.action",
             "string",
-            "The action. Tones of a prompt (go-…) and of the end of an attempt (end-…), and gaze cues (cue-…), are not in "
-            "the table of actions.",
+            "The action. Not in the table of actions: tones of a prompt (go-…) and of the end of an attempt (end-…), "
+            "and gaze cues (cue-…).",
         ),
         stored("output.output", "string", "Kind of the output: screen, speech, tones, servo, ros."),
         stored("output.deed", "string", "What it did.", levels=get_args(ActionPart)),
