@@ -30,6 +30,13 @@ _HOME = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
 
 _MEMORY = Path("/dev/shm")
 _ENOUGH = 2**30
+_LSL_ON_THIS_MACHINE = """[ports]
+IPv6 = disable
+[multicast]
+ResolveScope = machine
+[lab]
+KnownPeers = {127.0.0.1}
+"""
 _GARBAGE = 200_000
 """New objects until the next collection."""
 
@@ -49,6 +56,8 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["HOME"] = home.name
     os.environ["XDG_CONFIG_HOME"] = f"{home.name}/config"
     os.environ["XDG_DATA_HOME"] = f"{home.name}/share"
+    os.environ["LSLAPICFG"] = f"{home.name}/lsl_api.cfg"
+    Path(os.environ["LSLAPICFG"]).write_text(_LSL_ON_THIS_MACHINE, encoding="utf-8")
     os.environ["SAR_TUI_DATA"] = f"{home.name}/data"
 
 

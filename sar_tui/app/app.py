@@ -3,7 +3,7 @@
 import contextlib
 import functools
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -40,6 +40,7 @@ class SarTui(LeavingApp):
         clock: for tests: a clock that is advanced by hand.
         link: lets operators join the session; None if they cannot.
         patient: begin in patient mode, with this participant.
+        markers: addresses to which each session's markers are sent.
     """
 
     CSS_PATH = "app.tcss"
@@ -57,9 +58,10 @@ class SarTui(LeavingApp):
         clock: "Clock | None" = None,
         link: "BrokerProcess | None" = None,
         patient: str = "",
+        markers: Sequence[str] = (),
     ) -> None:
         self.onset_watch = OnsetWatch()
-        super().__init__(folder, catalogue, begin, patient=patient, clock=clock, link=link)
+        super().__init__(folder, catalogue, begin, patient=patient, clock=clock, link=link, markers=markers)
         self.picture: type[Widget] | None = None
         self._has_begun = False
 
@@ -139,6 +141,7 @@ def run_app(
     resume: str | None = None,
     link: "BrokerProcess | None" = None,
     patient: str = "",
+    markers: Sequence[str] = (),
 ) -> int:
     """Run the app in this terminal; returns the exit code.
 
@@ -149,11 +152,12 @@ def run_app(
         resume: resume the interrupted session of this id at once.
         link: lets operators join that session; None if they cannot.
         patient: begin in patient mode, with this participant.
+        markers: addresses to which each session's markers are sent.
 
     Raises:
         StoreError, PluginError: before the app opens.
     """
-    app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient)
+    app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient, markers=markers)
     if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures
 

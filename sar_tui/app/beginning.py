@@ -26,6 +26,7 @@ class BeginningApp(PatientModeApp):
     Args:
         clock: for tests: a clock that is advanced by hand.
         link: lets operators join the session; None if they cannot.
+        markers: addresses to which each session's markers are sent.
 
     Attributes:
         live: the last session that was begun.
@@ -38,7 +39,12 @@ class BeginningApp(PatientModeApp):
             """Close the session once its screen is gone."""
 
     def __init__(
-        self, *args: Any, clock: "Clock | None" = None, link: "BrokerProcess | None" = None, **how: Any
+        self,
+        *args: Any,
+        clock: "Clock | None" = None,
+        link: "BrokerProcess | None" = None,
+        markers: Sequence[str] = (),
+        **how: Any,
     ) -> None:
         super().__init__(*args, **how)
         self.live: LiveSession | None = None
@@ -47,6 +53,7 @@ class BeginningApp(PatientModeApp):
         self._is_asking = False
         self._session_clock = clock
         self._link = link
+        self._markers = markers
         self._own_link = contextlib.ExitStack()
 
     @property
@@ -164,7 +171,7 @@ class BeginningApp(PatientModeApp):
             what = msgspec.structs.replace(what, id=new_id())
         try:
             link = self._link or self._own_link.enter_context(link_of(what, self.database, self.folder))
-            live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link)
+            live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link, self._markers)
             screen = SessionScreen(live)
             live.open(screen, what)
         except EnoughToday as error:

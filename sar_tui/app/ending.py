@@ -46,6 +46,10 @@ class EndingApp(BeginningApp):
         if self.live and self.live.unsaved:
             self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
+        if self.live and self.live.markers_trouble:
+            self.notify(self.live.markers_trouble, severity="error", timeout=30)
+            self.live.markers_trouble = ""
+
     def _patient_left(self) -> None:
         """Keep what went wrong for the therapist, and go on to the participant's next exercise."""
         assert self.live
@@ -56,6 +60,8 @@ class EndingApp(BeginningApp):
             self.note_trouble(f"{self.live.rescued} `sar-tui rescue` brings it back.")
         if self.live.unsaved:
             self.note_trouble(UNSAVED)
+        if self.live.markers_trouble:
+            self.note_trouble(self.live.markers_trouble)
         self.check_database()
         self._exercise_left(ended=self.live.run.session.ended)
 

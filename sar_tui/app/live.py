@@ -10,11 +10,11 @@ from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.messages import Fault, SessionCommand
+from sar_tui.framework.messages import Fault, MarkersChanged, SessionCommand
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND
+from sar_tui.framework.topics import COMMAND, MARKERS
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.link.node import LinkNode
+    from sar_tui.outputs.markers.node import MarkerNode
 
 LAST_WRITE_SECONDS = 5.0
 """Longest wait for the disk at the end of a session."""
@@ -37,6 +38,10 @@ class LiveSession:
 
     It has two Textual workers: ``session`` runs the bus with perception and event handling; ``storage`` is the thread
     that writes to the database. ``close`` ends both.
+
+    Attributes:
+        markers: sends markers; None if nobody asked for them.
+        markers_trouble: says to the therapist why markers are lost, until somebody was told; else empty.
     """
 
     def __init__(
@@ -46,11 +51,15 @@ class LiveSession:
         clock: Clock | None = None,
         feeds: "Sequence[ImuFeed]" = (),
         link: "BrokerProcess | None" = None,
+        markers: Sequence[str] = (),
     ) -> None:
         self.clock = clock or LiveClock(asyncio.get_running_loop())
         self._feeds = feeds
         self._link = link
         self._peers: LinkNode | None = None
+        self._destinations = markers
+        self.markers: MarkerNode | None = None
+        self.markers_trouble = ""
         self.keyboard = Keyboard()
         self.screen: ScreenOutput
         self.view: GuardedView
@@ -64,10 +73,16 @@ class LiveSession:
     def open(self, stage: Stage, what: Plan | str) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
         self._stage = stage
-        if isinstance(what, Plan):
-            self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
-        else:
-            self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
+        self._session_id = what.id if isinstance(what, Plan) else what
+        try:
+            if isinstance(what, Plan):
+                self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
+            else:
+                self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
+        except BaseException:
+            if self.markers:
+                self.markers.detach()
+            raise
         self.codes = self.run.participants
         if self._link and self._peers:
             from sar_tui.link.peer import session_welcome
@@ -85,7 +100,7 @@ class LiveSession:
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
-        inputs = [*self._linked(), self.keyboard]
+        inputs = [*self._linked(), self.keyboard, *self._marked(task)]
         outputs = [self.view, self.screen, *output_nodes(task, theme)]
         if not task.sensor_seats(task.parameters):
             return [*inputs, *outputs]
@@ -107,6 +122,16 @@ class LiveSession:
             self._peers = LinkNode(self._link)
         return [self._peers] if self._peers else []
 
+    def _marked(self, task: Task) -> "list[MarkerNode]":
+        """Return the node that sends markers, if somebody asked for them."""
+        if self._destinations:
+            from sar_tui.outputs.markers.destinations import make_destinations
+            from sar_tui.outputs.markers.node import MarkerNode
+
+            made = make_destinations(self._destinations)
+            self.markers = MarkerNode(made, self._session_id, task.name, task.seats, self.clock)
+        return [self.markers] if self.markers else []
+
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
         """Start both workers and the loop. ``broken`` is called if the task fails."""
         if isinstance(self.clock, LiveClock):
@@ -118,7 +143,14 @@ class LiveSession:
                 broken(f"{fault.error}, {fault.place}")
 
         self.run.session.bus.subscribe(FAULT, faulted)
+        self.run.session.bus.subscribe(MARKERS, self._markers_changed)
         self.clock.call_soon(self.run.begin)
+
+    def _markers_changed(self, change: MarkersChanged) -> None:
+        if change.state == "failing":
+            self.markers_trouble = f"No markers go to {change.destination}: {change.detail}"
+        elif change.state == "working" and self.markers_trouble:
+            self.markers_trouble = f"{self.markers_trouble} Later they did again."
 
     def stamp(self, seconds: float) -> float:
         """Convert the time of a terminal event to the session's clock (s), which differs if it is advanced by hand."""

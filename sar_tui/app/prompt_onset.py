@@ -28,11 +28,18 @@ def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt) -> None
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
         stamps: list[int] = []  # a new list, so that a voided prompt's stamp is not taken for the next one's
-        app.onset_watch.arm(visible(prompt.text), stamps.append)
+        app.onset_watch.arm(visible(prompt.text), functools.partial(_stamped, live, shown, stamps))
         unseen_at = live.clock.now() + _UNSEEN
         asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)
     else:
         screen.call_after_refresh(_refreshed, live, shown)
+
+
+def _stamped(live: LiveSession, shown: Callable[..., Shown], stamps: list[int], at: int) -> None:
+    """Keep the stamp of a flush, and have its marker sent. Called from the writing thread."""
+    if live.markers:
+        live.markers.shown(shown(at=at, source="flush"))
+    stamps.append(at)
 
 
 def _read_stamp(live: LiveSession, shown: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:

@@ -10,7 +10,7 @@ import typer
 import typer.main
 
 from sar_tui import __version__
-from sar_tui.cli.common import Data, Home, Tasks, need_screen, need_terminal
+from sar_tui.cli.common import Data, Home, Markers, Tasks, checked_markers, need_screen, need_terminal
 from sar_tui.cli.errors import Commands, Refused
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ COMMANDS = {
     "passphrase": "passphrase:passphrase",
     "doctor": "doctor.command:doctor",
     "timing": "measure_timing:measure_timing",
+    "markers": "markers:markers",
     "agent": "agent_view:follow_agent",
     "link": "link:app",
     "instrument": "instrument:app",
@@ -141,6 +142,7 @@ def open_app(
             help="Let this participant train alone: only their exercises, until F12 and the passphrase.",
         ),
     ] = None,
+    markers: Markers = None,
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
@@ -151,17 +153,20 @@ def open_app(
     if context.invoked_subcommand is not None:
         if patient is not None:
             raise Refused("--patient goes without a command: sar-tui --patient CODE")
+        if markers:
+            raise Refused("--markers goes after the command: sar-tui run TASK -p CODE --markers WHERE")
     else:
         catalogue = home.catalogue()
         if patient is None:
             need_screen()
         else:
             patient = _checked_patient(home, catalogue, patient)
+        addresses = checked_markers(markers)
         gc.disable()  # nothing that is loaded is garbage; the app turns it on again once its first screen is filled
         try:
             from sar_tui.app.app import run_app
 
-            ended = run_app(home.folder, catalogue, patient=patient or "")
+            ended = run_app(home.folder, catalogue, patient=patient or "", markers=addresses)
         finally:
             gc.enable()
         raise typer.Exit(ended)

@@ -82,6 +82,15 @@ Outputs = Annotated[
         help="The agent's outputs: screen, speech, tones, servo, ros://HOST; the same as --set outputs=….",
     ),
 ]
+Markers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--markers",
+        metavar="WHERE",
+        show_default=False,
+        help="Send markers of events to lsl, udp://HOST:PORT or serial:PORT[@BAUD]. May be repeated.",
+    ),
+]
 Speech = Annotated[
     str | None,
     typer.Option(
@@ -209,6 +218,32 @@ def print_json(value: object) -> None:
     except UnicodeEncodeError:  # a file's name that is not UTF-8
         encoded = json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
     print(escaped(encoded))
+
+
+def checked_markers(given: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the addresses in --markers.
+
+    Raises:
+        Refused: an address is invalid.
+        Failed: nothing can be sent to one of them now.
+    """
+    if not given:
+        return ()
+    from sar_tui.outputs.markers.destinations import make_destinations, split_addresses
+    from sar_tui.outputs.markers.marker import MarkerError
+    from sar_tui.runs.plan import Failed
+
+    addresses = split_addresses(given)
+    try:
+        destinations = make_destinations(addresses)
+    except MarkerError as error:
+        raise Refused(str(error)) from error
+    try:
+        for destination in destinations:
+            destination.check()
+    except MarkerError as error:
+        raise Failed(str(error)) from error
+    return addresses
 
 
 def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[str, object]:

@@ -11,12 +11,14 @@ from sar_tui.cli.common import (
     Data,
     Home,
     Language,
+    Markers,
     Outputs,
     Pairs,
     Seed,
     Speech,
     TaskName,
     Tasks,
+    checked_markers,
     checked_settings,
     is_interactive,
     need_terminal,
@@ -78,6 +80,7 @@ def run(
     seed: Seed = None,
     operator: AllowOperators = False,
     listen: Listen = None,
+    markers: Markers = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -110,12 +113,13 @@ def run(
         _check_sensor(plan, home)
     elif imu is not None:
         raise Refused(f"The task {kind.name} uses no motion sensor with these settings: leave out --imu.")
+    addresses = checked_markers(markers)
     need_terminal()
     can_join = operator or plan.parameters.operator_joins
     with _open_link(home, plan.id, task, can_join, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
 
-        ended = run_app(home.folder, catalogue, plan=plan, link=link)
+        ended = run_app(home.folder, catalogue, plan=plan, link=link, markers=addresses)
     raise typer.Exit(ended)
 
 
@@ -167,6 +171,7 @@ def resume(
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Resume the latest without a question.")] = False,
     operator: AllowOperators = False,
     listen: Listen = None,
+    markers: Markers = None,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -190,13 +195,14 @@ def resume(
             if not yes:
                 _confirm(latest)
         chosen = find_resumable(database, home.folder, session or "")
+    addresses = checked_markers(markers)
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     can_join = operator or chosen["parameters"].get("operator_joins", False)
     with _open_link(home, chosen["id"], chosen["task"], can_join, listen, lost_ms) as link:
         from sar_tui.app.app import run_app
 
-        ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link)
+        ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link, markers=addresses)
     raise typer.Exit(ended)
 
 

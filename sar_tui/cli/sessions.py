@@ -85,6 +85,7 @@ def show(
 ) -> None:
     """Show a session: attempts, plot, timing."""
     from sar_tui.reports import difficulty_changes, rests, skipped_attempts
+    from sar_tui.reports.marker_summary import marker_summaries
     from sar_tui.reports.output_summary import output_summaries
     from sar_tui.store import adverse_events, sites, wellbeing
     from sar_tui.store import sessions as store
@@ -97,6 +98,7 @@ def show(
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
         outputs = output_summaries(database, found["id"])
+        markers = marker_summaries(database, found["id"])
         felt = wellbeing.of_session(database, found["id"])
         moves = found["parameters"].get("difficulty_policy") in ("target", "percentile", "sequence")
         changes = difficulty_changes.lines(database, found["id"]) if moves and not as_json else []
@@ -106,7 +108,7 @@ def show(
         events = adverse_events.listing(database, session=found["id"])
         found["site"] = found["site"] or sites.own(database)
     if as_json:
-        known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs}
+        known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs, "markers": markers}
         print_json({**known, "wellbeing": felt, "adverse_events": events})
         return
 
@@ -126,6 +128,8 @@ def show(
     _print_marks(out, trials)
     _print_wellbeing(out, found, felt, events)
     _print_timing(out, found["machine"], trials)
+    for sent in markers:
+        out.print(sent.line, markup=False, soft_wrap=True)
     print_failed_outputs(out, outputs)
 
 

@@ -32,6 +32,7 @@ REFUSED = Topic("operator/refused", m.PeerRequestRefused, origin="input")
 REPORT = Topic("output/report", m.OutputReport, origin="input")
 OUTPUT = Topic("output/opened", m.OutputOpened, origin="input")
 STOPPED = Topic("output/stopped", m.OutputStopped, origin="input")
+MARKERS = Topic("output/markers", m.MarkersChanged, origin="input")
 STORED = Topic("store/stored", m.Stored, origin="input")
 STORAGE = Topic("store/changed", m.StorageChanged, origin="input")
 

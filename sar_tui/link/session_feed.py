@@ -17,7 +17,7 @@ SENT: tuple[Topic[Any], ...] = (
     # what the agent proposes and does
     t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.LATE_DECISION,
     t.ACTION, t.DROPPED, t.HALT, t.ACTING,
-    t.OUTPUT, t.REPORT, t.STOPPED,
+    t.OUTPUT, t.REPORT, t.STOPPED, t.MARKERS,
     # what operators did, so that each sees the outcome and what the others do
     t.COMMAND, t.SETTING, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
 )  # fmt: skip

@@ -9,6 +9,7 @@ from sar_tui.framework.messages import (
     GoalChanged,
     LevelChanged,
     LevelDecided,
+    MarkersChanged,
     OperatorChanged,
     PeerRequestRefused,
     SensorChanged,
@@ -24,6 +25,7 @@ from sar_tui.framework.topics import (
     GOAL,
     LEVEL,
     LEVEL_DECIDED,
+    MARKERS,
     MODE,
     NOTE_ADDED,
     PRESENCE,
@@ -119,6 +121,8 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
         text = _sensor(message)
     elif topic == STORAGE.name:
         text = _storage(message)
+    elif topic == MARKERS.name:
+        text = _markers(message)
     elif topic == SETTING.name:
         text = _setting_changed(message), "plain"
     return text
@@ -127,6 +131,14 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
 def _setting_changed(change: SettingChanged) -> str:
     name = _SETTINGS.get(change.name, change.name)
     return f"The {short_name(change.actor)} set {name} to {change.value:g} from the next attempt on."
+
+
+def _markers(change: MarkersChanged) -> _Text | None:
+    if change.state == "failing":
+        return f"No markers go to {change.destination}: {change.detail}", "bad"
+    if change.state == "working":
+        return f"Markers go to {change.destination} again.", "good"
+    return None
 
 
 def _pause_or_resume(act: SessionCommand, me: Welcome | None) -> _Text | None:

@@ -2,7 +2,7 @@
 
 import io
 import sqlite3
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager, closing, suppress
 from pathlib import Path
 from typing import Any
@@ -239,9 +239,11 @@ async def open_app(
     size: tuple[int, int] = (80, 24),
     link: Any = None,
     patient: str = "",
+    markers: Sequence[str] = (),
 ) -> AsyncIterator[AppDriver]:
     """Open the app, and close it in the end."""
-    app = SarTui(data, catalogue, begin, clock=(clock := VirtualClock(10 * SECOND)), link=link, patient=patient)
+    clock = VirtualClock(10 * SECOND)
+    app = SarTui(data, catalogue, begin, clock=clock, link=link, patient=patient, markers=markers)
     driver = AppDriver(app, clock)
     async with app.run_test(size=size, notifications=True) as driver.pilot:
         await driver.settle()

@@ -3,7 +3,7 @@
 import importlib.util
 import sqlite3
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -39,9 +39,11 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]
         resume: str | None = None,
         link: BrokerProcess | None = None,
         patient: str = "",
+        markers: Sequence[str] = (),
     ) -> int:
         calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
         calls[-1]["patient"] = patient
+        calls[-1]["markers"] = markers
         calls[-1]["joinable"] = live_sessions()
         return 7
 

@@ -3,6 +3,7 @@
 import json
 import sqlite3
 import wave
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -27,7 +28,9 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
     """Fake a terminal and an app; return the plans of the sessions it was opened with."""
     plans: list[Plan] = []
 
-    def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None) -> int:
+    def run_app(
+        folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None, markers: Sequence[str]
+    ) -> int:
         plans.append(plan)
         return 0
 

@@ -57,7 +57,7 @@ def test_sessions_of_an_invalid_code_is_bad_input(call: Call) -> None:
 
 def test_show_json_has_session_attempts_and_trials(call: Call, simulated: str) -> None:
     printed = call("show", simulated, "--json").json
-    assert set(printed) == {"session", "attempts", "trials", "outputs", "wellbeing", "adverse_events"}
+    assert set(printed) == {"session", "attempts", "trials", "outputs", "markers", "wellbeing", "adverse_events"}
     assert printed["session"]["id"] == simulated
     assert len(printed["attempts"]) == 4
     assert len(printed["trials"]) == 80

@@ -20,6 +20,8 @@ class SessionScreen(KeysScreen):
     """
 
     AUTO_FOCUS = ""
+    _warned_of = ""
+    _has_warned = False
 
     def on_mount(self) -> None:
         self._show_attempts(0)
@@ -48,6 +50,9 @@ class SessionScreen(KeysScreen):
         self.query_one(BigPrompt).clear()
 
     def begin_attempt(self, started: AttemptStarted) -> None:
+        if self._has_warned:
+            self.app.clear_notifications()  # nothing may vanish while a response is awaited
+            self._has_warned = False
         self._bars = {}
         self._goal = self._waiting.goal if self._waiting else ""
         self._gc.begin_attempt()
@@ -72,6 +77,7 @@ class SessionScreen(KeysScreen):
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")
         self._update_motion(waiting)
+        self._warn_of_markers(waiting)
         if waiting.what in ("foreperiod", "response"):
             if waiting.what == "response":
                 self._gc.begin_trial()
@@ -91,6 +97,13 @@ class SessionScreen(KeysScreen):
             can_skip = bool(self.app.patient) and self._live.run.session.can_skip_attempt
             self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip)
             self._stage("menu")
+
+    def _warn_of_markers(self, waiting: Waiting) -> None:
+        """Tell a therapist who is there, once and never in a trial, that markers are lost."""
+        trouble = self._live.markers_trouble
+        if trouble and trouble != self._warned_of and waiting.stage not in ("trial", "answer") and not self.app.patient:
+            self._warned_of, self._has_warned = trouble, True
+            self.app.notify(trouble, severity="warning", timeout=30)
 
     def _update_motion(self, waiting: Waiting) -> None:
         """Let the agent move and look for edited themes, except during a trial."""

@@ -7,6 +7,7 @@ from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.finding import Finding
 from sar_tui.cli.doctor.installation import outputs, python, tasks, themes
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
+from sar_tui.cli.doctor.markers import lsl_markers, serial_markers
 from sar_tui.cli.doctor.sensors import motion_sensor, sensor_driver
 from sar_tui.cli.doctor.servo import servo_controller
 from sar_tui.cli.doctor.speech import examine_voice, sound_card, speech_engine
@@ -48,6 +49,8 @@ def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
         ("Servo controller", pool.submit(servo_controller).result),
         ("Speech", lambda: speech_engine(voice)),
         ("Sound card", lambda: sound_card(voice)),
+        ("Markers, LSL", pool.submit(lsl_markers).result),
+        ("Markers, serial", serial_markers),
         ("Operator here", operator_here),
         ("Invitations", lambda: invitations(home.folder)),
         ("Browser", browser),

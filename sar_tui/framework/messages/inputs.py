@@ -10,6 +10,7 @@ __all__ = [
     "ImuBlock",
     "InputDropped",
     "KeyPressed",
+    "MarkersChanged",
     "OutputReport",
     "OutputStopped",
     "Pasted",
@@ -157,6 +158,25 @@ class OutputStopped(Message, frozen=True, kw_only=True):
     asked: int
     at: int
     detail: str = ""
+
+
+class MarkersChanged(Message, frozen=True, kw_only=True):
+    """A destination of markers is ``open``, ``failing`` (``detail`` says why), ``working`` again, or ``closed``.
+
+    When it is closed: ``sent``, ``lost`` (it failed, or could not keep up) and ``unheard`` (sent while nobody was known
+    to receive them) count this run's markers; ``late_ms`` and ``latest_ms`` are the median and the largest time from a
+    prompt's onset until its marker was sent.
+    """
+
+    destination: str
+    state: Literal["open", "failing", "working", "closed"]
+    at: int
+    detail: str = ""
+    sent: int = 0
+    lost: int = 0
+    unheard: int = 0
+    late_ms: float | None = None
+    latest_ms: float | None = None
 
 
 class Stored(Message, frozen=True, kw_only=True):

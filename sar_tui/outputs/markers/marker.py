@@ -1,0 +1,56 @@
+"""A marker, the names that markers have, and the text that is sent."""
+
+from typing import NamedTuple
+
+import msgspec
+
+CODES: dict[str, int] = {
+    "session_start": 1,
+    "session_end": 2,
+    "attempt_start": 3,
+    "attempt_end": 4,
+    "cue": 5,
+    "prompt_onset": 10,
+    "prompt_cancelled": 11,
+    "response": 20,
+    "miss": 21,
+    "movement_start": 22,
+    "movement_end": 23,
+    "utterance_start": 30,
+    "utterance_end": 31,
+    "text_start": 32,
+    "text_end": 33,
+    "gesture_start": 34,
+    "gesture_end": 35,
+    "tone_start": 36,
+    "tone_end": 37,
+    "gaze_start": 38,
+    "gaze_end": 39,
+    "decision": 40,
+    "remark": 41,
+    "command": 42,
+    "mark": 43,
+    "note": 44,
+    "level": 45,
+    "test": 255,
+}
+"""Every event that has a marker, with its byte on a trigger line. A name or byte, once released, never changes."""
+
+Fields = dict[str, str | int | bool]
+
+
+class Marker(NamedTuple):
+    """An event at a time ``ns`` of the session's clock. ``fields``: what else is sent (see docs)."""
+
+    event: str
+    ns: int
+    fields: Fields = {}
+
+    @property
+    def text(self) -> str:
+        """One line of JSON: ``event``, ``ns``, and the fields."""
+        return msgspec.json.encode({"event": self.event, "ns": self.ns, **self.fields}).decode()
+
+
+class MarkerError(Exception):
+    """Markers cannot be sent as asked; the message is one or two clear sentences."""

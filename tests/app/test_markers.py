@@ -1,0 +1,132 @@
+"""Markers of a session in the app: what is sent equals what is stored, and a destination that fails is told of."""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import SessionCommand
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import COMMAND
+from sar_tui.outputs.markers.marker import CODES
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, open_app, plan, stored
+from tests.outputs.markers.receivers import PATIENCE_S, lsl_inlet, serial_line, udp_receiver
+from tests.outputs.markers.xdf_writer import write_xdf
+
+
+def stamps(markers: list[dict[str, Any]], event: str) -> list[int]:
+    return [marker["ns"] for marker in markers if marker["event"] == event]
+
+
+def trials(data: Path, column: str) -> list[int]:
+    return [ns for (ns,) in stored(data, f"SELECT {column} FROM trials WHERE {column} IS NOT NULL ORDER BY rowid")]
+
+
+async def test_stamps_over_udp_are_those_of_the_database(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    with udp_receiver() as receiver:
+        begin = plan(catalogue, keyboard)
+        async with open_app(tmp_path, catalogue, begin, markers=[receiver.address]) as driver:
+            await driver.do_session()
+            session = driver.session_id
+        markers = receiver.until("session_end")
+    assert stamps(markers, "prompt_onset") == trials(tmp_path, "onset_ns")
+    assert stamps(markers, "response") == trials(tmp_path, "response_ns")
+    first = markers[0]
+    assert (first["event"], first["session"], first["task"], first["run"]) == ("session_start", session, "keyboard", 1)
+    onset = next(marker for marker in markers if marker["event"] == "prompt_onset")
+    assert set(onset) == {"event", "ns", "attempt", "trial", "presentation", "level", "stimulus"}
+    sent = msgspec.json.encode(markers).decode()
+    assert "P01" not in sent, "the participant's code must not be sent"
+    said = [text for (text,) in stored(tmp_path, "SELECT json_extract(final, '$.text') FROM actions") if text]
+    assert said
+    assert not [text for text in said if text in sent], "what was said must not be sent"
+
+
+async def test_an_lsl_recording_that_pyxdf_reads_has_the_stamps_of_the_database(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    pyxdf = pytest.importorskip("pyxdf")
+    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=["lsl"]) as driver:
+        inlet = lsl_inlet(driver.session_id)
+        await driver.do_session()
+        received = []
+        while not received or '"session_end"' not in received[-1][1]:
+            (text,), stamp = inlet.pull_sample(PATIENCE_S)
+            received.append((stamp, text))
+        offset = inlet.time_correction(PATIENCE_S)
+        xml = inlet.info().as_xml()
+        inlet.close_stream()
+    write_xdf(tmp_path / "markers.xdf", xml, received, [(received[0][0], offset)])
+    (stream,), _ = pyxdf.load_xdf(tmp_path / "markers.xdf", dejitter_timestamps=False, synchronize_clocks=False)
+    info = stream["info"]
+    assert (info["name"], info["type"], info["channel_format"]) == (["sar-tui"], ["Markers"], ["string"])
+    assert info["desc"][0]["session"] == [driver.session_id]
+    assert "P01" not in xml
+    read: dict[str, list[float]] = {}
+    for stamp, (text,) in zip(stream["time_stamps"], stream["time_series"], strict=True):
+        read.setdefault(msgspec.json.decode(text)["event"], []).append(stamp)
+    for event, column in (("prompt_onset", "onset_ns"), ("response", "response_ns")):
+        expected = [ns / SECOND for ns in trials(tmp_path, column)]
+        assert expected
+        assert read[event] == pytest.approx(expected, rel=0, abs=1e-6)
+    closed = closing(driver)
+    assert closed["lost"] == 0
+    assert closed["sent"] - closed["unheard"] == len(received)
+
+
+async def test_each_event_is_its_byte_on_a_serial_line(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    pytest.importorskip("serial")
+    with serial_line() as line, udp_receiver() as receiver:
+        to = [f"serial:{line.name}?pulse=0&response=99&text_start=0", receiver.address]
+        async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=to) as driver:
+            await driver.do_session()
+        events = [marker["event"] for marker in receiver.until("session_end")]
+        expected = [{"response": 99}.get(event, CODES[event]) for event in events if event != "text_start"]
+        assert list(line.read(len(expected))) == expected
+
+
+async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    pytest.importorskip("serial")
+    with serial_line() as line:
+        address = f"serial:{line.name}?pulse=0"
+        async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=[address]) as driver:
+            prompt = await driver.to_first_prompt()
+            line.read(1)
+            line.unplug()
+            await driver.do_attempt(prompt)
+            await until_failing(driver)
+            assert driver.app.live
+            assert "takes no markers" in driver.app.live.markers_trouble
+            await driver.do_attempt(await driver.begin())
+            await driver.see_the_summary()
+        assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
+    assert len(trials(tmp_path, "response_ns")) == 4
+    closed = closing(driver)
+    assert closed["lost"] > 0
+
+
+async def until_failing(driver: AppDriver) -> None:
+    """Wait until the thread that sends has noticed that it cannot, and the session was told."""
+    assert driver.app.live
+    for _ in range(1000):
+        if driver.app.live.markers_trouble:
+            return
+        await driver.wait(10)
+        driver.session.bus.post(COMMAND, SessionCommand(command="hold", actor="therapist"))
+        await driver.settle()
+    raise AssertionError("it was not told of")
+
+
+def closing(driver: AppDriver) -> dict[str, Any]:
+    """Return the counts of the only destination."""
+    (closed,) = [change for change in driver.messages("output/markers") if change["state"] == "closed"]
+    return closed
