@@ -7,21 +7,22 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from sar_tui.export.columns import Table, Values
+from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import Declared, declared_keys
 from sar_tui.export.passports import Passport
 from sar_tui.export.privacy import Privacy
-from sar_tui.export.tables.actions import ACTIONS
+from sar_tui.export.tables.actions import actions
 from sar_tui.export.tables.attempts import attempts
 from sar_tui.export.tables.events import EVENTS
-from sar_tui.export.tables.imu import IMU_STREAMS, SENSOR_FAULTS, imu
-from sar_tui.export.tables.notes import NOTES
-from sar_tui.export.tables.outputs import OUTPUTS
+from sar_tui.export.tables.imu import IMU_STREAMS, imu, sensor_faults
+from sar_tui.export.tables.notes import notes
+from sar_tui.export.tables.outputs import outputs
 from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, programme_parameters
 from sar_tui.export.tables.participants import PARTICIPANTS
-from sar_tui.export.tables.runs import RUNS
+from sar_tui.export.tables.runs import runs
 from sar_tui.export.tables.sessions import sessions
 from sar_tui.export.tables.trials import trials
-from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, WELLBEING
+from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
 from sar_tui.framework.parameters import fields as declared_fields
 from sar_tui.plugins import PluginError
 from sar_tui.store.selection import Selection
@@ -54,27 +55,29 @@ class Contents:
         self._database = database
         self._privacy = privacy
         self.problems: list[str] = []
+        self._damage = damage = Damage(database, self.problems.append)
         fields = _fields(catalogue)
         whole = (
             PARTICIPANTS,
             PROGRAMMES,
-            programme_parameters(fields),
+            programme_parameters(fields, damage),
             INSTRUMENT_SCORES,
             ADVERSE_EVENTS,
             sessions(
                 {row["id"]: row["status"] for row in selection.sessions},
                 {session: each.sha256 for each in passports for session in each.sessions},
+                damage,
             ),
-            parameters(fields),
-            RUNS,
-            WELLBEING,
-            attempts(database, selection.ids),
-            trials(database, selection.ids, _declared(catalogue, selection.tasks)),
-            ACTIONS,
-            OUTPUTS,
-            NOTES,
+            parameters(fields, damage),
+            runs(damage),
+            wellbeing(selection.sessions),
+            attempts(database, selection.ids, damage),
+            trials(database, selection.ids, _declared(catalogue, selection.tasks), damage),
+            actions(damage),
+            outputs(damage),
+            notes(damage),
             IMU_STREAMS,
-            SENSOR_FAULTS,
+            sensor_faults(damage),
             imu(self.problems.append),
             *((EVENTS,) if with_events else ()),
         )
@@ -127,11 +130,15 @@ class Contents:
         """Yield the rows of one session or participant in a table: a value for each of its columns, None if missing."""
         whole = self._whole[table.name]
         stored = owner if table.of == "session" else self._codes[owner]
-        found = whole.rows(self._database, stored)
         kept = [index for index, column in enumerate(whole.columns) if self._privacy.leaves(column)]
-        if len(kept) < len(whole.columns):
-            found = map(_picker(kept), found)
-        return self._privacy.changed(table, found, self._persons.get(stored, stored))
+
+        def read() -> Iterator[Values]:
+            found = whole.rows(self._database, stored)
+            if len(kept) < len(whole.columns):
+                found = map(_picker(kept), found)
+            return self._privacy.changed(table, found, self._persons.get(stored, stored))
+
+        return self._damage.rows(table, owner, read)
 
 
 def _picker(kept: list[int]) -> Any:

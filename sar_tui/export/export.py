@@ -4,12 +4,14 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
 from sar_tui.export.contents import Contents
+from sar_tui.export.damage import with_any_text
 from sar_tui.export.errors import ExportError
 from sar_tui.export.manifest import write_manifest
 from sar_tui.export.methods import FILE as METHODS
@@ -107,14 +109,19 @@ def export(
     written: list[_Written] = []
     with ExitStack() as targets, ExitStack() as snapshot:
         snapshot.enter_context(_snapshot(database))
-        selection = select(database, data, request)
+        selection = with_any_text(database, lambda: select(database, data, request, also_damaged=True))
         recoded = recoding(database, options.recode, selection.participants) if options.recode else None
         made = []
         for part in parts(database, selection, folder) if by_site else [Part(folder, selection)]:
             privacy = Privacy(options.with_notes, recoded, part.of_site)
             measured = passports(part.selection.sessions, with_dates=recoded is None)
-            whole = Contents(database, part.selection, privacy, catalogue, measured, with_events=options.with_events)
-            made.append((part, whole, measured))
+            contents = with_any_text(
+                database,
+                partial(
+                    Contents, database, part.selection, privacy, catalogue, measured, with_events=options.with_events
+                ),
+            )
+            made.append((part, contents, measured))
         advance = start(sum(contents.steps for _, contents, _ in made))
         for part, contents, measured in made:
             hidden = targets.enter_context(target(part.folder, format.name))
@@ -189,3 +196,4 @@ def _snapshot(database: sqlite3.Connection) -> Iterator[None]:
         yield
     finally:
         database.execute("ROLLBACK")
+        database.text_factory = str  # damaged texts may have changed it

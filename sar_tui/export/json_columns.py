@@ -8,7 +8,6 @@ from typing import Any
 import msgspec
 
 from sar_tui.export.columns import Column, Type
-from sar_tui.store.stored_json import read_json
 
 _TYPES: dict[str, Type] = {"integer": "integer", "real": "number", "true": "boolean", "false": "boolean"}
 """The types of SQLite's ``json_each`` that are no text; a list or an object leaves as JSON in a text."""
@@ -100,12 +99,6 @@ def _name(column: str, key: str, taken: set[str]) -> str:
     while name in taken:
         name += "_"
     return name
-
-
-def object_of(text: str | None) -> dict[str, Any]:
-    """Return the object of a JSON column; empty if there is none."""
-    found = read_json(text) if text is not None else None
-    return found if isinstance(found, dict) else {}
 
 
 def written(value: Any) -> str:

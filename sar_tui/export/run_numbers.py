@@ -3,6 +3,8 @@
 import sqlite3
 from collections.abc import Callable
 
+from sar_tui.export.damage import Damage, is_not_json
+
 Find = Callable[[object], int | None]
 
 _OF_ACTIONS = (
@@ -14,20 +16,22 @@ _OF_ACTIONS = (
 )
 
 
-def runs_of_actions(database: sqlite3.Connection, session: str) -> Find:
+def runs_of_actions(database: sqlite3.Connection, session: str, damage: Damage) -> Find:
     """Return the run of an action by its id: the one in which it was decided, or proposed if it was not decided."""
     return _single(database, session) or _found(
         database,
+        damage,
         "SELECT coalesce(json_extract(message, '$.id'), json_extract(message, '$.proposal.id')), max(run) FROM events"
         f" WHERE session=? AND topic IN ({', '.join('?' * len(_OF_ACTIONS))}) GROUP BY 1",
         (session, *_OF_ACTIONS),
     )
 
 
-def runs_of_notes(database: sqlite3.Connection, session: str) -> Find:
+def runs_of_notes(database: sqlite3.Connection, session: str, damage: Damage) -> Find:
     """Return the run of a note by its ``at_ns``."""
     return _single(database, session) or _found(
         database,
+        damage,
         "SELECT coalesce(nullif(json_extract(message, '$.at'), 0), at_ns), run FROM events"
         " WHERE session=? AND topic='operator/noted'",
         (session,),
@@ -40,5 +44,11 @@ def _single(database: sqlite3.Connection, session: str) -> Find | None:
     return (lambda _: runs[0]) if len(runs) == 1 else None
 
 
-def _found(database: sqlite3.Connection, statement: str, values: tuple[str, ...]) -> Find:
-    return dict(database.execute(statement, values)).get
+def _found(database: sqlite3.Connection, damage: Damage, statement: str, values: tuple[str, ...]) -> Find:
+    try:
+        return dict(database.execute(statement, values)).get
+    except sqlite3.OperationalError as error:
+        if not is_not_json(error):
+            raise
+        damage.note("a message, which would say the run,", "")
+        return lambda _: None

@@ -216,10 +216,15 @@ def _unwritable(folder: Path, error: OSError) -> StoreError:
     return StoreError(f"The data folder {folder} cannot be written to: {error.strerror}.")
 
 
+def is_not_text(error: sqlite3.Error | sqlite3.Warning) -> bool:
+    """Return True if an error says that a text is damaged: its bytes are not UTF-8."""
+    return _NOT_TEXT in str(error)
+
+
 def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
     """Return an error of SQLite as a StoreError with a clear message."""
     code = (getattr(error, "sqlite_errorcode", 0) or 0) & 0xFF
-    if code == sqlite3.SQLITE_CORRUPT or _NOT_TEXT in str(error):
+    if code == sqlite3.SQLITE_CORRUPT or is_not_text(error):
         return damaged(path)
     known = {
         sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",

@@ -55,8 +55,10 @@ class Selection(msgspec.Struct, frozen=True):
         return sorted({row["task"] for row in self.sessions})
 
 
-def select(database: sqlite3.Connection, folder: Path, request: Request) -> Selection:
+def select(database: sqlite3.Connection, folder: Path, request: Request, *, also_damaged: bool = False) -> Selection:
     """Return the sessions that are asked for. One that runs is left out.
+
+    ``also_damaged``: those with damaged JSON as well, as `store.sessions.listing` returns them.
 
     Raises:
         StoreError: there is none, all of them are running, or the request is not clear; a named session does not exist,
@@ -71,10 +73,10 @@ def select(database: sqlite3.Connection, folder: Path, request: Request) -> Sele
     if request.simulated and request.mixed:
         raise StoreError("--simulated takes simulated sessions only, --mixed both: give one of them.", bad_input=True)
     if request.names:
-        chosen = _named(database, folder, request)
+        chosen = _named(database, folder, request, also_damaged)
     else:
         code = check_code(request.participant) if request.participant else None
-        rows = listing(database, folder, participant=code)[::-1]
+        rows = listing(database, folder, participant=code, also_damaged=also_damaged)[::-1]
         chosen = [row for row in rows if _is_wanted(row, request)]
         if not chosen:
             raise StoreError(_none(rows, request, code), bad_input=True)
@@ -86,8 +88,9 @@ def select(database: sqlite3.Connection, folder: Path, request: Request) -> Sele
     return Selection(tuple(ended), refused)
 
 
-def _named(database: sqlite3.Connection, folder: Path, request: Request) -> list[Row]:
-    found = {row["id"]: row for row in (find(database, folder, name) for name in request.names)}
+def _named(database: sqlite3.Connection, folder: Path, request: Request, also_damaged: bool) -> list[Row]:
+    rows = (find(database, folder, name, also_damaged=also_damaged) for name in request.names)
+    found = {row["id"]: row for row in rows}
     for row in found.values():
         if not _is_wanted(row, request):
             live = row["mode"] == "live"

@@ -173,12 +173,20 @@ def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[
     return (dict(zip(names, row, strict=True)) for row in found)
 
 
-def _typed(table: str, row: Row) -> Row:
+def _typed(table: str, row: Row, also_damaged: bool = False) -> Row:
     """Return a row with its JSON columns decoded, its boolean columns as bool, and results that are finite or None."""
-    decoded = {name: read_json(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
+    read = _object_or_empty if also_damaged else read_json
+    decoded = {name: read(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
     booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
     endless = {name: None for name in _RESULTS.get(table, ()) if row[name] is not None and not math.isfinite(row[name])}
     return row | decoded | booleans | endless
+
+
+def _object_or_empty(text: str) -> Any:
+    try:
+        return read_json(text)
+    except StoreError:
+        return {}
 
 
 _COLUMNS = (
@@ -199,17 +207,20 @@ _LISTED_OF_ONE = (
 """The seats of one participant, which are stored with their sessions, are visited from the newest on."""
 
 
-def listing(db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1) -> list[Row]:
+def listing(
+    db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1, also_damaged: bool = False
+) -> list[Row]:
     """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
 
     The order is that in which they were stored: the machine's clock may have been set back in between.
 
     ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
-    running and not locked by a program is ``interrupted``.
+    running and not locked by a program is ``interrupted``. ``also_damaged`` returns rows whose JSON is damaged as well,
+    with an empty object in its place.
     """
     query = _LISTED_OF_ONE if participant else f"{_LISTED}{_NEWEST_FIRST}"
     rows = _query(db, query, {"who": participant, "limit": limit})
-    return [_with_status(_typed("sessions", row), folder) for row in rows]
+    return [_with_status(_typed("sessions", row, also_damaged), folder) for row in rows]
 
 
 def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
@@ -253,17 +264,17 @@ def participant_codes(row: Row) -> str:
     return ", ".join(filter(None, (row["participant"], row["partner"])))
 
 
-def find(db: sqlite3.Connection, folder: Path, name: str) -> Row:
-    """Find one session by its id, the beginning of its id, or ``last``.
+def find(db: sqlite3.Connection, folder: Path, name: str, *, also_damaged: bool = False) -> Row:
+    """Find one session by its id, the beginning of its id, or ``last``; ``also_damaged`` as in `listing`.
 
     Raises:
         StoreError: there is no such session, or more than one.
     """
     if name == "last":
-        found = listing(db, folder, limit=1)
+        found = listing(db, folder, limit=1, also_damaged=also_damaged)
     else:
         rows = _query(db, f"{_LISTED} WHERE substr(sessions.id, 1, length(:name))=:name LIMIT 2", {"name": name})
-        found = [_with_status(_typed("sessions", row), folder) for row in rows]
+        found = [_with_status(_typed("sessions", row, also_damaged), folder) for row in rows]
     if not name or not found:
         raise StoreError(
             f"There is no session {name or 'with an empty name'}. `sar-tui sessions` lists them.", bad_input=True

@@ -166,14 +166,3 @@ def test_an_export_that_cannot_be_recorded_says_so(
 def test_an_export_without_a_folder_is_a_sentence(call: Call, live: str) -> None:
     called = call("export", "--all")
     assert (called.code, called.err[:16]) == (2, "Say where: --to ")
-
-
-def test_a_damaged_row_is_a_sentence_and_leaves_no_folder(call: Call, live: str, tmp_path: Path) -> None:
-    with closing(connect(tmp_path / "data")) as database:
-        database.execute("UPDATE trials SET details='{' WHERE trial=2")
-    called = call("export", "--all", "--to", tmp_path / "out")
-    assert (called.code, called.err) == (
-        2,
-        "sar-tui.db is damaged. Restore a backup, or choose another --data folder.\n",
-    )
-    assert [path.name for path in tmp_path.iterdir()] == ["data"]

@@ -9,7 +9,8 @@ import msgspec
 
 from sar_tui.export.columns import MODE, PARTICIPANT, SEAT, SESSION, TASK, TO_SESSION, Column, Table, Values, as_bool
 from sar_tui.export.columns import stored as _stored
-from sar_tui.export.json_columns import columns, object_of, value_for
+from sar_tui.export.damage import Damage
+from sar_tui.export.json_columns import columns, value_for
 from sar_tui.export.seats import codes_by_seat
 from sar_tui.framework.policies.feedback import POLICIES
 
@@ -68,7 +69,7 @@ _PLAIN = (
 )
 
 
-def attempts(database: sqlite3.Connection, sessions: Sequence[str]) -> Table:
+def attempts(database: sqlite3.Connection, sessions: Sequence[str], damage: Damage) -> Table:
     """Return the table of the attempts of these sessions, with a column for each of their qualities."""
     qualities = columns(database, sessions, "attempts", "qualities", {})
     named = {
@@ -81,12 +82,14 @@ def attempts(database: sqlite3.Connection, sessions: Sequence[str]) -> Table:
         title="An attempt at a seat",
         columns=(*_PLAIN, *choice, *named.values()),
         key=("session", "attempt", "seat"),
-        rows=partial(_rows, named),
+        rows=partial(_rows, named, damage),
         references=(TO_SESSION,),
     )
 
 
-def _rows(qualities: Mapping[str, Column], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _rows(
+    qualities: Mapping[str, Column], damage: Damage, database: sqlite3.Connection, session: str
+) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
     for id, mode, task, attempt, seat, run, practice, level, metric, *rest, chosen, measured in database.execute(
         "SELECT sessions.id, mode, task, attempt, seat, run, practice, level, metric, metric_unit, goal, accuracy,"
@@ -95,7 +98,7 @@ def _rows(qualities: Mapping[str, Column], database: sqlite3.Connection, session
         (session,),
     ):
         result = metric if metric is not None and math.isfinite(metric) else None
-        decided, found = object_of(chosen), object_of(measured)
+        decided, found = damage.object_of("choice", chosen), damage.object_of("qualities", measured)
         yield (
             id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, result, *rest,
             *(decided.get(key) for key in _CHOICE),

@@ -8,8 +8,9 @@ from itertools import repeat
 from math import isnan
 
 from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Column, Reference, Table, Values, stored
-from sar_tui.export.json_columns import object_of
+from sar_tui.export.damage import Damage
 from sar_tui.export.seats import codes_by_seat
+from sar_tui.store.imu import layout
 
 _KEY = ("session", "stream")
 _STREAM = stored("imu_streams.stream", "integer", "Number of the stream in its session, from 1.", required=True)
@@ -86,12 +87,13 @@ def imu(report: Callable[[str], None]) -> Table:
 
 
 def _samples(report: Callable[[str], None], database: sqlite3.Connection, session: str) -> Iterator[Values]:
-    from sar_tui.motion.samples import unpack
+    from sar_tui.motion.samples import SAMPLE, unpack
 
+    _check_layouts(report, database, session)
     for stream, seq, number, crc, data in database.execute(
         "SELECT stream, seq, n, crc32, data FROM imu_chunks WHERE session=? ORDER BY stream, seq", (session,)
     ):
-        if zlib.crc32(data) != crc:
+        if zlib.crc32(data) != crc or len(data) != number * SAMPLE.itemsize:
             report(
                 f"Block {seq} of sensor stream {stream} of session {session} is damaged: its {number} samples are left "
                 "out."
@@ -103,6 +105,18 @@ def _samples(report: Callable[[str], None], database: sqlite3.Connection, sessio
         yield from zip(repeat(session), repeat(stream), samples["at"].tolist(), samples["host"].tolist(), *columns)
 
 
+def _check_layouts(report: Callable[[str], None], database: sqlite3.Connection, session: str) -> None:
+    """Report layouts that are damaged: there has only been one, so the samples can be read all the same."""
+    for stream, found in database.execute(
+        "SELECT stream, CAST(layout AS BLOB) FROM imu_streams WHERE session=? ORDER BY stream", (session,)
+    ):
+        if found != layout().encode():
+            report(
+                f"The layout of sensor stream {stream} of session {session} is damaged: its samples were read as this "
+                "version stores them."
+            )
+
+
 def _numbers(values: list[float]) -> list[float | None]:
     """Return measured numbers; what a sensor does not measure is NaN in its samples."""
     return [None if isnan(value) else value for value in values]
@@ -111,12 +125,12 @@ def _numbers(values: list[float]) -> list[float | None]:
 _QUANTITIES = ("acceleration", "rate", "field")
 
 
-def _faults(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _faults(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     number = 0
-    for run, at, message in database.execute(
-        "SELECT run, at_ns, message FROM events WHERE session=? AND topic='input/sensor' ORDER BY seq", (session,)
+    for seq, run, at, message in database.execute(
+        "SELECT seq, run, at_ns, message FROM events WHERE session=? AND topic='input/sensor' ORDER BY seq", (session,)
     ):
-        found = object_of(message)
+        found = damage.object_of("message", message, f"message {seq}")
         if found.get("state") not in _STATES:
             continue
         number += 1
@@ -127,20 +141,25 @@ def _faults(database: sqlite3.Connection, session: str) -> Iterator[Values]:
 
 _STATES = ("detached", "error", "gap", "saturated", "stalled")
 
-SENSOR_FAULTS = Table(
-    name="sensor_faults",
-    title="A fault of a motion sensor, such as a gap in its samples",
-    columns=(
-        SESSION,
-        stored("sensor.number", "integer", "Number of the fault in its session, from 1.", name="fault", required=True),
-        SEAT,
-        stored("messages.run", "integer", "The run of the program."),
-        stored("messages.at_ns", "integer", "When it was noticed, steady clock of the run.", unit="ns"),
-        stored("sensor.state", "string", "What happened; a gap is missing samples.", levels=_STATES, required=True),
-        stored("sensor.count", "integer", "Number of samples that are missing or wrong.", name="samples"),
-        stored("sensor.duration_ms", "number", "Duration of the gap.", unit="ms"),
-    ),
-    key=("session", "fault"),
-    rows=_faults,
-    references=(TO_SESSION,),
-)
+
+def sensor_faults(damage: Damage) -> Table:
+    """Return the table of the faults of motion sensors."""
+    return Table(
+        name="sensor_faults",
+        title="A fault of a motion sensor, such as a gap in its samples",
+        columns=(
+            SESSION,
+            stored(
+                "sensor.number", "integer", "Number of the fault in its session, from 1.", name="fault", required=True
+            ),
+            SEAT,
+            stored("messages.run", "integer", "The run of the program."),
+            stored("messages.at_ns", "integer", "When it was noticed, steady clock of the run.", unit="ns"),
+            stored("sensor.state", "string", "What happened; a gap is missing samples.", levels=_STATES, required=True),
+            stored("sensor.count", "integer", "Number of samples that are missing or wrong.", name="samples"),
+            stored("sensor.duration_ms", "number", "Duration of the gap.", unit="ms"),
+        ),
+        key=("session", "fault"),
+        rows=partial(_faults, damage),
+        references=(TO_SESSION,),
+    )

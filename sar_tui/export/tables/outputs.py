@@ -3,22 +3,23 @@
 import re
 import sqlite3
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, get_args
 
 from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
-from sar_tui.export.json_columns import object_of
+from sar_tui.export.damage import Damage
 from sar_tui.framework.messages.base import ActionPart
 
 _ENDS = ("done", "aborted", "failed")
 
 
-def _rows(database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     found: list[dict[str, Any]] = []
     latest: dict[tuple[Any, ...], dict[str, Any]] = {}
-    for run, at, message in database.execute(
-        "SELECT run, at_ns, message FROM events WHERE session=? AND topic='output/report' ORDER BY seq", (session,)
+    for seq, run, at, message in database.execute(
+        "SELECT seq, run, at_ns, message FROM events WHERE session=? AND topic='output/report' ORDER BY seq", (session,)
     ):
-        report = object_of(message)
+        report = damage.object_of("message", message, f"message {seq}")
         key = (run, report.get("action"), report.get("output"), report.get("deed"))
         part = latest.get(key)
         if part is None or "outcome" in part:
@@ -43,26 +44,30 @@ def _kind(output: object) -> str | None:
     return found[0] if found else None
 
 
-OUTPUTS = Table(
-    name="outputs",
-    title="A part of an action, as one output did it",
-    columns=(
-        SESSION,
-        stored("output.number", "integer", "Number of the part in its session, from 1.", name="part", required=True),
-        stored("messages.run", "integer", "The run of the program.", required=True),
-        stored(
-            "output.action",
-            "string",
-            "The action. Not in the table of actions: tones of a prompt (go-…) and of the end of an attempt (end-…), "
-            "and gaze cues (cue-…).",
+def outputs(damage: Damage) -> Table:
+    """Return the table of what outputs did."""
+    return Table(
+        name="outputs",
+        title="A part of an action, as one output did it",
+        columns=(
+            SESSION,
+            stored(
+                "output.number", "integer", "Number of the part in its session, from 1.", name="part", required=True
+            ),
+            stored("messages.run", "integer", "The run of the program.", required=True),
+            stored(
+                "output.action",
+                "string",
+                "The action. Not in the table of actions: tones of a prompt (go-…) and of the end of an attempt "
+                "(end-…), and gaze cues (cue-…).",
+            ),
+            stored("output.output", "string", "Kind of the output: screen, speech, tones, servo, ros."),
+            stored("output.deed", "string", "What it did.", levels=get_args(ActionPart)),
+            stored("output.started_ns", "integer", "When it was audible or visible; missing: never.", unit="ns"),
+            stored("output.ended_ns", "integer", "When it ended. Text ends when other text replaces it.", unit="ns"),
+            stored("output.outcome", "string", "How it ended; missing: it was under way at the end.", levels=_ENDS),
         ),
-        stored("output.output", "string", "Kind of the output: screen, speech, tones, servo, ros."),
-        stored("output.deed", "string", "What it did.", levels=get_args(ActionPart)),
-        stored("output.started_ns", "integer", "When it was audible or visible; missing: never.", unit="ns"),
-        stored("output.ended_ns", "integer", "When it ended. Text ends when other text replaces it.", unit="ns"),
-        stored("output.outcome", "string", "How it ended; missing: it was under way at the end.", levels=_ENDS),
-    ),
-    key=("session", "part"),
-    rows=_rows,
-    references=(TO_SESSION,),
-)
+        key=("session", "part"),
+        rows=partial(_rows, damage),
+        references=(TO_SESSION,),
+    )

@@ -7,7 +7,8 @@ from functools import partial
 from typing import Any
 
 from sar_tui.export.columns import PARTICIPANT, SESSION, TASK, TO_SESSION, Reference, Table, Values, stored
-from sar_tui.export.json_columns import object_of, written
+from sar_tui.export.damage import Damage
+from sar_tui.export.json_columns import written
 from sar_tui.framework.declaration import Field
 
 Fields = Mapping[str, Mapping[str, Field]]
@@ -26,26 +27,26 @@ _VALUES = (
 )
 
 
-def parameters(fields: Fields) -> Table:
+def parameters(fields: Fields, damage: Damage) -> Table:
     """Return the table of the parameters that sessions had at their start."""
     return Table(
         name="parameters",
         title="A parameter of a session, as it was at its start",
         columns=(SESSION, *_VALUES),
         key=("session", "parameter"),
-        rows=partial(_of_session, fields),
+        rows=partial(_of_session, fields, damage),
         references=(TO_SESSION,),
     )
 
 
-def programme_parameters(fields: Fields) -> Table:
+def programme_parameters(fields: Fields, damage: Damage) -> Table:
     """Return the table of the values in programmes that differ from the defaults."""
     return Table(
         name="programme_parameters",
         title="A parameter of a programme that differs from its default",
         columns=(PARTICIPANT, TASK, _VERSION, *_VALUES),
         key=("participant", "task", "version", "parameter"),
-        rows=partial(_of_programmes, fields),
+        rows=partial(_of_programmes, fields, damage),
         of="participant",
         references=(Reference(_PROGRAMME, "programmes", _PROGRAMME),),
     )
@@ -81,17 +82,18 @@ PROGRAMMES = Table(
 )
 
 
-def _of_session(fields: Fields, database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _of_session(fields: Fields, damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     for task, found in database.execute("SELECT task, parameters FROM sessions WHERE id=?", (session,)):
-        for row in _values(fields.get(task, {}), object_of(found)):
+        for row in _values(fields.get(task, {}), damage.object_of("parameters", found, "")):
             yield (session, *row)
 
 
-def _of_programmes(fields: Fields, database: sqlite3.Connection, participant: str) -> Iterator[Values]:
+def _of_programmes(fields: Fields, damage: Damage, database: sqlite3.Connection, participant: str) -> Iterator[Values]:
     for task, version, found in database.execute(
         "SELECT task, version, parameters FROM programmes WHERE participant=? ORDER BY task, version", (participant,)
     ):
-        for row in _values(fields.get(task, {}), object_of(found)):
+        values = damage.object_of("parameters", found, f"task {task}, version {version}")
+        for row in _values(fields.get(task, {}), values):
             yield (participant, task, version, *row)
 
 

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from sar_tui.export.columns import MODE, SESSION, TASK, Column, Reference, Table, Values, stored
-from sar_tui.export.json_columns import object_of
+from sar_tui.export.damage import Damage
 from sar_tui.store.sites import resolved
 
 _SOFTWARE = {
@@ -91,7 +91,7 @@ _COLUMNS = (
 )
 
 
-def sessions(statuses: Mapping[str, str], passports: Mapping[str, str]) -> Table:
+def sessions(statuses: Mapping[str, str], passports: Mapping[str, str], damage: Damage) -> Table:
     """Return the table of sessions.
 
     Args:
@@ -103,13 +103,17 @@ def sessions(statuses: Mapping[str, str], passports: Mapping[str, str]) -> Table
         title="A session",
         columns=_COLUMNS,
         key=("session",),
-        rows=partial(_rows, statuses, passports),
+        rows=partial(_rows, statuses, passports, damage),
         references=(Reference(("participant",), "participants", ("participant",)),),
     )
 
 
 def _rows(
-    statuses: Mapping[str, str], passports: Mapping[str, str], database: sqlite3.Connection, session: str
+    statuses: Mapping[str, str],
+    passports: Mapping[str, str],
+    damage: Damage,
+    database: sqlite3.Connection,
+    session: str,
 ) -> Iterator[Values]:
     for row in database.execute(
         "SELECT id, mode, task, theme, NULL, started_at, ended_at, own.participant, other.participant, seed,"
@@ -122,8 +126,8 @@ def _rows(
         plain[4] = statuses[session]
         yield (
             *plain,
-            *_parts(object_of(software), _SOFTWARE),
-            *_parts(object_of(machine), _MACHINE),
+            *_parts(damage.object_of("software", software), _SOFTWARE),
+            *_parts(damage.object_of("machine", machine), _MACHINE),
             passports.get(session),
         )
 

@@ -19,7 +19,8 @@ from sar_tui.export.columns import (
     as_bool,
     stored,
 )
-from sar_tui.export.json_columns import Declared, columns, object_of, value_for
+from sar_tui.export.damage import Damage
+from sar_tui.export.json_columns import Declared, columns, value_for
 from sar_tui.export.seats import codes_by_seat
 
 _TIMING = {
@@ -82,7 +83,9 @@ _PLAIN = (
 )
 
 
-def trials(database: sqlite3.Connection, sessions: Sequence[str], declared: Mapping[str, Declared]) -> Table:
+def trials(
+    database: sqlite3.Connection, sessions: Sequence[str], declared: Mapping[str, Declared], damage: Damage
+) -> Table:
     """Return the table of the trials of these sessions.
 
     Args:
@@ -94,12 +97,14 @@ def trials(database: sqlite3.Connection, sessions: Sequence[str], declared: Mapp
         title="A trial at a seat",
         columns=(*_PLAIN, *details.values()),
         key=("session", "attempt", "trial", "seat"),
-        rows=partial(_rows, details),
+        rows=partial(_rows, details, damage),
         references=(TO_SESSION,),
     )
 
 
-def _rows(details: Mapping[str, Column], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _rows(
+    details: Mapping[str, Column], damage: Damage, database: sqlite3.Connection, session: str
+) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
     (mode, task) = database.execute("SELECT mode, task FROM sessions WHERE id=?", (session,)).fetchone()
     for row in database.execute(
@@ -110,12 +115,12 @@ def _rows(details: Mapping[str, Column], database: sqlite3.Connection, session: 
         (session,),
     ):
         attempt, trial, seat, run, practice, level, stimulus, response, correct, onset, end, reaction, timed, told = row
-        found = object_of(told)
+        found = damage.object_of("details", told)
         yield (
             session, mode, task, codes.get(seat), attempt, trial, seat, run, as_bool(practice), level, stimulus,
             response, as_bool(correct), onset, end,
             reaction if reaction is not None and math.isfinite(reaction) else None,
-            *_timing(object_of(timed)),
+            *_timing(damage.object_of("timing", timed)),
             *(value_for(column, found.get(key)) for key, column in details.items()),
         )  # fmt: skip
 
@@ -123,4 +128,4 @@ def _rows(details: Mapping[str, Column], database: sqlite3.Connection, session: 
 def _timing(timing: dict[str, Any]) -> Iterator[Any]:
     for key in _TIMING:
         value = timing.get(key)
-        yield " ".join(value) if isinstance(value, list) else value
+        yield " ".join(map(str, value)) if isinstance(value, list) else value

@@ -1,41 +1,59 @@
 """Answers about pain and tiredness, adverse events, and scores of other instruments: a row each."""
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
+from functools import partial
+from typing import Any
 
-from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Reference, Table, Values, as_bool, stored
+from sar_tui.export.columns import PARTICIPANT, SEAT, TO_SESSION, Reference, Table, Values, as_bool, stored
 
 _TO_PARTICIPANT = Reference(("participant",), "participants", ("participant",))
 
 
-def _answers(database: sqlite3.Connection, session: str) -> Iterator[Values]:
-    return database.execute(
-        "SELECT session, participant, seat, moment, question, answer, at FROM wellbeing WHERE session=?"
-        " ORDER BY at, participant, question",
-        (session,),
-    )
+def _answers(
+    sessions: Collection[str], live: Collection[str], database: sqlite3.Connection, participant: str
+) -> Iterator[Values]:
+    for row in database.execute(
+        "SELECT session, participant, seat, moment, question, answer, at FROM wellbeing WHERE participant=?"
+        " ORDER BY at, question",
+        (participant,),
+    ):
+        session = row[0]
+        if session in sessions or (session is None and participant in live):
+            yield row
 
 
-WELLBEING = Table(
-    name="wellbeing",
-    title="An answer about pain or tiredness",
-    columns=(
-        SESSION,
-        PARTICIPANT,
-        SEAT,
-        stored("wellbeing.moment", "string", "Before or after the session, or in a pause."),
-        stored("wellbeing.question", "string", "What was asked.", levels=("pain", "place", "fatigue"), required=True),
-        stored(
-            "wellbeing.answer",
-            "string",
-            "0 to 10, or the number of a place; yes: chosen in a pause; not said: would rather not say.",
+def wellbeing(sessions: Collection[Mapping[str, Any]]) -> Table:
+    """Return the table of the answers in these sessions, and of their participants before one that never began.
+
+    Args:
+        sessions: as `store.sessions.listing` returns them. Only persons who had a live one answered without a session.
+    """
+    ids = {row["id"] for row in sessions}
+    live = {code for row in sessions if row["mode"] == "live" for code in (row["participant"], row["partner"])}
+    return Table(
+        name="wellbeing",
+        title="An answer about pain or tiredness",
+        columns=(
+            stored("wellbeing.session", "string", "Id of the session; missing if it never began."),
+            PARTICIPANT,
+            SEAT,
+            stored("wellbeing.moment", "string", "Before or after the session, or in a pause."),
+            stored(
+                "wellbeing.question", "string", "What was asked.", levels=("pain", "place", "fatigue"), required=True
+            ),
+            stored(
+                "wellbeing.answer",
+                "string",
+                "0 to 10, or the number of a place; yes: chosen in a pause; not said: would rather not say.",
+            ),
+            stored("wellbeing.at", "datetime", "When it was answered, UTC.", required=True),
         ),
-        stored("wellbeing.at", "datetime", "When it was answered, UTC.", required=True),
-    ),
-    key=("participant", "question", "at"),
-    rows=_answers,
-    references=(TO_SESSION,),
-)
+        key=("participant", "question", "at"),
+        rows=partial(_answers, ids, live),
+        of="participant",
+        references=(TO_SESSION, _TO_PARTICIPANT),
+    )
 
 
 def _events(database: sqlite3.Connection, participant: str) -> Iterator[Values]:

@@ -105,12 +105,13 @@ def _wellbeing(study: Study) -> Tool:
     labels = {session.id: session.label for session in study.sessions}
     occasions: dict[str, dict[str, Row]] = {}
     asked: set[str] = set()
-    for session in study.owners("wellbeing"):
-        for row in study.rows("wellbeing", session):
-            if row["participant"] in study.subjects and session in labels:
+    for code in study.owners("wellbeing"):
+        for row in study.rows("wellbeing", code):
+            session = row["session"]
+            if code in study.subjects and session in labels:
                 column = f"{row['question']}_{row['moment']}"
                 asked.add(column)
-                answers = occasions.setdefault(row["participant"], {}).setdefault(session, {})
+                answers = occasions.setdefault(code, {}).setdefault(session, {})
                 answers |= {"session": f"ses-{labels[session]}", column: row["answer"]}
     columns = {
         f"{question}_{moment}": {"Description": f"{told} Asked {when}."}
