@@ -18,6 +18,7 @@ GROUP = "sar_tui.exports"
 BUNDLED = {
     "csv": "sar_tui.export.formats.csv:CsvFormat",
     "mat": "sar_tui.export.formats.mat:MatFormat",
+    "elan": "sar_tui.export.formats.elan:ElanFormat",
     "parquet": "sar_tui.export.formats.parquet:ParquetFormat",
     "bids": "sar_tui.export.formats.bids.format:BidsFormat",
     "psych-ds": "sar_tui.export.formats.psych_ds:PsychDsFormat",

@@ -8,6 +8,7 @@ import msgspec
 from sar_tui.export.contents import Contents
 
 _NS_PER_S = 1_000_000_000
+_NS_PER_MS = 1_000_000
 
 
 class SessionClock(msgspec.Struct, frozen=True):
@@ -27,6 +28,11 @@ class SessionClock(msgspec.Struct, frozen=True):
         zero = self.zero(run)
         return None if zero is None or at_ns is None else (at_ns - zero) / _NS_PER_S
 
+    def milliseconds(self, run: int | None, at_ns: int | None) -> int | None:
+        """Return a stamp in whole ms, as `seconds`; 0 if it is before."""
+        zero = self.zero(run)
+        return None if zero is None or at_ns is None else max(0, round((at_ns - zero) / _NS_PER_MS))
+
     def zero(self, run: int | None) -> int | None:
         """Return the steady clock of a run at 0, in ns; None if the run is not known."""
         return None if run is None else self.zeros.get(run)
@@ -40,9 +46,11 @@ def session_clock(contents: Contents, session: str) -> SessionClock:
     began = None
     for values in contents.rows(table, session):
         row = dict(zip(names, values, strict=True))
-        if row["clock_ns"] is None or row["clock_utc"] is None:
+        try:
+            utc = datetime.fromisoformat(row["clock_utc"])
+            zero = row["clock_ns"] - (utc - (began or utc)) // timedelta(microseconds=1) * 1000
+        except (TypeError, ValueError):  # damaged, or missing
             continue
-        utc = datetime.fromisoformat(row["clock_utc"])
         began = began or utc
-        zeros[row["run"]] = row["clock_ns"] - (utc - began) // timedelta(microseconds=1) * 1000
+        zeros[row["run"]] = zero
     return SessionClock(zeros)

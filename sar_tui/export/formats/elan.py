@@ -1,0 +1,197 @@
+"""A file for ELAN a session, for coding beside a video of it."""
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from sar_tui.export.contents import Contents
+from sar_tui.export.formats.eaf import Annotation, Tier, annotation, document
+from sar_tui.export.session_clock import SessionClock, session_clock
+
+Row = Mapping[str, Any]
+_DEEDS = {
+    "say": ("final_spoken", "final_text"),
+    "show": ("final_text",),
+    "gesture": ("final_gesture",),
+    "gaze": ("final_gaze",),
+    "tone": ("final_tone",),
+}
+"""Each part of an action, with the columns that say what it was."""
+_OWN = {"go": "go signal", "end": "end of the attempt", "cue": "cue"}
+"""Meaning of what outputs do without an action of the agent, by the beginning of its id."""
+
+
+class ElanFormat:
+    """Tiers of attempts and trials of each participant, of what the agent did, of decisions, notes and faults.
+
+    Time 0 is when the first run of the session began. Times are rounded to ms.
+    """
+
+    name = "elan"
+    title = "a file a session for ELAN, to code it beside a video"
+
+    def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
+        """Write a file for each session."""
+        for table in contents.tables:
+            if table.of == "participant":
+                for _ in contents.owners(table):
+                    progress()
+        of_sessions = [table for table in contents.tables if table.of == "session"]
+        for session in contents.owners(of_sessions[0]):
+            found = _Session(contents, session)
+            made = document(found.tiers(), found.date)
+            made.write(folder / f"session_{session}.eaf", encoding="utf-8", xml_declaration=True)
+            if found.unplaced:
+                contents.problems.append(
+                    f"Session {session}: the start of a run is not stored, and its acts are left out "
+                    f"({found.unplaced})."
+                )
+            for _ in of_sessions:
+                progress()
+
+
+class _Session:
+    """The tiers of a session.
+
+    Attributes:
+        date: when it began.
+        unplaced: number of stamps that have no place on the time line.
+    """
+
+    def __init__(self, contents: Contents, session: str) -> None:
+        self._contents = contents
+        self._id = session
+        self._clock: SessionClock = session_clock(contents, session)
+        (self._row,) = self._rows("sessions")
+        self.date: str = self._row["started_at"] or "1970-01-01T00:00:00+00:00"
+        self.unplaced = 0
+
+    def tiers(self) -> Iterator[Tier]:
+        """Yield all tiers, those without annotations as well: files of all sessions have the same."""
+        runs = [(row, f"run {row['run']}", row["clock_ns"], None) for row in self._rows("runs")]
+        yield Tier("session", self._placed(runs))
+        seats = {"A": self._row["participant"], "B": self._row["partner"]}
+        trials = self._rows("trials")
+        for seat, code in seats.items():
+            if seat == "A" or code:
+                own = [row for row in trials if row["seat"] == seat]
+                yield Tier(f"{seat} attempts", self._attempts(seat, own), code or "")
+                yield Tier(f"{seat} trials", self._placed((row, _trial(row), *_times(row)) for row in own), code or "")
+        yield from self._agent()
+        yield Tier("operator", self._decisions())
+        yield Tier("notes", self._placed((row, _note(row), row["at_ns"], None) for row in self._rows("notes")))
+        if faults := self._rows("sensor_faults"):
+            yield Tier("sensors", self._placed((row, _fault(row), row["at_ns"], None) for row in faults))
+
+    def _rows(self, name: str) -> list[dict[str, Any]]:
+        (table,) = (table for table in self._contents.tables if table.name == name)
+        names = [column.name for column in table.columns]
+        return [dict(zip(names, row, strict=True)) for row in self._contents.rows(table, self._id)]
+
+    def _placed(self, acts: Any) -> list[Annotation]:
+        """Return annotations.
+
+        Args:
+            acts: the row with the run, the value, start and end in ns, each None if missing.
+        """
+        found = []
+        for row, value, start, end in acts:
+            if start is None:
+                continue
+            began = self._clock.milliseconds(row["run"], start)
+            if began is None:
+                self.unplaced += 1
+            else:
+                found.append(annotation(began, self._clock.milliseconds(row["run"], end), value))
+        return found
+
+    def _attempts(self, seat: str, trials: list[dict[str, Any]]) -> list[Annotation]:
+        """Return the attempts of a seat; one that was interrupted begins with its first trial, in the earlier run."""
+        first: dict[int, Row] = {}
+        for row in trials:
+            if row["onset_ns"] is not None:
+                first.setdefault(row["attempt"], row)
+        found = []
+        for row in self._rows("attempts"):
+            if row["seat"] != seat:
+                continue
+            begun = first.get(row["attempt"], row)
+            if begun["run"] == row["run"]:
+                begun = {"run": row["run"], "onset_ns": row["started_ns"]}
+            start = self._clock.milliseconds(begun["run"], begun["onset_ns"])
+            if start is None:
+                self.unplaced += begun["onset_ns"] is not None
+            else:
+                found.append(annotation(start, self._clock.milliseconds(row["run"], row["ended_ns"]), _attempt(row)))
+        return found
+
+    def _agent(self) -> Iterator[Tier]:
+        actions = {row["action"]: row for row in self._rows("actions")}
+        outputs = self._rows("outputs")
+        for deed, columns in _DEEDS.items():
+            yield Tier(
+                f"agent {deed}",
+                self._placed(
+                    (row, _act(row["action"], actions, columns), row["started_ns"], row["ended_ns"])
+                    for row in outputs
+                    if row["deed"] == deed
+                ),
+            )
+
+    def _decisions(self) -> list[Annotation]:
+        """Return what operators decided, each from when they could see it."""
+        return self._placed(
+            (
+                row,
+                f"{row['decision'] or 'undecided'}: {row['kind']}",
+                row["decided_ns"] if row["shown_ns"] is None else row["shown_ns"],
+                row["decided_ns"],
+            )
+            for row in self._rows("actions")
+            if row["decided_by"] == "operator"
+        )
+
+
+def _times(trial: Row) -> tuple[int | None, int | None]:
+    onset, response = trial["onset_ns"], trial["response_ns"]
+    return (response, None) if onset is None else (onset, response)
+
+
+def _trial(row: Row) -> str:
+    missed = row["response"] is None and row["response_ns"] is None
+    said = f"{row['stimulus'] or ''} → {'no response' if missed else row['response'] or ''}"
+    if not missed and row["correct"] is False:
+        said += ", wrong"
+    return f"{said} [{row['flags']}]" if row["flags"] else said
+
+
+def _attempt(row: Row) -> str:
+    parts = [f"attempt {row['attempt']}", f"level {row['level']}"]
+    if row["practice"]:
+        parts.append("practice")
+    if row["outcome"]:
+        parts.append(row["outcome"])
+    return ", ".join(parts)
+
+
+def _act(action: str | None, actions: Mapping[str, Row], columns: tuple[str, ...]) -> str:
+    """Return the kind of an act, and what it was if that leaves."""
+    row = actions.get(action or "")
+    if row is None:
+        return _OWN.get((action or "").partition("-")[0], "")
+    found = next(filter(None, (row.get(column) for column in columns)), None)
+    return f"{row['kind']}: {found}" if found else str(row["kind"])
+
+
+def _note(row: Row) -> str:
+    said = ": ".join(filter(None, (row.get("label"), row.get("text"))))
+    return f"{row['written_by'] or 'other'}: {said or 'note'}"
+
+
+def _fault(row: Row) -> str:
+    parts = [row["state"]]
+    if row["samples"]:
+        parts.append(f"{row['samples']} samples")
+    if row["duration_ms"]:
+        parts.append(f"{row['duration_ms']:g} ms")
+    return ", ".join(parts)
