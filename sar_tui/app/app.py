@@ -41,6 +41,7 @@ class SarTui(LeavingApp):
         link: lets operators join the session; None if they cannot.
         patient: begin in patient mode, with this participant.
         markers: addresses to which each session's markers are sent.
+        sync_flash: begin each session with a flash and a tone for cameras.
     """
 
     CSS_PATH = "app.tcss"
@@ -59,7 +60,9 @@ class SarTui(LeavingApp):
         link: "BrokerProcess | None" = None,
         patient: str = "",
         markers: Sequence[str] = (),
+        sync_flash: bool = False,
     ) -> None:
+        self.sync_flash = sync_flash
         self.onset_watch = OnsetWatch()
         super().__init__(folder, catalogue, begin, patient=patient, clock=clock, link=link, markers=markers)
         self.picture: type[Widget] | None = None
@@ -142,6 +145,7 @@ def run_app(
     link: "BrokerProcess | None" = None,
     patient: str = "",
     markers: Sequence[str] = (),
+    sync_flash: bool = False,
 ) -> int:
     """Run the app in this terminal; returns the exit code.
 
@@ -153,11 +157,12 @@ def run_app(
         link: lets operators join that session; None if they cannot.
         patient: begin in patient mode, with this participant.
         markers: addresses to which each session's markers are sent.
+        sync_flash: begin each session with a flash and a tone for cameras.
 
     Raises:
         StoreError, PluginError: before the app opens.
     """
-    app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient, markers=markers)
+    app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient, markers=markers, sync_flash=sync_flash)
     if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures
 

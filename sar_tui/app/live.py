@@ -4,17 +4,17 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.messages import Fault, MarkersChanged, SessionCommand
+from sar_tui.framework.messages import Fault, MarkersChanged, SessionCommand, SyncSignal
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, MARKERS
+from sar_tui.framework.topics import COMMAND, MARKERS, SYNC
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
@@ -151,6 +151,10 @@ class LiveSession:
             self.markers_trouble = f"No markers go to {change.destination}: {change.detail}"
         elif change.state == "working" and self.markers_trouble:
             self.markers_trouble = f"{self.markers_trouble} Later they did again."
+
+    def signal(self, what: Literal["flash", "tone"], at: int, source: Literal["flush", "refresh", "sound"]) -> None:
+        """Report a signal for cameras to the session, from any thread."""
+        self.run.session.bus.post(SYNC, SyncSignal(what=what, at=at, source=source))
 
     def stamp(self, seconds: float) -> float:
         """Convert the time of a terminal event to the session's clock (s), which differs if it is advanced by hand."""

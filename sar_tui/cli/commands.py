@@ -10,7 +10,7 @@ import typer
 import typer.main
 
 from sar_tui import __version__
-from sar_tui.cli.common import Data, Home, Markers, Tasks, checked_markers, need_screen, need_terminal
+from sar_tui.cli.common import Data, Home, Markers, SyncFlash, Tasks, checked_markers, need_screen, need_terminal
 from sar_tui.cli.errors import Commands, Refused
 
 if TYPE_CHECKING:
@@ -143,6 +143,7 @@ def open_app(
         ),
     ] = None,
     markers: Markers = None,
+    sync_flash: SyncFlash = False,
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
@@ -155,6 +156,8 @@ def open_app(
             raise Refused("--patient goes without a command: sar-tui --patient CODE")
         if markers:
             raise Refused("--markers goes after the command: sar-tui run TASK -p CODE --markers WHERE")
+        if sync_flash:
+            raise Refused("--sync-flash goes after the command: sar-tui run TASK -p CODE --sync-flash")
     else:
         catalogue = home.catalogue()
         if patient is None:
@@ -166,7 +169,7 @@ def open_app(
         try:
             from sar_tui.app.app import run_app
 
-            ended = run_app(home.folder, catalogue, patient=patient or "", markers=addresses)
+            ended = run_app(home.folder, catalogue, patient=patient or "", markers=addresses, sync_flash=sync_flash)
         finally:
             gc.enable()
         raise typer.Exit(ended)

@@ -91,6 +91,9 @@ Markers = Annotated[
         help="Send markers of events to lsl, udp://HOST:PORT or serial:PORT[@BAUD]. May be repeated.",
     ),
 ]
+SyncFlash = Annotated[
+    bool, typer.Option("--sync-flash", help="Begin with a flash and a tone, to align the recordings of cameras.")
+]
 Speech = Annotated[
     str | None,
     typer.Option(

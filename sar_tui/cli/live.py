@@ -16,6 +16,7 @@ from sar_tui.cli.common import (
     Pairs,
     Seed,
     Speech,
+    SyncFlash,
     TaskName,
     Tasks,
     checked_markers,
@@ -81,6 +82,7 @@ def run(
     operator: AllowOperators = False,
     listen: Listen = None,
     markers: Markers = None,
+    sync_flash: SyncFlash = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -119,7 +121,7 @@ def run(
     with _open_link(home, plan.id, task, can_join, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
 
-        ended = run_app(home.folder, catalogue, plan=plan, link=link, markers=addresses)
+        ended = run_app(home.folder, catalogue, plan=plan, link=link, markers=addresses, sync_flash=sync_flash)
     raise typer.Exit(ended)
 
 
@@ -172,6 +174,7 @@ def resume(
     operator: AllowOperators = False,
     listen: Listen = None,
     markers: Markers = None,
+    sync_flash: SyncFlash = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -202,7 +205,9 @@ def resume(
     with _open_link(home, chosen["id"], chosen["task"], can_join, listen, lost_ms) as link:
         from sar_tui.app.app import run_app
 
-        ended = run_app(home.folder, catalogue, resume=chosen["id"], link=link, markers=addresses)
+        ended = run_app(
+            home.folder, catalogue, resume=chosen["id"], link=link, markers=addresses, sync_flash=sync_flash
+        )
     raise typer.Exit(ended)
 
 

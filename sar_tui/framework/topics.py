@@ -33,6 +33,7 @@ REPORT = Topic("output/report", m.OutputReport, origin="input")
 OUTPUT = Topic("output/opened", m.OutputOpened, origin="input")
 STOPPED = Topic("output/stopped", m.OutputStopped, origin="input")
 MARKERS = Topic("output/markers", m.MarkersChanged, origin="input")
+SYNC = Topic("output/sync", m.SyncSignal, origin="input")
 STORED = Topic("store/stored", m.Stored, origin="input")
 STORAGE = Topic("store/changed", m.StorageChanged, origin="input")
 

@@ -240,10 +240,13 @@ async def open_app(
     link: Any = None,
     patient: str = "",
     markers: Sequence[str] = (),
+    sync_flash: bool = False,
 ) -> AsyncIterator[AppDriver]:
     """Open the app, and close it in the end."""
     clock = VirtualClock(10 * SECOND)
-    app = SarTui(data, catalogue, begin, clock=clock, link=link, patient=patient, markers=markers)
+    app = SarTui(
+        data, catalogue, begin, clock=clock, link=link, patient=patient, markers=markers, sync_flash=sync_flash
+    )
     driver = AppDriver(app, clock)
     async with app.run_test(size=size, notifications=True) as driver.pilot:
         await driver.settle()

@@ -40,6 +40,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]
         link: BrokerProcess | None = None,
         patient: str = "",
         markers: Sequence[str] = (),
+        sync_flash: bool = False,
     ) -> int:
         calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
         calls[-1]["patient"] = patient

@@ -3,7 +3,6 @@
 import json
 import sqlite3
 import wave
-from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -28,9 +27,7 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
     """Fake a terminal and an app; return the plans of the sessions it was opened with."""
     plans: list[Plan] = []
 
-    def run_app(
-        folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None, markers: Sequence[str]
-    ) -> int:
+    def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None, **_: object) -> int:
         plans.append(plan)
         return 0
 

@@ -26,6 +26,10 @@ class SessionScreen(KeysScreen):
     def on_mount(self) -> None:
         self._show_attempts(0)
         self._live.begin(self.app, self._broken)
+        if self.app.sync_flash:
+            from sar_tui.app.screens.sync_signal import SyncScreen
+
+            self.app.push_screen(SyncScreen(self._live))
 
     def on_unmount(self) -> None:
         self._stop_countdown()

@@ -19,6 +19,7 @@ __all__ = [
     "Shown",
     "StorageChanged",
     "Stored",
+    "SyncSignal",
     "ThemeApplied",
     "TimerFired",
 ]
@@ -177,6 +178,18 @@ class MarkersChanged(Message, frozen=True, kw_only=True):
     unheard: int = 0
     late_ms: float | None = None
     latest_ms: float | None = None
+
+
+class SyncSignal(Message, frozen=True, kw_only=True):
+    """A signal for cameras at the start of a run: the screen flashed, or a tone began to play, ``at``.
+
+    ``source``: how this is known: ``flush`` (the white frame was flushed), ``refresh`` (after Textual's refresh: less
+    exact), ``sound`` (the first samples were fed to the sound card; they are heard up to 40 ms later).
+    """
+
+    what: Literal["flash", "tone"]
+    at: int
+    source: Literal["flush", "refresh", "sound"]
 
 
 class Stored(Message, frozen=True, kw_only=True):

@@ -10,6 +10,8 @@ CODES: dict[str, int] = {
     "attempt_start": 3,
     "attempt_end": 4,
     "cue": 5,
+    "sync_flash": 8,
+    "sync_tone": 9,
     "prompt_onset": 10,
     "prompt_cancelled": 11,
     "response": 20,

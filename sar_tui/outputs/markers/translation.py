@@ -39,6 +39,7 @@ class Translation:
             t.ATTEMPT_STARTED: self._attempt_started,
             t.ATTEMPT_ENDED: self._attempt_ended,
             t.CUE: self._cued,
+            t.SYNC: self._signalled,
             t.PROMPT: self._prompted,
             t.SHOWN: lambda _, shown: self.shown(shown),
             t.VOIDED: lambda at, voided: [Marker("prompt_cancelled", at, self._trial(voided))],
@@ -88,6 +89,9 @@ class Translation:
 
     def _cued(self, at: int, cue: m.CueGiven) -> Sequence[Marker]:
         return [Marker("cue", at, self._trial(cue) | {"side": cue.side})]
+
+    def _signalled(self, _: int, signal: m.SyncSignal) -> Sequence[Marker]:
+        return [Marker(f"sync_{signal.what}", signal.at, {"source": signal.source})]
 
     def _prompted(self, _: int, prompt: m.Prompt) -> Sequence[Marker]:
         self._prompt = prompt

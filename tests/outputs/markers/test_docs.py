@@ -10,7 +10,9 @@ import pytest
 from sar_tui.outputs.markers.destinations import make_destinations, split_addresses
 from sar_tui.outputs.markers.marker import CODES, Marker
 from sar_tui.outputs.markers.udp import Udp
+from tests.cli.test_sessions import record
 from tests.outputs.markers.xdf_writer import write_xdf
+from tests.program import Call
 
 PAGE = (Path(__file__).parents[3] / "docs" / "synchronise-with-eeg-and-video.md").read_text(encoding="utf-8")
 
@@ -55,6 +57,19 @@ def test_the_script_that_reads_a_recording_prints_prompts_and_responses(
     write_xdf(tmp_path / "recording.xdf", header, samples, [(48794.0, 0.0)])
     exec(compile(script("pyxdf"), "read.py", "exec"), {})
     assert capsys.readouterr().out.splitlines() == ["48795.250000 prompt_onset 1-2", "48796.250000 response 1-2"]
+
+
+def test_the_script_that_aligns_a_video_prints_the_time_of_each_prompt(
+    call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    trials = call("show", simulated, "--json").json["trials"]
+    at = trials[0]["onset_ns"] - 2_000_000_000
+    record(tmp_path, simulated, "output/sync", what="flash", at=at, source="flush", seat="A")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script("flash_in_video_s"), "align.py", "exec"), {})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "1 1 14.480 s"
+    assert len(lines) == len([trial for trial in trials if trial["onset_ns"]])
 
 
 def test_every_address_on_the_page_is_valid() -> None:

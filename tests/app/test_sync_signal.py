@@ -1,0 +1,120 @@
+"""The flash and the tone before a session, for cameras."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.clock import MS, Clock
+from sar_tui.framework.task import Task
+from sar_tui.outputs.output import Report
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, open_app, plan
+from tests.outputs.markers.receivers import udp_receiver
+
+
+class FakeSound:
+    """Sound whose tone a test reports."""
+
+    made: list["FakeSound"]
+
+    def __init__(self, where: str) -> None:
+        self.played: list[str] = []
+        self.has_left = False
+        type(self).made.append(self)
+
+    def join(self, kind: str, clock: Clock, report: Callable[[Report], object]) -> None:
+        self._report, self._clock = report, clock
+
+    def get_ready(self, kind: str, tones: object) -> None: ...
+
+    def tone(self, action: str, notes: object) -> None:
+        self.played.append(action)
+
+    def leave(self, kind: str) -> None:
+        self.has_left = True
+
+    async def report(self, driver: AppDriver, state: Any, detail: str = "") -> None:
+        self._report(Report("sync", "tone", state, self._clock.now(), detail))
+        await driver.settle()
+
+
+@pytest.fixture
+def sound(monkeypatch: pytest.MonkeyPatch) -> type[FakeSound]:
+    class Sound(FakeSound):
+        made: list[FakeSound] = []
+
+    monkeypatch.setattr("sar_tui.app.screens.sync_signal.Sound", Sound)
+    return Sound
+
+
+async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+) -> None:
+    with udp_receiver() as receiver:
+        begin = plan(catalogue, keyboard)
+        async with open_app(tmp_path, catalogue, begin, markers=[receiver.address], sync_flash=True) as driver:
+            assert driver.sees("A short flash and a tone: for the camera.")
+            assert driver.sees("Press Enter when the camera is recording.")
+            flashed = driver.clock.now()
+            await driver.press("enter")
+            (player,) = sound.made
+            assert player.played == ["sync"]
+            assert driver.app.screen.has_class("flash")
+            await driver.wait(50)
+            await player.report(driver, "started")
+            await driver.wait(150)
+            assert not driver.app.screen.has_class("flash"), "it flashes once"
+            assert driver.screen_name == "SyncScreen", "the tone is not over"
+            await player.report(driver, "done")
+            assert driver.screen_name == "SessionScreen"
+            assert player.has_left
+            await driver.do_session()
+            stored = [(signal["what"], signal["at"], signal["source"]) for signal in driver.messages("output/sync")]
+        markers = [(m["event"], m["ns"]) for m in receiver.until("session_end") if m["event"].startswith("sync_")]
+    assert stored == [("flash", flashed, "refresh"), ("tone", flashed + 50 * MS, "sound")]
+    assert markers == [("sync_flash", flashed), ("sync_tone", flashed + 50 * MS)]
+
+
+async def test_a_tone_that_cannot_be_played_is_told_of_and_the_session_goes_on(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+) -> None:
+    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), sync_flash=True) as driver:
+        await driver.press("enter")
+        await sound.made[0].report(driver, "failed", "There is no sound card.")
+        await driver.wait(200)
+        assert driver.sees("There was no tone: There is no sound card.")
+        await driver.press("enter")
+        await driver.to_first_prompt()
+        assert [signal["what"] for signal in driver.messages("output/sync")] == ["flash"]
+
+
+async def test_esc_leaves_flash_and_tone_out(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+) -> None:
+    begin = plan(catalogue, keyboard, language="es")
+    async with open_app(tmp_path, catalogue, begin, sync_flash=True) as driver:
+        assert driver.sees("Un destello breve y un tono: para la cámara.")
+        assert driver.sees("Esc: sin destello ni tono")
+        await driver.press("escape")
+        assert driver.screen_name == "SessionScreen"
+        await driver.to_first_prompt()
+        assert driver.messages("output/sync") == []
+    assert sound.made[0].played == []
+
+
+async def test_a_window_that_is_too_small_does_not_lose_the_flash(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], sound: type[FakeSound]
+) -> None:
+    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), sync_flash=True) as driver:
+        await driver.resize(60, 20)
+        assert driver.sees("This window is too small.")
+        await driver.press("enter")
+        assert sound.made[0].played == []
+        await driver.resize(80, 24)
+        assert driver.sees("A short flash and a tone")
+        await driver.press("enter")
+        await sound.made[0].report(driver, "done")
+        await driver.wait(200)
+        assert driver.screen_name == "SessionScreen"
