@@ -41,6 +41,9 @@ def merge(
             help="Two codes of one person, such as P01@BERN=P01. May be repeated.",
         ),
     ] = None,
+    site: Annotated[
+        str, typer.Option("--site", metavar="CODE", show_default=False, help="The other's site, if it has no code.")
+    ] = "",
     one_site: Annotated[
         bool, typer.Option("--one-site", help="Both are of one site, where a code stands for one person.")
     ] = False,
@@ -61,7 +64,7 @@ def merge(
             shown = bar.add_task(step, total=None)
             return lambda done, total: bar.update(shown, completed=done, total=total)
 
-        merged = merge_databases(home.folder, other, same or (), one_site=one_site, start=start)
+        merged = merge_databases(home.folder, other, same or (), site=site, one_site=one_site, start=start)
     if as_json:
         print_json(merged)
     else:

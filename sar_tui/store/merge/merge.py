@@ -55,7 +55,13 @@ class Merged(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def merge(
-    folder: Path, other: Path | None, same: Iterable[str] = (), *, one_site: bool = False, start: Start
+    folder: Path,
+    other: Path | None,
+    same: Iterable[str] = (),
+    *,
+    site: str = "",
+    one_site: bool = False,
+    start: Start,
 ) -> Merged:
     """Bring what another database has into that of a data folder, in one transaction. The other one is only read.
 
@@ -63,6 +69,7 @@ def merge(
         folder: the data folder.
         other: the other database, or its data folder; None only to note who is the same person.
         same: codes of the same person, such as "P01@BERN=P01".
+        site: code of the other one's site, if it has none.
         one_site: both databases are of one site, so that the same code is the same person.
         start: begins a step.
 
@@ -85,7 +92,7 @@ def merge(
             try:
                 db.execute("PRAGMA other.journal_mode=OFF")
                 db.execute("PRAGMA other.synchronous=OFF")
-                site = _site_of_other(db, own, other, one_site)
+                site = _site_of_other(db, own, other, site and sites.check_site(site), one_site)
                 result = _changed(db, folder, lambda: _merge(db, own, site, pairs, source.running, start("Merging")))
             finally:
                 db.execute("DETACH other")
@@ -114,13 +121,16 @@ def _check_nothing_runs(db: sqlite3.Connection, folder: Path) -> None:
             raise StoreError(f"Session {id} is running here, and a merge would hold it up: merge when it has ended.")
 
 
-def _site_of_other(db: sqlite3.Connection, own: str, other: Path, one_site: bool) -> str:
+def _site_of_other(db: sqlite3.Connection, own: str, other: Path, given: str, one_site: bool) -> str:
     row = db.execute("SELECT code FROM other.site").fetchone()
-    if row is None:
+    site = str(row[0]) if row else given
+    if not site:
         raise StoreError(
-            f"{other} has no code of its site. Set it there first, such as: sar-tui site BERN", bad_input=True
+            f"{other} has no code of its site. Set it there first, such as sar-tui site BERN, or name it: --site BERN",
+            bad_input=True,
         )
-    site = str(row[0])
+    if given and given != site:
+        raise StoreError(f"{other} is of {site}, not of {given}.", bad_input=True)
     if site == own and not one_site:
         raise StoreError(
             f"{other} is of {own}, as this database is. If the same code is the same person in both, such as on two "

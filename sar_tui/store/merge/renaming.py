@@ -13,6 +13,8 @@ _PERSONS = (
     ("instrument_scores", "participant"),
 )
 """Columns with the code of a person, beside ``participants``. Programmes keep the code that their site gave."""
+_MARK = "\x01"
+"""Put before a value that is to be replaced: no value begins with it."""
 
 
 def rename_others(db: sqlite3.Connection, people: People, site: str) -> None:
@@ -33,12 +35,12 @@ def rename_own(db: sqlite3.Connection, people: People) -> int:
 
 def _rename(db: sqlite3.Connection, schema: str, stored: Callable[[str], str]) -> int:
     changed = sum(_replace(db, schema, table, column, stored) for table, column in _PERSONS)
-    for code, created_at in db.execute(f"SELECT code, created_at FROM {schema}.participants").fetchall():
-        if (new := stored(code)) != code:
-            db.execute(f"DELETE FROM {schema}.participants WHERE code=?", (code,))
-            add_participant(db, schema, new, created_at)
-            changed += 1
-    return changed
+    rows = db.execute(f"SELECT code, created_at FROM {schema}.participants ORDER BY rowid").fetchall()
+    renamed = [row for row in rows if stored(row[0]) != row[0]]
+    db.executemany(f"DELETE FROM {schema}.participants WHERE code=?", [(code,) for code, _ in renamed])
+    for code, created_at in renamed:
+        add_participant(db, schema, stored(code), created_at)
+    return changed + len(renamed)
 
 
 def add_participant(db: sqlite3.Connection, schema: str, code: str, created_at: str) -> int:
@@ -51,9 +53,13 @@ def add_participant(db: sqlite3.Connection, schema: str, code: str, created_at: 
 
 
 def _replace(db: sqlite3.Connection, schema: str, table: str, column: str, stored: Callable[[str], str]) -> int:
-    changed = 0
-    for (old,) in db.execute(f"SELECT DISTINCT {column} FROM {schema}.{table}").fetchall():
-        if (new := stored(old)) != old:
-            statement = f"UPDATE OR IGNORE {schema}.{table} SET {column}=? WHERE {column}=?"
-            changed += db.execute(statement, (new, old)).rowcount
+    """Replace the values of a column all at once: a new value may be the old one of another row."""
+    olds = [old for (old,) in db.execute(f"SELECT DISTINCT {column} FROM {schema}.{table}")]
+    news = [(old, new) for old in olds if (new := stored(old)) != old]
+    marked = [(f"{_MARK}{old}", old) for old, _ in news]
+    db.executemany(f"UPDATE {schema}.{table} SET {column}=? WHERE {column}=?", marked)
+    statement = f"UPDATE OR IGNORE {schema}.{table} SET {column}=? WHERE {column}=?"
+    changed = sum(db.execute(statement, (new, f"{_MARK}{old}")).rowcount for old, new in news)
+    # Of two rows that would have the same key now, one keeps what it had.
+    db.executemany(f"UPDATE {schema}.{table} SET {column}=? WHERE {column}=?", [(old, mark) for mark, old in marked])
     return changed

@@ -76,9 +76,9 @@ def go_on(folder: Path, session: str, *, trials: int = 1, status: str = "complet
             )
             db.execute("INSERT INTO notes VALUES (?,?,'op','\"so\"','')", (session, trial % 2))
         db.execute(
-            "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, trials, qualities)"
-            " VALUES (?,1,'A',?,0,1,?,?,'{}')",
-            (session, run, 1 / (last + trials), last + trials),
+            "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, trials, qualities,"
+            " correct, accuracy, outcome, started_ns, ended_ns) VALUES (?,1,'A',?,0,1,?,?,'{}',1,1,'success',1,9)",
+            (session, run, 1 / (last + trials + 1), last + trials),
         )
         db.execute("UPDATE sessions SET status=?, ended_at=? WHERE id=?", (status, f"2026-03-02T{run:02}", session))
         db.execute("COMMIT")
