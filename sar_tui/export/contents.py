@@ -117,6 +117,11 @@ class Contents:
             found.setdefault(self._months.get(session, ""), []).append(session)
         return sorted(found.items())
 
+    @property
+    def site(self) -> str:
+        """The site that recorded these sessions, in a format that writes sites apart."""
+        return self._privacy.of_site[0] if self._privacy.of_site else ""
+
     def owners(self, table: Table) -> list[str]:
         """Return the sessions that the table has rows of, by id, or the participants, by their codes as they leave."""
         return self._owners[table.of]

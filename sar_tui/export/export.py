@@ -21,7 +21,8 @@ from sar_tui.export.passports import Passport, passports
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.recoding import recoding
 from sar_tui.export.registry import Format
-from sar_tui.export.sites import Part, check_sites, parts
+from sar_tui.export.site_target import check_folder, site_target
+from sar_tui.export.sites import Part, parts
 from sar_tui.export.target import check, sync, target
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
@@ -101,8 +102,12 @@ def export(
         StoreError: a session does not exist, or the database cannot be read.
     """
     by_site = getattr(format, "by_site", False)
-    (check_sites if by_site else check)(folder.resolve(), format.name)
-    if options.recode is not None and options.recode.resolve().is_relative_to(folder.resolve()):
+    folder = folder.resolve()
+    if by_site:
+        check_folder(folder)
+    else:
+        check(folder, format.name)
+    if options.recode is not None and options.recode.resolve().is_relative_to(folder):
         raise ExportError(
             "The map of codes must not be in the folder that leaves. Name a file outside.", bad_input=True
         )
@@ -112,7 +117,7 @@ def export(
         selection = with_any_text(database, lambda: select(database, data, request, also_damaged=True))
         recoded = recoding(database, options.recode, selection.participants) if options.recode else None
         made = []
-        for part in parts(database, selection, folder) if by_site else [Part(folder, selection)]:
+        for part in parts(database, selection, folder) if by_site else [Part(selection)]:
             privacy = Privacy(options.with_notes, recoded, part.of_site)
             measured = passports(part.selection.sessions, with_dates=recoded is None)
             contents = with_any_text(
@@ -124,10 +129,11 @@ def export(
             made.append((part, contents, measured))
         advance = start(sum(contents.steps for _, contents, _ in made))
         for part, contents, measured in made:
-            hidden = targets.enter_context(target(part.folder, format.name))
+            place = site_target(folder, part.site) if by_site else target(folder, format.name)
+            hidden = targets.enter_context(place)
             format.write(contents, hidden, advance)
-            _add_provenance(hidden, part.selection, measured)
-            written.append(_Written(hidden, part.selection, contents))
+            _add_provenance(hidden / part.about, part.selection, measured)
+            written.append(_Written(hidden, part, contents))
         snapshot.close()
         manifests = [_finish(each, database, format, options, selection.refused) for each in written]
     return Exported(
@@ -144,7 +150,7 @@ class _Written(NamedTuple):
     """Contents that are written into a hidden folder."""
 
     hidden: Path
-    selection: Selection
+    part: Part
     contents: Contents
 
 
@@ -154,12 +160,14 @@ def _finish(
     """Write the manifest of a folder, and add the export to the ledger. Return the SHA-256 of the manifest."""
     manifest = write_manifest(
         written.hidden,
+        written.part.about,
         format=format.name,
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         options=options.facts,
-        sessions=written.selection.ids,
+        sessions=written.part.selection.ids,
         left_out=written.contents.left_out,
         problems=_problems(database, refused, written.contents),
+        **({"replaces": written.part.replaces} if written.part.replaces else {}),
     )
     sync(written.hidden)
     if isinstance(database, StoreConnection):  # before the folder appears: nothing leaves that the ledger does not have
@@ -168,7 +176,7 @@ def _finish(
             author=options.author,
             recipient=options.recipient,
             format=format.name,
-            sessions=written.selection.ids,
+            sessions=written.part.selection.ids,
             options=options.facts,
             manifest=manifest,
         )
@@ -183,6 +191,7 @@ def _problems(database: sqlite3.Connection, refused: Sequence[str], *written: Co
 
 def _add_provenance(folder: Path, selection: Selection, measured: Sequence[Passport]) -> None:
     """Write the timing of the machines, and the methods in words, beside the data."""
+    folder.mkdir(parents=True, exist_ok=True)
     timing = msgspec.json.format(msgspec.json.encode({"passports": measured}))
     (folder / PASSPORTS).write_bytes(timing + b"\n")
     (folder / METHODS).write_text(methods(selection.sessions, measured), encoding="utf-8")

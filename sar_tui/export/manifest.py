@@ -12,10 +12,11 @@ from sar_tui.export.target import LOCK, MANIFEST
 _BLOCK = 1 << 20
 
 
-def write_manifest(folder: Path, **facts: Any) -> str:
+def write_manifest(folder: Path, about: Path = Path(), **facts: Any) -> str:
     """Write the manifest of a folder whose files are complete; return its SHA-256.
 
     Args:
+        about: the place of the manifest in the folder.
         facts: the format, the sessions, and other facts about the export.
     """
     files = [
@@ -24,7 +25,7 @@ def write_manifest(folder: Path, **facts: Any) -> str:
         if path.is_file() and path.name != LOCK
     ]
     manifest = msgspec.json.format(msgspec.json.encode({"sar_tui": __version__, **facts, "files": files})) + b"\n"
-    (folder / MANIFEST).write_bytes(manifest)
+    (folder / about / MANIFEST).write_bytes(manifest)
     return hashlib.sha256(manifest).hexdigest()
 
 

@@ -33,7 +33,7 @@ class Format(Protocol):
         name: as in ``--format``.
         title: what it writes, in a few words.
 
-    A class may have ``by_site = True``: it then writes the sessions of each site apart, into a folder ``site=CODE``.
+    A class may have ``by_site = True``: it is then called for each site, and writes a table into ``TABLE/site=CODE``.
     """
 
     name: ClassVar[str]

@@ -117,10 +117,10 @@ def sync(folder: Path) -> None:
             with path.open("rb+") as file:
                 os.fsync(file.fileno())
         else:
-            _sync_names(path)
+            sync_names(path)
 
 
-def _sync_names(folder: Path) -> None:
+def sync_names(folder: Path) -> None:
     """Write the names in a folder to the disk, where the system can do that."""
     if os.name == "posix":
         number = os.open(folder, os.O_RDONLY)
@@ -141,7 +141,7 @@ def _put_in_place(hidden: Path, folder: Path) -> None:
         if before is not None:
             before.rename(folder)
         raise
-    _sync_names(folder.parent)
+    sync_names(folder.parent)
     if before is not None:
         shutil.rmtree(before, ignore_errors=True)
 
@@ -154,11 +154,11 @@ def _remove_left_behind(folder: Path) -> None:
                 with contextlib.suppress(OSError):
                     path.rename(folder)
             shutil.rmtree(path, ignore_errors=True)
-        elif not _is_locked(path):
+        elif not is_locked(path):
             shutil.rmtree(path, ignore_errors=True)
 
 
-def _is_locked(path: Path) -> bool:
+def is_locked(path: Path) -> bool:
     lock = filelock.FileLock(path / LOCK, mode=0o600)
     try:
         lock.acquire(blocking=False)

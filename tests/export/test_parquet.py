@@ -5,6 +5,7 @@ import math
 import re
 import sys
 from contextlib import closing
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,8 @@ from sar_tui.store import sessions, sites
 from sar_tui.store.database import connect
 from sar_tui.store.selection import Request
 from tests.examples import examples
-from tests.export.exported import ALL, no_bar
+from tests.export.exported import ALL, export_csv, no_bar, read_csv
+from tests.export.hard_study import store_study
 from tests.export.test_round_trip import TRIAL
 from tests.program import Call
 
@@ -36,7 +38,7 @@ def leave(data: Path, lake: Path, request: Request = ALL, **options: Any) -> Exp
 
 
 def query(lake: Path, table: str, what: str = "*", rest: str = "") -> list[tuple[Any, ...]]:
-    return duckdb.sql(f"SELECT {what} FROM '{lake}/site=*/{table}/*/*.parquet' {rest}").fetchall()
+    return duckdb.sql(f"SELECT {what} FROM '{lake}/{table}/**/*.parquet' {rest}").fetchall()
 
 
 @pytest.fixture
@@ -70,13 +72,13 @@ def test_exports_of_several_sites_in_one_folder_are_one_data_set(clinic: Any, tm
     assert all(time > 0 for (time,) in times)
     schemas = {}
     for path in lake.rglob("*.parquet"):
-        schemas.setdefault(path.stem, set()).add(str(parquet.read_schema(path)))
+        schemas.setdefault(path.relative_to(lake).parts[0], set()).add(str(parquet.read_schema(path)))
     assert {name for name, different in schemas.items() if len(different) > 1} == set()
 
 
 def test_a_file_describes_its_columns(clinic: Any, tmp_path: Path) -> None:
     leave(clinic("BERN", "keyboard"), tmp_path / "lake")
-    (path,) = (tmp_path / "lake").glob("site=BERN/trials/*/trials.parquet")
+    (path,) = (tmp_path / "lake").glob("trials/site=BERN/*/trials-BERN-*.parquet")
     field = parquet.read_schema(path).field("reaction_time_ms")
     assert field.metadata[b"unit"] == b"ms"
     assert b"Missing for a miss" in field.metadata[b"meaning"]
@@ -125,35 +127,77 @@ def test_rows_beyond_one_block_are_all_there(
     assert ROWS > 7
 
 
-def test_a_site_needs_a_code_and_only_its_own_data_are_replaced(call: Call, clinic: Any, tmp_path: Path) -> None:
-    call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--data", tmp_path / "nameless")
-    with pytest.raises(ExportError, match="sar-tui site BERN"):
-        leave(tmp_path / "nameless", tmp_path / "lake")
+def test_an_export_replaces_the_data_of_its_own_site_only(clinic: Any, tmp_path: Path) -> None:
     lake = tmp_path / "lake"
     leave(clinic("BERN", "keyboard"), lake)
     leave(clinic("ULM", "keyboard"), lake)
-    before = {path: path.read_bytes() for path in lake.glob("site=BERN/**/*.parquet")}
+    before = {path: path.read_bytes() for path in lake.glob("*/site=BERN/**/*") if path.is_file()}
     leave(clinic("ULM", "keyboard"), lake)
-    assert {path: path.read_bytes() for path in lake.glob("site=BERN/**/*.parquet")} == before
+    assert {path: path.read_bytes() for path in lake.glob("*/site=BERN/**/*") if path.is_file()} == before
     assert query(lake, "sessions", "site, count(*)", "GROUP BY ALL ORDER BY ALL") == [("BERN", 1), ("ULM", 2)]
-    assert {path.name for path in lake.iterdir()} == {"site=BERN", "site=ULM"}
+
+
+def test_a_database_without_a_code_is_the_site_local_until_it_has_one(call: Call, tmp_path: Path) -> None:
+    data, lake = tmp_path / "data", tmp_path / "lake"
+    call("simulate", "keyboard", "-p", "P01", "--user", "poor", "--attempts", 1)
+    leave(data, lake)
+    assert query(lake, "trials", "DISTINCT site, participant") == [("local", "P01")]
+    with closing(connect(data)) as database:
+        sites.set_own(database, "BERN")
+    leave(data, lake)
+    assert query(lake, "trials", "DISTINCT site, participant") == [("BERN", "P01")]
+    assert not list(lake.glob("*/site=local"))
 
 
 def test_another_database_of_the_same_site_does_not_replace_its_data(clinic: Any, tmp_path: Path) -> None:
     lake, data = tmp_path / "lake", clinic("BERN", "keyboard")
     leave(data, lake)
     data.rename(tmp_path / "first")
-    with pytest.raises(ExportError, match="1 session that this database does not have"):
+    with pytest.raises(ExportError, match="1 session of the site BERN that this database does not have"):
         leave(clinic("BERN", "keyboard"), lake)
     assert query(lake, "sessions", "count(*)") == [(1,)]
 
 
-def test_other_files_are_never_among_the_data(clinic: Any, tmp_path: Path) -> None:
-    (tmp_path / "lake").mkdir()
-    (tmp_path / "lake" / "thesis.docx").write_text("mine")
-    with pytest.raises(ExportError, match=r"thesis\.docx"):
-        leave(clinic("BERN", "keyboard"), tmp_path / "lake")
-    assert [path.name for path in (tmp_path / "lake").iterdir()] == ["thesis.docx"]
+def test_every_table_holds_what_the_export_as_csv_holds(catalogue: Catalogue, tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    store_study(data, catalogue)
+    leave(data, tmp_path / "lake", with_notes=True)
+    export_csv(data, tmp_path / "csv", with_notes=True)
+    for path in sorted((tmp_path / "csv").glob("*.csv")):
+        table, rows = f"'{tmp_path}/lake/{path.stem}/**/*.parquet'", read_csv(tmp_path / "csv", path.stem)
+        types = dict(duckdb.sql(f"SELECT column_name, column_type FROM (DESCRIBE SELECT * FROM {table})").fetchall())
+        names = [name for name in types if rows and name in rows[0] and name != "site"]
+        if not rows:
+            assert duckdb.sql(f"SELECT count(*) FROM {table}").fetchall() == [(0,)]
+            continue
+        read = ", ".join(f"timezone('UTC', \"{name}\")" if "ZONE" in types[name] else f'"{name}"' for name in names)
+        found = duckdb.sql(f"SELECT {read} FROM {table}").fetchall()
+        assert sorted(repr(tuple(map(_plain, row))) for row in found) == sorted(
+            repr(tuple(_time(row[name]) if "ZONE" in types[name] else row[name] for name in names)) for row in rows
+        )
+
+
+def _plain(value: object) -> object:
+    """Return a value as an export as CSV has it, where an empty text is missing."""
+    return None if value == "" else value
+
+
+def _time(text: str | None) -> datetime | None:
+    return datetime.fromisoformat(text).replace(tzinfo=None) if text else None
+
+
+def test_a_value_of_another_type_is_named_and_the_rest_leaves(clinic: Any, tmp_path: Path) -> None:
+    data = clinic("BERN", "keyboard")
+    with closing(connect(data)) as database:
+        database.execute(
+            "UPDATE trials SET onset_ns='later', timing=json_set(timing, '$.loop_lag_ms', 'x') WHERE trial=2"
+        )
+    exported = leave(data, tmp_path / "lake")
+    assert [sentence.split(":")[0] for sentence in exported.problems] == ["trials.onset_ns", "trials.loop_lag_ms"]
+    rows = query(tmp_path / "lake", "trials", "onset_ns, loop_lag_ms, stimulus", "WHERE trial=2")
+    assert rows[0][:2] == (None, None)
+    assert rows[0][2]
+    assert query(tmp_path / "lake", "trials", "count(onset_ns), count(*)")[0] == (19, 20)
 
 
 def test_months_follow_shifted_dates(clinic: Any, tmp_path: Path) -> None:
@@ -161,7 +205,7 @@ def test_months_follow_shifted_dates(clinic: Any, tmp_path: Path) -> None:
     leave(clinic("BERN", "keyboard"), lake, recode=tmp_path / "map.csv")
     rows = query(lake, "sessions", "month, strftime(started_at, '%Y-%m'), timezone('UTC', started_at)")
     assert all(month == f"{began:%Y-%m}" for month, _, began in rows)
-    ((code,),) = duckdb.sql(f"SELECT participant FROM '{lake}/site=*/participants/*.parquet'").fetchall()
+    ((code,),) = duckdb.sql(f"SELECT participant FROM '{lake}/participants/**/*.parquet'").fetchall()
     assert code != "P01"
 
 

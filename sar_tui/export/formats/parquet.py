@@ -1,6 +1,6 @@
-"""Parquet files for many sites: a folder a site, in it a folder a table, divided by month."""
+"""Parquet files for many sites: a folder a table, divided by site and month in the way of Hive."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime
 from itertools import groupby, islice
 from pathlib import Path
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 ROWS = 1 << 16
 """Rows that are written at a time, as one row group."""
+_NO_MONTH = "__HIVE_DEFAULT_PARTITION__"
+"""The name that DuckDB, Spark and others read as missing."""
 NO_PACKAGE = "Parquet needs the Python package pyarrow. Install it with: pip install 'sar-tui[lake]'."
 _TYPES: dict[Type, str] = {"string": "string", "integer": "int64", "number": "float64", "boolean": "bool_"}
 
@@ -40,12 +42,19 @@ class ParquetFormat:
             raise ExportError(NO_PACKAGE) from None
 
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
-        """Write a folder for each table; in it a folder for each month in which its sessions began."""
+        """Write a folder for each table; in it one for the site, and in that one for each month of sessions."""
         for table in contents.tables:
-            shape = _Shape(contents.whole(table), table)
+            shape = _Shape(contents.whole(table), table, contents.problems.append)
             for month, owners in contents.by_month(table):
-                place = folder / table.name / f"month={month}" if month else folder / table.name
-                _write(place / f"{table.name}.parquet", shape, _rows(contents, table, owners, progress))
+                path = folder / table.name / f"site={contents.site}" / _file(table, contents.site, month)
+                _write(path, shape, _rows(contents, table, owners, progress))
+
+
+def _file(table: Table, site: str, month: str) -> str:
+    """Return the path of a file in the folder of a site. Its name is unique in the whole data set."""
+    if table.of == "participant":
+        return f"{table.name}-{site}.parquet"
+    return f"month={month or _NO_MONTH}/{table.name}-{site}-{month or 'none'}.parquet"
 
 
 def _rows(contents: Contents, table: Table, owners: Iterable[str], progress: Callable[[], None]) -> Iterator[Values]:
@@ -57,7 +66,8 @@ def _rows(contents: Contents, table: Table, owners: Iterable[str], progress: Cal
 class _Shape:
     """Columns of a table in Parquet, and the way from a row to their values. The site is in the names of folders."""
 
-    def __init__(self, whole: Table, leaving: Table) -> None:
+    def __init__(self, whole: Table, leaving: Table, report: Callable[[str], None]) -> None:
+        self._name, self._report = whole.name, report
         self._places = {column.name: index for index, column in enumerate(leaving.columns)}
         self.plain = [column for column in whole.columns if column.tasks is None and column.name != "site"]
         objects = [column for column in whole.columns if column.tasks is not None]
@@ -90,9 +100,34 @@ class _Shape:
             values = found[self._places[column.name]] if column.name in self._places else missing
             if column.type == "datetime":
                 values = tuple(map(_moment, values))
-            arrays.append(pa.array(values, field.type))
+            arrays.append(self._array(column, values, field.type))
         objects = (pa.array([_json(row, places) for row in rows], pa.string()) for places in self._objects.values())
         return [*arrays, *objects]
+
+    def _array(self, column: Column, values: Sequence[Any], kind: "pyarrow.DataType") -> "pyarrow.Array":
+        """Return the values of a column. Those of another type, which are damaged, are missing, and reported."""
+        import pyarrow as pa
+
+        try:
+            return pa.array(values, kind)
+        except (pa.ArrowException, OverflowError):
+            kept = [value if _fits(value, kind) else None for value in values]
+            lost = sum(value is not None for value in values) - sum(value is not None for value in kept)
+            self._report(
+                f"{self._name}.{column.name}: {lost} value{'' if lost == 1 else 's'} of another type than "
+                f"{column.type} cannot be in a Parquet file, and left out."
+            )
+            return pa.array(kept, kind)
+
+
+def _fits(value: object, kind: "pyarrow.DataType") -> bool:
+    import pyarrow as pa
+
+    try:
+        pa.array([value], kind)
+    except (pa.ArrowException, OverflowError):
+        return False
+    return True
 
 
 _OBJECTS = {"trials": "details", "attempts": "qualities"}

@@ -1,0 +1,175 @@
+"""A folder that holds the exports of many sites as one data set: each site replaces its own files, and no others.
+
+A table is a folder, and a site a folder in it: ``trials/site=BERN``. What a site exported is described in
+``_sites/site=BERN``. All of an export is written into a hidden folder first, which gets another name when it is
+complete: from then on the new files count, and what is left to do is to move them, in milliseconds. If the program is
+killed meanwhile, the next export into the folder, of any site, does the rest.
+"""
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import filelock
+import msgspec
+
+from sar_tui.drivers.private_folder import make_private
+from sar_tui.export.errors import ExportError
+from sar_tui.export.target import LOCK, MANIFEST, is_locked, sync_names
+
+SITE = "site="
+ABOUT = "_sites"
+"""The folder of what describes the exports. Programs that read data sets pass over names that begin like this."""
+_COMPLETE = ".complete"
+"""Ending of the hidden folder's name when all files are written."""
+_BEFORE = ".before"
+"""In the hidden folder: the earlier files, until they are removed."""
+_MOVING = ".sar-tui-lock"
+"""Held while files are moved."""
+
+
+class _File(msgspec.Struct):
+    path: str
+
+
+class Earlier(msgspec.Struct):
+    """The parts of a site's manifest that say what it holds, and which other site it takes the place of."""
+
+    files: list[_File]
+    sessions: list[str] = []
+    replaces: list[str] = []
+
+
+def about(site: str) -> Path:
+    """Return the place of a site's manifest, relative to the folder."""
+    return Path(ABOUT) / f"{SITE}{site}"
+
+
+def earlier(folder: Path, site: str) -> Earlier | None:
+    """Return what a site exported into a folder; None if nothing."""
+    try:
+        return msgspec.json.decode((folder / about(site) / MANIFEST).read_bytes(), type=Earlier)
+    except (OSError, msgspec.MsgspecError):
+        return None
+
+
+@contextmanager
+def site_target(folder: Path, site: str) -> Iterator[Path]:
+    """Give a hidden folder to write a site's files into; they take the place of its earlier ones at the end.
+
+    The block calls `target.sync` when all files are written.
+
+    Raises:
+        ExportError: the folder holds other files than such exports.
+    """
+    folder = folder.resolve()
+    check_folder(folder)
+    make_private(folder)
+    _finish(folder)
+    _remove_left_behind(folder, site)
+    hidden = Path(tempfile.mkdtemp(prefix=_prefix(site), dir=folder))
+    lock = filelock.FileLock(hidden / LOCK, mode=0o600)
+    try:
+        lock.acquire(blocking=False)
+        yield hidden
+        check_folder(folder, site)
+        lock.release()
+        (hidden / LOCK).unlink(missing_ok=True)
+        _finish(folder)
+        hidden.rename(folder / f".{SITE}{site}{_COMPLETE}")
+    except BaseException:
+        lock.release()
+        shutil.rmtree(hidden, ignore_errors=True)
+        raise
+    sync_names(folder)
+    _finish(folder)
+
+
+def check_folder(folder: Path, site: str | None = None) -> None:
+    """Raise ExportError unless a folder is absent, or holds exports of sites only, and of this site no other files."""
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise ExportError(f"{folder} is a file. Name a folder that does not exist yet, or is empty.", bad_input=True)
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith("."):
+            continue
+        other = next((each for each in path.iterdir() if not _is_sites(each)), None) if path.is_dir() else path
+        if other is not None:
+            raise ExportError(
+                f"{folder} holds other files than exports of sites, such as {other.relative_to(folder)}. Name another "
+                "folder.",
+                bad_input=True,
+            )
+    if site is None:
+        return
+    made = earlier(folder, site)
+    known = {file.path for file in made.files} if made else set()
+    for place in sorted(folder.glob(f"*/{SITE}{site}")):
+        for path in sorted(place.rglob("*")):
+            name = path.relative_to(folder).as_posix()
+            if path.is_file() and name not in known and path.name != MANIFEST:
+                raise ExportError(
+                    f"{folder} holds an earlier export of this site, and files that are not of it, such as {name}. "
+                    "Move them, or name another folder.",
+                    bad_input=True,
+                )
+
+
+def _is_sites(path: Path) -> bool:
+    return (path.is_dir() and path.name.startswith(SITE)) or path.name.startswith(".")
+
+
+def _prefix(site: str) -> str:
+    return f".{SITE}{site}.sar-tui-"
+
+
+def _finish(folder: Path) -> None:
+    """Move the files of complete exports to their places; what another program began is done to its end."""
+    with filelock.FileLock(folder / _MOVING, mode=0o666):
+        for complete in sorted(folder.glob(f".{SITE}*{_COMPLETE}")):
+            _move(complete, complete.name.removeprefix(f".{SITE}").removesuffix(_COMPLETE))
+
+
+def _move(complete: Path, site: str) -> None:
+    """Move a site's files from the hidden folder. Begins where a program that was killed has stopped."""
+    folder = complete.parent
+    made = earlier(complete, site)
+    if made is not None:  # it is moved last
+        tables = {Path(file.path).parts[0] for file in made.files} - {ABOUT}
+        for each in (site, *made.replaces):
+            for place in sorted(folder.glob(f"*/{SITE}{each}")):
+                if each != site or place.parent.name not in {*tables, ABOUT}:
+                    _set_aside(place, complete)
+        for table in (*sorted(tables), ABOUT):
+            new, place = complete / table / f"{SITE}{site}", folder / table / f"{SITE}{site}"
+            if new.exists():
+                _set_aside(place, complete)
+                _make_like(folder, place.parent)
+                new.rename(place)
+                sync_names(place.parent)
+        sync_names(folder)
+    shutil.rmtree(complete)
+
+
+def _make_like(folder: Path, table: Path) -> None:
+    """Make the folder of a table, for those who may write into the folder: each site may have its own login."""
+    if not table.exists():
+        table.mkdir()
+        table.chmod(folder.stat().st_mode & 0o777)
+
+
+def _set_aside(place: Path, complete: Path) -> None:
+    if place.exists():
+        aside = complete / _BEFORE / place.parent.name
+        aside.mkdir(parents=True, exist_ok=True)
+        place.rename(aside / place.name)
+
+
+def _remove_left_behind(folder: Path, site: str) -> None:
+    """Remove hidden folders that killed exports of a site left before they were complete."""
+    for path in folder.glob(f"{_prefix(site)}*"):
+        if not is_locked(path):
+            shutil.rmtree(path, ignore_errors=True)
