@@ -1,6 +1,7 @@
 """``sar-tui validate``: checks claims of the thesis and of this project by simulation."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 _PAGE = 120
 """Line length of stored text."""
+_WHOLE = "validation.html"
+_QUICK_SEEDS, _QUICK_REACHES = 3, 20
 
 
 def validate(
@@ -26,8 +29,8 @@ def validate(
         typer.Option(
             metavar="NAME,NAME",
             show_default=False,
-            help="figure-4.11, figure-4.12, figure-4.13, figure-4.14, table-4.1, reach, policies, difficulty, "
-            "progress, modularity; default: all.",
+            help="figure-4.4, figure-4.8, figure-4.9, figure-4.10, figure-4.11, figure-4.12, figure-4.13, figure-4.14, "
+            "figure-4.15, table-4.1, table-4.2, reach, policies, difficulty, progress, modularity; default: all.",
         ),
     ] = None,
     to: Annotated[
@@ -36,12 +39,23 @@ def validate(
             parser=named_path,
             metavar="DIR",
             show_default=False,
-            help="Store all rows (NAME.csv) and the printed text (NAME.txt) here.",
+            help="Store all rows (NAME.csv), the printed text (NAME.txt), the figures (NAME.svg) and one page of all "
+            "(validation.html) here. Figures need the extra `report`.",
         ),
     ] = None,
     reaches: Annotated[
         int, typer.Option(metavar="N", min=1, max=100_000, help="Number of reaches for each difficulty.")
     ] = 200,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions: within a minute of computing.")] = False,
+    session: Annotated[
+        str | None,
+        typer.Option(
+            "--session",
+            metavar="SESSION|last",
+            show_default=False,
+            help="Make the thesis' figures of a recorded session instead.",
+        ),
+    ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -50,10 +64,16 @@ def validate(
 
     Exits with 1 if a claim does not hold.
     """
+    home = Home.of(context, data, tasks)
+    if session is not None:
+        if only is not None or quick:
+            raise Refused("--session makes the figures that the session has: leave out --only and --quick.")
+        _show_session(home, session, to, as_json)
+        return
     from sar_tui.validation.registry import VALIDATIONS
     from sar_tui.validation.report import Conditions
 
-    catalogue = Home.of(context, data, tasks).catalogue()
+    catalogue = home.catalogue()
     names = _names(only, list(VALIDATIONS))
     if to is not None:
         _prepare_folder(to, names)
@@ -64,15 +84,20 @@ def validate(
         def progress(what: str, done: int, of: int) -> None:
             bar.update(line, description=what, completed=done, total=of)
 
+        given = Conditions(catalogue, min(reaches, _QUICK_REACHES) if quick else reaches, quick, progress=progress)
+        conditions = given._replace(seeds=given.seeds[:_QUICK_SEEDS]) if quick else given
         for name in names:
-            reports[name] = VALIDATIONS[name].run(Conditions(catalogue, reaches, progress))
+            reports[name] = VALIDATIONS[name].run(conditions)
             if to is not None:
                 _store(to, name, VALIDATIONS[name].title, reports[name])
+    titled = {name: (VALIDATIONS[name].title, report) for name, report in reports.items()}
+    if to is not None:
+        _store_page(to, "Validation", titled)
     if as_json:
         print_json({name: report.rows for name, report in reports.items()})
     else:
-        for name, report in reports.items():
-            _print(console(), VALIDATIONS[name].title, report)
+        for title, report in titled.values():
+            _print(console(), title, report)
     against = [claim for report in reports.values() for claim in report.claims if not claim.holds]
     if against:
         if as_json:
@@ -96,7 +121,7 @@ def _names(only: str | None, known: Sequence[str]) -> list[str]:
 
 def _prepare_folder(folder: Path, names: Sequence[str]) -> None:
     """Make the folder. Raises Refused if it holds one of the files to be written."""
-    for file in (f"{name}.{kind}" for name in names for kind in ("csv", "txt")):
+    for file in (_WHOLE, *(f"{name}.{kind}" for name in names for kind in ("csv", "txt", "svg"))):
         if (folder / file).exists():
             raise Refused(f"{folder} already holds a {file}, which is not overwritten. Name another folder.")
     folder.mkdir(parents=True, exist_ok=True)
@@ -114,6 +139,45 @@ def _store(folder: Path, name: str, title: str, report: "Report") -> None:
         writer.writerows(report.rows)
     with (folder / f"{name}.txt").open("w", encoding="utf-8") as file:
         _print(Console(file=file, width=_PAGE), title, report)
+    if report.chart is not None:
+        from sar_tui.reports.html_page import ChartsMissing, drawn
+
+        with suppress(ChartsMissing):  # said once, with the page
+            (folder / f"{name}.svg").write_text(drawn(report.chart), encoding="utf-8")
+
+
+def _store_page(
+    folder: Path, title: str, reports: "Mapping[str, tuple[str, Report]]", notes: Sequence[str] = ()
+) -> None:
+    """Write one page of all reports."""
+    from sar_tui.reports.html_page import ChartsMissing, write_page
+    from sar_tui.validation.page import page
+
+    try:
+        write_page(page(title, reports, notes), folder / _WHOLE)
+    except ChartsMissing as error:
+        console(error=True).print(f"! {error} The tables are written.", soft_wrap=True)
+
+
+def _show_session(home: Home, name: str, to: Path | None, as_json: bool) -> None:
+    """Make the thesis' figures of a recorded session."""
+    from sar_tui.validation.recorded_session import TITLES, reports
+
+    with home.session(name) as (database, row):
+        found, missing = reports(database, row)
+    titled = {name: (TITLES[name], report) for name, report in found.items()}
+    if to is not None:
+        _prepare_folder(to, list(found))
+        for figure, (title, report) in titled.items():
+            _store(to, figure, title, report)
+        _store_page(to, f"Session {row['id']}", titled, missing)
+    if as_json:
+        print_json({name: report.rows for name, report in found.items()})
+        return
+    for title, report in titled.values():
+        _print(console(), title, report)
+    for sentence in missing:
+        console().print(sentence, markup=False, soft_wrap=True)
 
 
 def _print(out: "Console", title: str, report: "Report") -> None:

@@ -13,6 +13,7 @@ h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcaption { font-size: .85rem; color: #333; }
 table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
 th { border-bottom: 1px solid #888; } td:first-child, th:first-child, .text { text-align: left; }
+ul.claims { list-style: none; padding-left: 0; }
 pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
 """
@@ -56,18 +57,20 @@ def _cell(tag: str, text: str, is_number: bool) -> str:
     return f"<{tag}{align}>{escape(text)}</{tag[:2]}>"
 
 
-def figure(spec: dict[str, Any], caption: str, more: str = "") -> str:
+def figure(spec: dict[str, Any], caption: str, more: str = "", *, is_captioned: bool = True) -> str:
     """Return a drawn chart with its caption; ``more`` is added to its text alternative.
 
     Args:
         spec: of the chart, in Vega-Lite.
+        is_captioned: False if the caption stands above the chart already.
 
     Raises:
         ChartsMissing: the extra ``report`` is not installed.
     """
     label = escape(f"{caption} {more}".strip(), quote=True)
     drawing = drawn(spec).replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1)
-    return f"<figure>{drawing}<figcaption>{escape(caption)}</figcaption></figure>"
+    shown = f"<figcaption>{escape(caption)}</figcaption>" if is_captioned else ""
+    return f"<figure>{drawing}{shown}</figure>"
 
 
 def drawn(spec: dict[str, Any]) -> str:

@@ -1,6 +1,6 @@
 """Run a whole session with a simulated participant on the virtual clock."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sar_tui.framework.clock import VirtualClock
@@ -10,6 +10,8 @@ from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
+from sar_tui.outputs.node import OutputNode
+from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import output_nodes, start
@@ -26,6 +28,7 @@ def simulate(
     progress: Callable[[int], None] = lambda attempt: None,
     operator: OperatorProfile | None = None,
     partner: Person | None = None,
+    bodies: Sequence[Output] = (),
 ) -> str:
     """Run a whole session into the database, and return its id.
 
@@ -39,6 +42,7 @@ def simulate(
         progress: called with each attempt's number when it has ended.
         operator: decides on the agent's proposals, in the modes that the plan's parameters set.
         partner: at seat B of a task for two; by default, like ``person``.
+        bodies: outputs besides those that the plan names; they report at once.
 
     Raises:
         StoreError, PluginError, ParameterError: as ``start``.
@@ -48,6 +52,7 @@ def simulate(
 
     def make_nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
         others = [*([SimulatedOperator(operator, seed)] if operator else []), *output_nodes(task, theme)]
+        others += [OutputNode(body, body.name, theme) for body in bodies]
         if task.sensor_seats(task.parameters):
             from sar_tui.runs.sensors import simulated_nodes  # imports numpy
 

@@ -16,7 +16,8 @@ from sar_tui.validation.choice_reactions import Chance, User, attempt_success, c
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.simulated_sessions import TASK
 
-SEEDS = range(1, 201)
+SESSIONS, QUICK_SESSIONS = 200, 40
+"""Sessions of each user under each policy."""
 ATTEMPTS, COUNTED = 160, 40
 """Number of attempts of each user, and of the last ones that the figures are about: a learner has learnt by then."""
 GOAL_KEYS = 6
@@ -49,7 +50,13 @@ def run(conditions: Conditions) -> Report:
     """Return one row for each policy, user, and state: at rest, and learning."""
     kind = conditions.catalogue.task(TASK)
     levels = build(kind.Parameters, {}).chosen_levels()  # type: ignore[attr-defined]
-    rows = compare([len(level.keys) for level in levels], kind.metric, kind.Parameters, conditions, SEEDS)
+    rows = compare(
+        [len(level.keys) for level in levels],
+        kind.metric,
+        kind.Parameters,
+        conditions,
+        range(1, 1 + (QUICK_SESSIONS if conditions.is_quick else SESSIONS)),
+    )
     return Report(rows, [_COLUMNS], claims(rows))
 
 

@@ -1,13 +1,14 @@
 """Augmented feedback (thesis 4.4.2): Figures 4.11 to 4.14, from simulated users over twenty attempts."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 from sar_tui.framework.phrase_keys import holds_number
+from sar_tui.validation import charts
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
-from sar_tui.validation.simulated_sessions import SEEDS, SessionRunner, Simulated, session_runner
+from sar_tui.validation.simulated_sessions import SessionRunner, Simulated, session_runner
 
 VALENCES = ("positive", "neutral", "negative")
 BAND_MS, LEAST_ACCURACY = 10.0, 0.8
@@ -25,21 +26,36 @@ def poor(conditions: Conditions) -> Report:
 def competent(conditions: Conditions) -> Report:
     """Return Figure 4.12: one row per attempt of a competent user, and of a poor one for comparison."""
     report = _of_users(conditions, "figure-4.12", ("competent", "poor"))
+    claims = [*report.claims, *differs_by_user(report.rows)]
+    return report._replace(claims=claims)
+
+
+def differs_by_user(rows: Sequence[Row]) -> list[Claim]:
+    """Return the claims that competent users are praised more than poor ones, and blamed less."""
+    seeds = dict.fromkeys(row["seed"] for row in rows)
     fewer = [
         f"seed {seed}: {theirs} against {poors}"
-        for seed, theirs, poors in _by_seed(report.rows, "positive")
+        for seed, theirs, poors in _by_seed(rows, "positive")
         if theirs <= poors
     ]
-    negative = [sum(counts) for counts in zip(*(row[1:] for row in _by_seed(report.rows, "negative")), strict=True)]
-    claims = [
-        *report.claims,
-        Claim(f"Competent users get more positives than poor ones in all {len(SEEDS)} seeds.", "; ".join(fewer)),
+    negative = [sum(counts) for counts in zip(*(row[1:] for row in _by_seed(rows, "negative")), strict=True)]
+    return [
+        Claim(f"Competent users get more positives than poor ones in all {len(seeds)} seeds.", "; ".join(fewer)),
         Claim(
             "Over all seeds, poor users get more negative feedback than competent ones.",
             "" if negative[1] > negative[0] else f"they get {negative[1]} against {negative[0]}",
         ),
     ]
-    return report._replace(claims=claims)
+
+
+def has_its_form(texts: Mapping[str, Sequence[str]]) -> list[Claim]:
+    """Return the claims that feedback in words has no numbers, and that in figures has some."""
+    words = [text for text in texts["qualitative"] if holds_number(text)]
+    figures = [text for text in texts["quantitative"] if not _NUMBER.search(text)]
+    return [
+        Claim("No qualitative feedback contains a number, in digits or in words.", "; ".join(words)),
+        Claim("All quantitative feedback contains a figure.", "; ".join(figures)),
+    ]
 
 
 def examples(conditions: Conditions) -> Report:
@@ -48,20 +64,19 @@ def examples(conditions: Conditions) -> Report:
     with session_runner(conditions.catalogue) as runner:
         for number, form in enumerate(("qualitative", "quantitative")):
             conditions.progress("figure-4.13", number, 2)
-            for seed in SEEDS[:3]:
+            for seed in conditions.seeds[:3]:
                 rows += _said(form, seed, runner.run("average", seed, feedback_form=form))
-    words = [row["text"] for row in rows if row["form"] == "qualitative" and holds_number(row["text"])]
-    figures = [row["text"] for row in rows if row["form"] == "quantitative" and not _NUMBER.search(row["text"])]
+    texts = {form: [row["text"] for row in rows if row["form"] == form] for form in ("qualitative", "quantitative")}
     untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not _is_true(row)]
     claims = [
-        Claim("No qualitative feedback contains a number, in digits or in words.", "; ".join(words)),
-        Claim("All quantitative feedback contains a figure.", "; ".join(figures)),
+        *has_its_form(texts),
         Claim(
             "Every figure is the result, the goal, or the difference from the last result at that level.",
             "; ".join(untrue),
         ),
     ]
-    return Report(rows, [_EXAMPLES], claims, seen=_one_of_each(rows))
+    seen = _one_of_each(rows)
+    return Report(rows, [_EXAMPLES], claims, seen=seen, chart=charts.sentences(seen, "feedback"))
 
 
 def frequency(conditions: Conditions) -> Report:
@@ -69,11 +84,11 @@ def frequency(conditions: Conditions) -> Report:
     rows: list[Row] = []
     unsaid: list[str] = []
     with session_runner(conditions.catalogue) as runner:
-        for number, seed in enumerate(SEEDS):
-            conditions.progress("figure-4.14", number, len(SEEDS))
+        for number, seed in enumerate(conditions.seeds):
+            conditions.progress("figure-4.14", number, len(conditions.seeds))
             for every in (1, EVERY):
                 done = runner.run("competent", seed, feedback_every=every)
-                found = [{"every": every, **row} for row in _attempts(done, "competent", seed)]
+                found = [{"every": every, **row} for row in feedback_rows(done, "competent", seed)]
                 marked = {row["attempt"] for row in found if row["feedback"] != "none"}
                 if set(done.feedback) != marked:
                     unsaid.append(f"seed {seed}, every {every}")
@@ -83,11 +98,16 @@ def frequency(conditions: Conditions) -> Report:
         _feedback_claim(rows, EVERY, "With feedback after every three, the attempts 3, 6, 9 … have it, and no others."),
         Claim("The log holds what the agent said on those attempts, and on no others.", "; ".join(unsaid)),
     ]
+    first = conditions.seeds[0]
     drawings = [
-        draw(_only(rows, seed=SEEDS[0], every=every), f"Competent user, seed {SEEDS[0]}: feedback {how}")
+        draw(_only(rows, seed=first, every=every), f"Competent user, seed {first}: feedback {how}")
         for every, how in ((1, "after every attempt"), (EVERY, "after every three attempts"))
     ]
-    return Report(rows, [], claims, drawings)
+    groups = [
+        (f"Feedback {how}", _only(rows, seed=first, every=every))
+        for every, how in ((1, "after every attempt"), (EVERY, "after every three attempts"))
+    ]
+    return Report(rows, [], claims, drawings, chart=charts.feedback(groups))
 
 
 # --- sessions as rows ----------------------------------------------------------------------------------------
@@ -96,24 +116,26 @@ def frequency(conditions: Conditions) -> Report:
 def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report:
     rows: list[Row] = []
     with session_runner(conditions.catalogue) as runner:
-        for number, seed in enumerate(SEEDS):
-            conditions.progress(name, number, len(SEEDS))
+        for number, seed in enumerate(conditions.seeds):
+            conditions.progress(name, number, len(conditions.seeds))
             rows += _of_seed(runner, users, seed)
-    wrong = [f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}" for row in rows if not _fits(row)]
+    wrong = [f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}" for row in rows if not fits(row)]
     claim = Claim(
         f"Feedback is positive under the goal, negative over it, and neutral within {BAND_MS:g} ms of it.",
         "; ".join(wrong),
     )
-    drawn = draw(_only(rows, user=users[0], seed=SEEDS[0]), f"{users[0].capitalize()} user, seed {SEEDS[0]}")
-    seen = [_counted(rows, user, seed) for seed in SEEDS for user in users]
-    return Report(rows, [_COUNTS], [claim], [drawn], seen)
+    first, title = _only(rows, user=users[0], seed=conditions.seeds[0]), f"{users[0].capitalize()} user"
+    drawn = draw(first, f"{title}, seed {conditions.seeds[0]}")
+    seen = [_counted(rows, user, seed) for seed in conditions.seeds for user in users]
+    return Report(rows, [_COUNTS], [claim], [drawn], seen, charts.feedback([(title, first)]))
 
 
 def _of_seed(runner: SessionRunner, users: Sequence[str], seed: int) -> list[Row]:
-    return [row for user in users for row in _attempts(runner.run(user, seed), user, seed)]
+    return [row for user in users for row in feedback_rows(runner.run(user, seed), user, seed)]
 
 
-def _attempts(done: Simulated, user: str, seed: int) -> list[Row]:
+def feedback_rows(done: Simulated, user: str, seed: int) -> list[Row]:
+    """Return one row for each attempt of a session."""
     return [
         {
             "user": user,
@@ -140,11 +162,12 @@ def _counted(rows: Sequence[Row], user: str, seed: int) -> Row:
 
 def _by_seed(rows: Sequence[Row], valence: str) -> list[tuple[int, int, int]]:
     """Return each seed with the number of times that a competent and a poor user got this feedback."""
-    return [(seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence]) for seed in SEEDS]
+    seeds = dict.fromkeys(row["seed"] for row in rows)
+    return [(seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence]) for seed in seeds]
 
 
-def _fits(row: Row) -> bool:
-    """Return True if the feedback is as the thesis describes, without praise for too few correct responses."""
+def fits(row: Row) -> bool:
+    """Return True if feedback is as the thesis describes, without praise for too few correct responses."""
     if row["reaction_time_ms"] is None or row["accuracy"] < LEAST_ACCURACY:
         return bool(row["feedback"] == "negative")
     over = row["reaction_time_ms"] - row["goal_ms"]

@@ -1,10 +1,10 @@
 """Feedback schedules: a simulated session under each, and checks of the logged times, texts and reasons."""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
-from sar_tui.validation.simulated_sessions import SEEDS, Simulated, session_runner
+from sar_tui.validation.simulated_sessions import Simulated, session_runner
 
 USER = "competent"
 EVERY, FADE, BANDWIDTH_PERCENT, SUMMARY = 2, 2, 10.0, 5
@@ -16,7 +16,7 @@ _NEAR_MS = 1.0
 class Schedule(NamedTuple):
     """Settings of a schedule, its promise, and the attempts that should get feedback."""
 
-    settings: dict[str, object]
+    settings: dict[str, Any]
     promise: str
     expected: Callable[[Sequence[Row]], list[int]]
 
@@ -29,7 +29,7 @@ def run(conditions: Conditions) -> Report:
         for number, (name, schedule) in enumerate(SCHEDULES.items()):
             conditions.progress(f"policies: {name}", number, len(SCHEDULES))
             settings = {"feedback_schedule": name, "feedback_delay_ms": DELAY_MS, **schedule.settings}
-            done = runner.run(USER, SEEDS[0], **settings)
+            done = runner.run(USER, conditions.seeds[0], **settings)
             found = _rows(name, done)
             wrong = sorted(set(schedule.expected(found)) ^ {row["attempt"] for row in found if row["feedback"]})
             claims.append(Claim(schedule.promise, f"attempts {_listed(wrong)} differ" if wrong else ""))

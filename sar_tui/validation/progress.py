@@ -22,7 +22,7 @@ from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 HISTORIES = 700
 """Histories of each user; three users make more than 2,000."""
-OTHER_HISTORIES = 200
+OTHER_HISTORIES, QUICK_HISTORIES = 200, 350
 SESSIONS, ATTEMPTS, PROMPTS = 8, 20, 20
 GOAL_MS = 1000.0
 CHOICES = (2, 4, 6, 8, 12, 19, 26, 36, 46, 56)
@@ -75,7 +75,7 @@ def run(conditions: Conditions) -> Report:
     cases = [(name, user) for name in MODELS for user in PEOPLE]
     for number, (name, user) in enumerate(cases):
         conditions.progress(f"progress: {name}", number, len(cases))
-        rows.append(_row(name, user))
+        rows.append(_row(name, user, conditions.is_quick))
     fitted = [row for row in rows if MODELS[row["model"]].is_fitted]
     estimates = sum(row["estimates"] for row in fitted)
     coverage = sum(row["coverage"] * row["estimates"] for row in fitted) / estimates
@@ -95,9 +95,10 @@ def run(conditions: Conditions) -> Report:
     return Report(rows, [_COLUMNS], claims)
 
 
-def _row(name: str, user: str) -> Row:
+def _row(name: str, user: str, is_quick: bool) -> Row:
     model, rng = MODELS[name], random.Random(f"{name} {user}")
-    histories = [_history(rng, model, PEOPLE[user]) for _ in range(HISTORIES if model.is_fitted else OTHER_HISTORIES)]
+    count = (QUICK_HISTORIES if is_quick else HISTORIES) if model.is_fitted else OTHER_HISTORIES
+    histories = [_history(rng, model, PEOPLE[user]) for _ in range(count)]
     found = [_estimates(days) for days in histories]
     pairs = [
         (estimate, day.truth)

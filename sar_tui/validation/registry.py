@@ -3,7 +3,19 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sar_tui.validation import difficulty, feedback, modularity, policies, progress, reach, table_4_1
+from sar_tui.validation import (
+    adaptation,
+    angular_velocity,
+    changed_parts,
+    difficulty,
+    feedback,
+    modularity,
+    policies,
+    progress,
+    reach,
+    requirements,
+    table_4_1,
+)
 from sar_tui.validation.report import Conditions, Report
 
 
@@ -15,11 +27,23 @@ class Validation(NamedTuple):
 
 
 VALIDATIONS: dict[str, Validation] = {
+    "figure-4.4": Validation(
+        "The thesis' Figure 4.4: the level for an average user over twenty attempts", adaptation.average
+    ),
+    "figure-4.8": Validation(
+        "The thesis' Figure 4.8: angular velocity in eight simulated reaches", angular_velocity.run
+    ),
+    "figure-4.9": Validation("The thesis' Figure 4.9: the level for a poor user over twenty attempts", adaptation.poor),
+    "figure-4.10": Validation("The thesis' Figure 4.10: the level for a competent user", adaptation.competent),
     "figure-4.11": Validation("The thesis' Figure 4.11: feedback for a poor user over twenty attempts", feedback.poor),
     "figure-4.12": Validation("The thesis' Figure 4.12: feedback for a competent user", feedback.competent),
     "figure-4.13": Validation("The thesis' Figure 4.13: what is said, in words and in figures", feedback.examples),
     "figure-4.14": Validation("The thesis' Figure 4.14: feedback every attempt, and every three", feedback.frequency),
+    "figure-4.15": Validation("The thesis' Figure 4.15: what the reaching task adds to the loop", changed_parts.run),
     "table-4.1": Validation("The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run),
+    "table-4.2": Validation(
+        "The thesis' Table 4.2: the four requirements, and systems that must fail them", requirements.run
+    ),
     "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),

@@ -31,7 +31,8 @@ class Column(NamedTuple):
 class Report(NamedTuple):
     """Figures as rows of named values, the printed tables, and the claims about them.
 
-    ``drawings``: text printed before the tables; ``seen``: the rows of the tables, if not all.
+    ``drawings``: text printed before the tables; ``seen``: the rows of the tables, if not all; ``chart``: the same
+    drawing in Vega-Lite, for a file.
     """
 
     rows: Sequence[Row]
@@ -39,6 +40,7 @@ class Report(NamedTuple):
     claims: Sequence[Claim]
     drawings: Sequence[str] = ()
     seen: Sequence[Row] | None = None
+    chart: Row | None = None
 
 
 class Conditions(NamedTuple):
@@ -47,9 +49,13 @@ class Conditions(NamedTuple):
     Args:
         catalogue: the installed tasks.
         reaches: number of reaches for each scenario.
+        is_quick: fewer repetitions.
+        seeds: those with which a claim about users is tested.
         progress: called with the current step, the number of steps done, and their total.
     """
 
     catalogue: "Catalogue"
     reaches: int = 200
+    is_quick: bool = False
+    seeds: Sequence[int] = range(1, 11)
     progress: Callable[[str, int, int], None] = lambda what, done, of: None

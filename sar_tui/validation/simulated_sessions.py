@@ -1,14 +1,15 @@
 """Sessions of simulated participants in a temporary database, for validations of the agent."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from sar_tui.framework.messages import KeyPressed
+from sar_tui.framework.messages import KeyPressed, OutputReport
 from sar_tui.framework.session_phase import REQUEST_KEY
 from sar_tui.framework.task import Task
+from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -18,17 +19,16 @@ from sar_tui.store.database import connect
 from sar_tui.validation.report import Row
 
 TASK, THEME = "keyboard", "calm"
-SEEDS = range(1, 11)
-"""Seeds with which a claim about users is tested."""
 
 
 class Simulated(NamedTuple):
-    """A session: its attempts, the agent's actions, and the times at which the participant requested feedback (ns)."""
+    """A session: its attempts, the agent's actions and outputs, and when the participant requested feedback (ns)."""
 
     task: Task
     attempts: list[Row]
     actions: list[Row]
     asked: list[int]
+    reports: list[OutputReport]
 
     @property
     def feedback(self) -> dict[int, Row]:
@@ -49,28 +49,27 @@ class SessionRunner:
         self._folder = folder
         self._kind = catalogue.task(TASK)
 
-    def run(self, user: str, seed: int, **parameters: object) -> Simulated:
+    def run(self, user: str, seed: int, *, bodies: Sequence[Output] = (), **parameters: Any) -> Simulated:
         """Run a session of twenty attempts.
 
         Args:
             user: one of `simulation.participant_model.PEOPLE`.
             seed: the seed of everything random.
+            bodies: outputs of the agent besides the screen.
             parameters: the task's parameters that differ from the defaults.
         """
         values = {"attempts": 20, **parameters}
         plan = make_plan(self._catalogue, self._kind, ["SIM"], values, theme=THEME, seed=seed, mode="simulated")
-        name = simulate(plan, PEOPLE[user], self._folder, self._catalogue)
+        name = simulate(plan, PEOPLE[user], self._folder, self._catalogue, bodies=bodies)
         database = connect(self._folder)
         with closing(database):
+            messages = [record.message for record in sessions.history(database, name)]
             return Simulated(
                 task=self._kind(plan.parameters),
                 attempts=sessions.rows(database, "attempts", name),
                 actions=sessions.rows(database, "actions", name),
-                asked=[
-                    record.message.at
-                    for record in sessions.history(database, name)
-                    if isinstance(record.message, KeyPressed) and record.message.key == REQUEST_KEY
-                ],
+                asked=[each.at for each in messages if isinstance(each, KeyPressed) and each.key == REQUEST_KEY],
+                reports=[each for each in messages if isinstance(each, OutputReport)],
             )
 
 

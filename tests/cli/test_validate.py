@@ -1,11 +1,13 @@
 """``sar-tui validate``: figures and claims, for people and programs."""
 
 import csv
+import re
+import sys
 from pathlib import Path
 
 import pytest
 
-from sar_tui.validation import feedback, policies, reach, table_4_1
+from sar_tui.validation import policies, reach, table_4_1
 from sar_tui.validation.registry import VALIDATIONS
 from tests.program import Call
 
@@ -66,29 +68,22 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
     assert rows["reaching"]["strict_shared"] < rows["keyboard"]["strict_shared"]
 
 
-@pytest.fixture
-def two_seeds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(feedback, "SEEDS", range(1, 3))
-
-
-@pytest.mark.usefixtures("two_seeds")
 def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) -> None:
-    called = call("validate", "--only", "figure-4.14")
+    called = call("validate", "--quick", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")
     assert called.out.count("reaction time (ms)") == 2
     assert "✓ With feedback after every three, the attempts 3, 6, 9 … have it, and no others." in called.out
-    rows = call("validate", "--only", "figure-4.14", "--json").json["figure-4.14"]
+    rows = call("validate", "--quick", "--only", "figure-4.14", "--json").json["figure-4.14"]
     assert {(row["every"], row["attempt"]) for row in rows if row["feedback"] == "none"} == {
         (3, attempt) for attempt in range(1, 21) if attempt % 3
     }
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("two_seeds")
 def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) -> None:
-    rows = call("validate", "--only", "figure-4.13", "--json").json["figure-4.13"]
-    assert len(rows) == 80
-    printed = call("validate", "--only", "figure-4.13").out
+    rows = call("validate", "--quick", "--only", "figure-4.13", "--json").json["figure-4.13"]
+    assert len(rows) == 120
+    printed = call("validate", "--quick", "--only", "figure-4.13").out
     kinds = {(row["form"], row["feedback"], row["degree"]) for row in rows}
     lines = [line for line in printed.splitlines() if line.startswith(("qualitative ", "quantitative "))]
     assert len(lines) == len(kinds)
@@ -150,7 +145,7 @@ def test_rows_and_output_can_be_saved(call: Call, monkeypatch: pytest.MonkeyPatc
     called = call("validate", "--only", "table-4.1,policies", "--to", to)
     assert called.code == 0
     assert sorted(path.name for path in to.iterdir()) == [
-        "policies.csv", "policies.txt", "table-4.1.csv", "table-4.1.txt",
+        "policies.csv", "policies.txt", "table-4.1.csv", "table-4.1.txt", "validation.html",
     ]  # fmt: skip
     with (to / "policies.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -182,3 +177,45 @@ def test_a_folder_that_cannot_be_created_is_reported(call: Call, tmp_path: Path)
 def test_help_names_every_validation(call: Call) -> None:
     help_text = call("validate", "--help").out
     assert [name for name in VALIDATIONS if name not in help_text] == []
+
+
+def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> None:
+    folder = tmp_path / "report"
+    called = call("validate", "--quick", "--only", "figure-4.4,figure-4.15,table-4.1", "--to", folder)
+    assert (called.code, called.err) == (0, "")
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        *(f"figure-4.{number}.{kind}" for number in (4, 15) for kind in ("csv", "txt", "svg")),
+        "table-4.1.csv", "table-4.1.txt", "validation.html",
+    }  # fmt: skip
+    page = (folder / "validation.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2
+    assert "claims hold." in page
+    assert not re.search("<script|src=|href=", page)
+    again = call("validate", "--quick", "--only", "table-4.1", "--to", folder)
+    assert (again.code, "not overwritten" in again.err) == (2, True)
+
+
+def test_without_the_package_for_figures_the_tables_are_written(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "vl_convert", None)
+    called = call("validate", "--only", "figure-4.15", "--to", tmp_path / "report")
+    assert called.code == 0
+    assert "pip install 'sar-tui[report]'" in called.err
+    assert {path.name for path in (tmp_path / "report").iterdir()} == {"figure-4.15.csv", "figure-4.15.txt"}
+
+
+def test_a_recorded_session_has_the_figures_that_its_data_allow(call: Call, tmp_path: Path) -> None:
+    call("simulate", "reaching", "--user", "poor", "--attempts", 2, "--seed", 1)
+    found = call("validate", "--session", "last", "--json").json
+    assert set(found) == {"figure-4.4", "figure-4.8", "figure-4.11", "figure-4.13", "table-4.1"}
+    assert len(found["figure-4.4"]) == 2
+    assert {row["reach_time_s"] > 0 for row in found["table-4.1"]} == {True}
+    call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--seed", 1)
+    called = call("validate", "--session", "last", "--to", tmp_path / "mine")
+    assert called.code == 0
+    assert "figure-4.8: it has no samples of a motion sensor." in called.out
+    assert (tmp_path / "mine" / "figure-4.4.svg").exists()
+    refused = call("validate", "--session", "last", "--quick")
+    assert (refused.code, "leave out" in refused.err) == (2, True)

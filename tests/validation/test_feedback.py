@@ -17,10 +17,9 @@ Change = Callable[[Simulated], Simulated]
 
 
 @pytest.fixture
-def conditions(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Conditions:
+def conditions(catalogue: Catalogue) -> Conditions:
     """Conditions with fewer seeds than in the validation."""
-    monkeypatch.setattr(feedback, "SEEDS", range(1, 4))
-    return Conditions(catalogue)
+    return Conditions(catalogue, seeds=range(1, 4))
 
 
 @pytest.fixture

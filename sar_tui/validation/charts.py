@@ -1,0 +1,136 @@
+"""The thesis' figures as Vega-Lite charts, without a remote reference."""
+
+from collections.abc import Sequence
+
+from sar_tui.validation.report import Row
+
+_INK, _SOFT, _GOAL = "#1f4e79", "#8a4b08", "#777777"
+_FEEDBACK = {
+    "positive": ("triangle-up", "#1f6f3a"),
+    "neutral": ("square", "#8a6d08"),
+    "negative": ("triangle-down", "#a01010"),
+    "none": ("cross", "#777777"),
+}
+_CONFIG: Row = {
+    "aria": False,  # the page names each chart as a whole
+    "font": "sans-serif",
+    "axis": {"labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"},
+    "view": {"stroke": "#ccc"},
+}
+_WIDTH = 560
+_ATTEMPT: Row = {"field": "attempt", "type": "ordinal", "title": "attempt", "axis": {"labelAngle": 0}}
+
+
+def _whole(**parts: object) -> Row:
+    return {"$schema": "https://vega.github.io/schema/vega-lite/v5.json", "config": _CONFIG, **parts}
+
+
+def _times(rows: Sequence[Row]) -> list[Row]:
+    """Return the layers of reaction times over attempts, and of the goal."""
+    times: Row = {
+        "field": "reaction_time_ms",
+        "type": "quantitative",
+        "title": "reaction time, ms",
+        "scale": {"zero": False},
+    }
+    goal: Row = {"field": "goal_ms", "type": "quantitative"}
+    return [
+        {"mark": {"type": "line", "color": _GOAL, "strokeDash": [5, 4]}, "encoding": {"x": _ATTEMPT, "y": goal}},
+        {"mark": {"type": "line", "color": _INK, "point": {"color": _INK}}, "encoding": {"x": _ATTEMPT, "y": times}},
+    ]
+
+
+def adaptation(rows: Sequence[Row]) -> Row:
+    """Chart reaction times over the attempts of a session, and the level below them."""
+    level: Row = {"field": "level", "type": "quantitative", "title": "level", "axis": {"tickMinStep": 1}}
+    steps = {
+        "mark": {"type": "line", "color": _SOFT, "interpolate": "step", "point": {"color": _SOFT}},
+        "encoding": {"x": _ATTEMPT, "y": level},
+        "width": _WIDTH,
+        "height": 110,
+    }
+    above = {"layer": _times(rows), "width": _WIDTH, "height": 170}
+    return _whole(data={"values": list(rows)}, vconcat=[above, steps])
+
+
+def feedback(groups: Sequence[tuple[str, Sequence[Row]]]) -> Row:
+    """Chart reaction times over attempts with a mark for the feedback on each: one below the other, with titles."""
+    names = list(_FEEDBACK)
+    scale = {"domain": names, "range": [_FEEDBACK[name][0] for name in names]}
+    colours = {"domain": names, "range": [_FEEDBACK[name][1] for name in names]}
+    kind: Row = {"field": "feedback", "type": "nominal", "title": "feedback"}
+    marks = {
+        "mark": {"type": "point", "filled": True, "size": 90},
+        "encoding": {
+            "x": _ATTEMPT,
+            "y": {"field": "reaction_time_ms", "type": "quantitative"},
+            "shape": {**kind, "scale": scale},
+            "color": {**kind, "scale": colours},
+        },
+    }
+    charts = [
+        {
+            "title": title,
+            "data": {"values": list(rows)},
+            "layer": [*_times(rows), marks],
+            "width": _WIDTH,
+            "height": 180,
+        }
+        for title, rows in groups
+    ]
+    return _whole(vconcat=charts)
+
+
+def angular_velocity(rows: Sequence[Row], title: str) -> Row:
+    """Chart the angular velocity about z over time."""
+    encoding = {
+        "x": {"field": "time_s", "type": "quantitative", "title": "time, s"},
+        "y": {"field": "rate_z_rad_s", "type": "quantitative", "title": "angular velocity about z, rad/s"},
+    }
+    return _whole(
+        data={"values": list(rows)},
+        title=title,
+        mark={"type": "line", "color": _INK, "strokeWidth": 1},
+        encoding=encoding,
+        width=_WIDTH,
+        height=220,
+    )
+
+
+def parts(rows: Sequence[Row]) -> Row:
+    """Chart the parts of two loops: those of both, and those that one has alone."""
+    marks = {
+        "x": {"field": "task", "type": "nominal", "title": None, "axis": {"labelAngle": 0, "orient": "top"}},
+        "y": {"field": "part", "type": "nominal", "title": None, "sort": None, "axis": {"minExtent": 120}},
+    }
+    shown = [
+        {"part": row["part"], "task": task, "state": row["state"] if row[task] else ""}
+        for row in rows
+        for task in ("keyboard", "reaching")
+        if row[task]
+    ]
+    colour = {
+        "field": "state",
+        "type": "nominal",
+        "title": None,
+        "scale": {"domain": ["the same", "added"], "range": ["#b9c7d6", "#1f6f3a"]},
+    }
+    return _whole(
+        data={"values": shown},
+        mark={"type": "rect", "stroke": "#ffffff"},
+        encoding={**marks, "color": colour},
+        width=260,
+        height={"step": 18},
+    )
+
+
+def sentences(rows: Sequence[Row], kind: str) -> Row:
+    """Chart what was said: a line for each text, after the value of the field ``kind``."""
+    values = [{"line": number, "kind": row[kind] or "", "text": row["text"]} for number, row in enumerate(rows)]
+    y: Row = {"field": "line", "type": "ordinal", "axis": None}
+    layers = [
+        {"mark": {"type": "text", "align": "left", "color": colour, "fontSize": 12},
+         "encoding": {"x": {"value": x}, "y": y, "text": {"field": field}}}
+        for field, x, colour in (("kind", 0, _SOFT), ("text", 90, "#111111"))
+    ]  # fmt: skip
+    return _whole(data={"values": values}, layer=layers, width=640, height={"step": 20}, view={"stroke": None})

@@ -1,0 +1,61 @@
+"""All validations as one page: verdicts first, then each with its figure, its table and its claims."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+
+from sar_tui.reports.html_page import document, figure, table
+from sar_tui.validation.report import Column, Report
+
+_LISTED = 60
+"""Rows of a table; the files have all."""
+_FOOT = (
+    "Simulated people obey the model that they are made of: what they show holds for the program, and for people only "
+    "as far as they are like the model."
+)
+
+
+def page(title: str, reports: Mapping[str, tuple[str, Report]], notes: Sequence[str] = ()) -> str:
+    """Return a self-contained page.
+
+    Args:
+        reports: with their titles, by name.
+        notes: sentences on what is not there.
+
+    Raises:
+        ChartsMissing: the extra ``report`` is not installed.
+    """
+    body = [f"<h1>{escape(title)}</h1>"]
+    claims = [claim for _, report in reports.values() for claim in report.claims]
+    if claims:
+        held = sum(claim.holds for claim in claims)
+        body.append(f"<p><strong>{held} of {len(claims)} claims hold.</strong></p>")
+    body += [f"<p>{escape(note)}</p>" for note in notes]
+    for name, (heading, report) in reports.items():
+        body += _section(name, heading, report)
+    return document(title, body, foot=_FOOT)
+
+
+def _section(name: str, heading: str, report: Report) -> Iterator[str]:
+    yield f'<h2 id="{escape(name)}">{escape(heading)}</h2>'
+    if report.chart is not None:
+        yield figure(report.chart, heading, is_captioned=False)
+    elif report.drawings:
+        yield from (f"<pre>{escape(drawing)}</pre>" for drawing in report.drawings)
+    for columns in report.tables:
+        yield _table(columns, report)
+    if report.claims:
+        lines = "".join(
+            f"<li>{'✓' if claim.holds else '✗'} {escape(claim.sentence)}{_against(claim.against)}</li>"
+            for claim in report.claims
+        )
+        yield f'<ul class="claims">{lines}</ul>'
+
+
+def _against(against: str) -> str:
+    return f" <strong>But {escape(against)}.</strong>" if against else ""
+
+
+def _table(columns: Sequence[Column], report: Report) -> str:
+    rows = report.rows if report.seen is None else report.seen
+    shown = ([column.show(row) or "" for column in columns] for row in rows[:_LISTED])
+    return table([column.head for column in columns], list(shown), right=[c.head for c in columns if c.is_number])
