@@ -111,14 +111,14 @@ def _checked_patient(home: Home, catalogue: "Catalogue", code: str) -> str:
 
     Raises:
         Refused: there is no passphrase, or no terminal.
-        StoreError: the code is not valid, or has no exercise.
+        StoreError: the code is not valid, or of another site, or has no exercise.
     """
     from sar_tui.app.patient_mode import ignore_keys_that_signal
     from sar_tui.runs.patient_plan import exercises
-    from sar_tui.store.participants import check_code
+    from sar_tui.store.participants import check_own
     from sar_tui.store.passphrase import Passphrase
 
-    code = check_code(code)
+    code = check_own(code)
     if not Passphrase(home.folder).is_set:
         raise Refused("Patient mode ends with a passphrase. Set one first: sar-tui passphrase.")
     with home.database() as database:

@@ -59,10 +59,10 @@ def unfinished(
     task: str,
     now: Callable[[], datetime] = lambda: datetime.now(UTC),
 ) -> str | None:
-    """Return the id of the participant's last session of a task if it was interrupted not long ago; else None."""
+    """Return the id of the participant's last session of a task if it was interrupted here not long ago; else None."""
     rows = sessions.listing(database, folder, participant=participant, limit=_LOOKED_AT)
     last = next((row for row in rows if row["task"] == task and row["mode"] == "live"), None)
-    if last is None or last["status"] != "interrupted" or last["partner"]:
+    if last is None or last["status"] != "interrupted" or last["partner"] or last["site"]:
         return None
     age = now() - datetime.fromisoformat(last["started_at"])
     return str(last["id"]) if timedelta(0) <= age < RESUMED_WITHIN else None

@@ -1,4 +1,4 @@
-"""Interrupted sessions that nobody goes on with. Nothing of them is deleted."""
+"""Interrupted sessions of this site that nobody goes on with. Nothing of them is deleted."""
 
 import sqlite3
 from pathlib import Path
@@ -17,7 +17,8 @@ def dismiss(db: sqlite3.Connection, folder: Path, session: str) -> None:
     try:
         with transaction(db) as connection:
             connection.execute(
-                "UPDATE sessions SET status='dismissed' WHERE id=? AND status IN ('running', 'interrupted')", (session,)
+                "UPDATE sessions SET status='dismissed' WHERE id=? AND site='' AND status IN ('running', 'interrupted')",
+                (session,),
             )
     finally:
         held.release()
@@ -30,4 +31,6 @@ def take_back(db: sqlite3.Connection, session: str) -> None:
         StoreError: the disk cannot write.
     """
     with transaction(db) as connection:
-        connection.execute("UPDATE sessions SET status='interrupted' WHERE id=? AND status='dismissed'", (session,))
+        connection.execute(
+            "UPDATE sessions SET status='interrupted' WHERE id=? AND site='' AND status='dismissed'", (session,)
+        )

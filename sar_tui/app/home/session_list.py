@@ -119,7 +119,7 @@ class SessionList(Vertical):
         if action == "dismiss_session":
             return row is not None and can_resume(row)
         if action == "take_back":
-            return row is not None and row["status"] == "dismissed"
+            return row is not None and row["status"] == "dismissed" and not row["site"]
         return super().check_action(action, parameters)
 
     def action_dismiss_session(self) -> None:

@@ -36,7 +36,7 @@ class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     def _is_valid(self, code: str) -> bool:
         problem = ""
         try:
-            if participants.check_code(code) in participants.codes(self.app.database):
+            if participants.check_own(code) in participants.codes(self.app.database):
                 problem = "This code is taken."
         except StoreError as error:
             problem = str(error) if code.strip() else ""
