@@ -1,5 +1,7 @@
 """Samples of motion sensors leave as they were measured; a damaged block is named, and the rest leaves."""
 
+import csv
+import io
 from contextlib import closing
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import frictionless
 import numpy as np
 import pytest
 
+from sar_tui.export.formats.csv import numeric_lines
 from sar_tui.store import imu
 from sar_tui.store.database import connect
 from tests.export.exported import export_csv, read_csv
@@ -30,6 +33,17 @@ def test_samples_equal_the_database(session: str, tmp_path: Path) -> None:
         written = np.array([[row[f"{name}_{axis}"] for axis in "xyz"] for row in rows], np.float32)
         assert np.array_equal(written, samples[name])
     assert {row["field_x"] for row in rows} == {None}, "not measured"
+
+
+def test_numbers_of_samples_are_read_back_as_the_same_doubles(tmp_path: Path) -> None:
+    numbers = [0.1, -0.0, 5e-324, 1.7976931348623157e308, 1e16, 7.5e-05, 123456789.0, 2**53 + 1, -(2**63)]
+    rows = [("s-1", 1, number, None) for number in numbers]
+    text = "".join(numeric_lines(iter(rows), "s-1"))
+    read = list(csv.reader(io.StringIO(text, newline="")))
+    assert [(row[0], int(row[1]), type(number)(row[2]), row[3]) for row, number in zip(read, numbers, strict=True)] == [
+        (*row[:3], "") for row in rows
+    ]
+    assert text.count("\r\n") == text.count("\n") == len(rows)
 
 
 def test_a_damaged_block_is_named_and_the_rest_leaves(call: Call, session: str, tmp_path: Path) -> None:

