@@ -21,6 +21,7 @@ from sar_tui.export.tables.parameters import PROGRAMMES, Fields, parameters, pro
 from sar_tui.export.tables.participants import PARTICIPANTS
 from sar_tui.export.tables.runs import runs
 from sar_tui.export.tables.sessions import sessions
+from sar_tui.export.tables.sync_signals import sync_signals
 from sar_tui.export.tables.trials import trials
 from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
 from sar_tui.framework.parameters import fields as declared_fields
@@ -70,6 +71,7 @@ class Contents:
             ),
             parameters(fields, damage),
             runs(damage),
+            sync_signals(damage),
             wellbeing(selection.sessions),
             attempts(database, selection.ids, damage),
             trials(database, selection.ids, _declared(catalogue, selection.tasks), damage),

@@ -291,9 +291,10 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "ended_ns": "open",
         "outcome": "open",
     },
+    "sync": {"number": "open", "what": "open", "source": "open"},
     "sessions.parameters": {"name": "open", "value": "open", "text": "text", "unit": "open", "title": "open"},
 }
-"""By table, or JSON column, and by column, or part of the JSON; ``sensor`` and ``output`` are messages."""
+"""By table, or JSON column, and by column, or part of the JSON; ``sensor``, ``output`` and ``sync`` are messages."""
 
 SOURCES = {f"{table}.{column}": found for table, columns in _INVENTORY.items() for column, found in columns.items()}
 """Every column and every part of a JSON column that is known, with its treatment."""

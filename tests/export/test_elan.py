@@ -15,7 +15,7 @@ from sar_tui.export.formats.eaf import Annotation, Tier, annotation, document
 from sar_tui.store.database import connect
 from tests.export.exported import export_as, export_csv, read_csv
 from tests.export.resumed import resumed
-from tests.export.test_outputs import REPORTS, store_reports
+from tests.export.test_outputs import REPORTS, store_messages, store_reports
 from tests.export.varied import NOTE, store_trials, varied
 from tests.program import Call
 
@@ -111,12 +111,16 @@ def test_the_parts_of_an_action_are_tiers(tmp_path: Path) -> None:
             "INSERT INTO runs (session, run, clock_anchor) VALUES ('s1', 1, ?)",
             ('{"clock_ns": 0, "utc": "2026-01-01T00:00:00+00:00"}',),
         )
-    store_reports(tmp_path / "data", [(*report[:4], report[4] * MS) for report in REPORTS])
+    gazes = [(id, "screen", "gaze", "started", at) for id, at in (("a1", 200), ("cue-2", 900))]
+    store_reports(tmp_path / "data", [(*report[:4], report[4] * MS) for report in (*REPORTS, *gazes)])
+    store_messages(tmp_path / "data", "output/sync", [{"what": "flash", "at": 7 * MS, "source": "flush"}])
     export_as("elan", tmp_path / "data", tmp_path / "out", with_notes=True)
     tiers = read_eaf(tmp_path / "out" / "session_s1.eaf")
     assert tiers["agent say"] == [(30, 40, "greeting: ¡Hola!"), (60, 70, "greeting: ¡Hola!")]
     assert tiers["agent show"] == [(20, 120, 'greeting: Hola, "Ana" <3 & \ufffd')], "no known end"
     assert tiers["agent tone"] == [], "never started"
+    assert [times[:2] for times in tiers["agent gaze"]] == [(200, 900), (900, 1000)], "until the next"
+    assert (7, 107, "flash") in _all(tiers, "session")
 
 
 def test_a_resumed_session_goes_on_on_the_time_line(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """A file for ELAN a session, for coding beside a video of it."""
 
 from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ _OWN = {"go": "go signal", "end": "end of the attempt", "cue": "cue"}
 
 
 class ElanFormat:
-    """Tiers of attempts and trials of each participant, of what the agent did, of decisions, notes and faults.
+    """Tiers of signals for cameras, attempts and trials, what the agent did, decisions, notes and faults.
 
     Time 0 is when the first run of the session began. Times are rounded to ms.
     """
@@ -69,7 +70,8 @@ class _Session:
     def tiers(self) -> Iterator[Tier]:
         """Yield all tiers, those without annotations as well: files of all sessions have the same."""
         runs = [(row, f"run {row['run']}", row["clock_ns"], None) for row in self._rows("runs")]
-        yield Tier("session", self._placed(runs))
+        signals = [(row, row["what"] or "signal", row["at_ns"], None) for row in self._rows("sync_signals")]
+        yield Tier("session", self._placed([*runs, *signals]))
         seats = {"A": self._row["participant"], "B": self._row["partner"]}
         trials = self._rows("trials")
         for seat, code in seats.items():
@@ -127,7 +129,8 @@ class _Session:
 
     def _agent(self) -> Iterator[Tier]:
         actions = {row["action"]: row for row in self._rows("actions")}
-        outputs = self._rows("outputs")
+        outputs = [row for row in self._rows("outputs") if row["started_ns"] is not None]
+        _end_gazes(outputs)
         for deed, columns in _DEEDS.items():
             yield Tier(
                 f"agent {deed}",
@@ -150,6 +153,14 @@ class _Session:
             for row in self._rows("actions")
             if row["decided_by"] == "operator"
         )
+
+
+def _end_gazes(outputs: list[dict[str, Any]]) -> None:
+    """Let each gaze without an end last until the next one of its run."""
+    gazes = [row for row in outputs if row["deed"] == "gaze"]
+    for row, following in pairwise(gazes):
+        if row["ended_ns"] is None and row["run"] == following["run"]:
+            row["ended_ns"] = following["started_ns"]
 
 
 def _times(trial: Row) -> tuple[int | None, int | None]:
