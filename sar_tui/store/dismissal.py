@@ -17,7 +17,8 @@ def dismiss(db: sqlite3.Connection, folder: Path, session: str) -> None:
     try:
         with transaction(db) as connection:
             connection.execute(
-                "UPDATE sessions SET status='dismissed' WHERE id=? AND site='' AND status IN ('running', 'interrupted')",
+                "UPDATE sessions SET status='dismissed'"
+                " WHERE id=? AND site='' AND status IN ('running', 'interrupted')",
                 (session,),
             )
     finally:
