@@ -245,9 +245,15 @@ def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
     return first, last, run
 
 
+_NOT_OF_SESSIONS = (
+    "site", "same_people", "conflicts", "participants", "programmes", "wellbeing", "adverse_events",
+    "instrument_scores",
+)  # fmt: skip
+
+
 def _bring_participants(source: sqlite3.Connection, database: sqlite3.Connection) -> None:
     """Copy participants, programmes and what is not of a session, if the database lacks it."""
-    for table in ("participants", "programmes", "wellbeing", "adverse_events", "instrument_scores"):
+    for table in _NOT_OF_SESSIONS:
         copy_rows(source, database, table, or_ignore=True)
 
 

@@ -264,10 +264,7 @@ def version_13(db: sqlite_utils.Database) -> None:
 @migrations()
 def version_14(db: sqlite_utils.Database) -> None:
     """Codes of the same person at several sites; versions of records that contradict each other."""
-    db.execute(
-        "CREATE TABLE same_people (code TEXT NOT NULL, same_as TEXT NOT NULL, PRIMARY KEY (code, same_as))"
-        " WITHOUT ROWID"
-    )
+    db.execute("CREATE TABLE same_people (code TEXT NOT NULL, same_as TEXT NOT NULL, PRIMARY KEY (code, same_as))")
     db.execute(
         "CREATE TABLE conflicts (kind TEXT NOT NULL, key TEXT NOT NULL, digest TEXT NOT NULL, content BLOB NOT NULL,"
         " PRIMARY KEY (kind, key, digest))"

@@ -1,9 +1,12 @@
 """A merge brings in all that another database has, once, whatever the order."""
 
+import shutil
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from sar_tui.store.database import FILE, connect
 from sar_tui.store.merge.merge import Merged
 from tests.store.merge.sites import change, copy, go_on, holds, merge, play, save_programme, site
 
@@ -118,3 +121,21 @@ def test_a_change_behind_the_programs_back_is_not_lost(zurich: Path, bern: Path,
     merge(third, other, bern)
     assert [each.key for each in merge(zurich, None).conflicts] == ["b1"]
     assert holds(third) == holds(zurich)
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_the_newest_trials_are_read_from_the_log(zurich: Path, bern: Path, tmp_path: Path, is_open: bool) -> None:
+    """A program that has the other database open, or was killed, leaves its newest rows in a log beside it."""
+    with closing(connect(bern)) as holding:
+        holding.execute("PRAGMA wal_autocheckpoint=0")
+        play(bern, "b2")
+        other = bern
+        if not is_open:
+            other = tmp_path / "stick"
+            other.mkdir()
+            for name in (FILE, f"{FILE}-wal"):
+                shutil.copyfile(bern / name, other / name)
+        before = {path.name: path.read_bytes() for path in other.iterdir() if path.is_file() and "shm" not in path.name}
+        assert merge(zurich, other).added == ["b1", "b2"]
+        assert {path.name: path.read_bytes() for path in other.iterdir() if path.name in before} == before
+        assert is_open or {path.name for path in other.iterdir()} == before.keys()

@@ -8,9 +8,10 @@ import pytest
 
 from sar_tui.app.home.contents import can_resume, read_participants, read_sessions
 from sar_tui.plugins import Catalogue
-from sar_tui.store import participants, results, sessions
-from sar_tui.store.database import connect
-from tests.store.merge.sites import change, merge, play, site
+from sar_tui.store import participants, results, sessions, sites
+from sar_tui.store.database import FILE, RESCUE, connect
+from sar_tui.store.rescue import bring_back
+from tests.store.merge.sites import change, copy, holds, merge, play, site
 
 
 @pytest.fixture
@@ -55,6 +56,18 @@ def test_the_first_screen_lists_the_participants_of_this_site(zurich: Path, cata
         assert [line.who for line in listed.lines][:2] == ["P01@BERN", "P01@BERN"]
         assert (listed.offered, [row["id"] for row in listed.rows if can_resume(row)]) == (None, [])
         assert sessions.latest_interrupted(database, zurich) is None
+
+
+def test_what_was_merged_comes_back_from_a_rescue_file(zurich: Path, tmp_path: Path) -> None:
+    merge(zurich, None, same=("P01@BERN=P01",))
+    before = holds(zurich)
+    removed = tmp_path / "removed"
+    removed.mkdir()
+    (copy(zurich, tmp_path / "copy") / FILE).rename(removed / f"{RESCUE}a0.db")
+    bring_back(removed)
+    assert holds(removed) == before
+    with closing(connect(removed)) as database:
+        assert sites.own(database) == "ZURICH"
 
 
 def test_codes_of_other_sites_are_valid_and_told_apart() -> None:
