@@ -1,14 +1,17 @@
 """Names, devices, places and typed texts do not leave unless they are asked for, whichever table they are in."""
 
+import gzip
 import json
 from contextlib import closing
 from pathlib import Path
 
+import pyarrow.parquet
 import pytest
 from sqlite_utils import Database
 
+from sar_tui.export.registry import BUNDLED
 from sar_tui.store.database import connect
-from tests.export.exported import export_csv, read_csv
+from tests.export.exported import export_as, export_csv, read_csv
 from tests.program import Call
 
 NEVER = "Dr-Anna-Wirth"
@@ -32,6 +35,15 @@ def data(call: Call, tmp_path: Path) -> Path:
         update("UPDATE runs SET boot_id=?, machine=json_set(machine, '$.host', ?)", (NEVER, NEVER))
         update("UPDATE imu_streams SET serial=?, source=?", (NEVER, f"phidget://{NEVER}"))
         update("UPDATE actions SET actor=?, proposed=json_set(proposed, '$.text', ?)", (f"operator.{NEVER}", TYPED))
+        report = {
+            "action": "a1",
+            "output": f"ros://{NEVER}",
+            "deed": "say",
+            "state": "failed",
+            "at": 1,
+            "detail": NEVER,
+        }
+        update("INSERT INTO earlier_events VALUES (?,0,1,1,'output/report',?)", (session, json.dumps(report)))
         update("UPDATE trials SET details=json_set(details, '$.remark', ?)", (TYPED,))
         tables = Database(database)
         tables["notes"].insert_all(  # type: ignore[union-attr]
@@ -55,15 +67,31 @@ def data(call: Call, tmp_path: Path) -> Path:
 
 
 def files(folder: Path) -> dict[str, str]:
-    return {path.name: path.read_text("utf-8") for path in folder.iterdir()}
+    """Return the contents of all files, by name."""
+    return {path.name: _text(path) for path in folder.rglob("*") if path.is_file()}
 
 
-def test_nothing_that_identifies_or_was_typed_leaves(data: Path, tmp_path: Path) -> None:
-    exported = export_csv(data, tmp_path / "out", with_events=True)
+def _text(path: Path) -> str:
+    if path.suffix == ".parquet":
+        return str(pyarrow.parquet.read_table(path).to_pylist())
+    return (gzip.decompress if path.suffix == ".gz" else bytes)(path.read_bytes()).decode(errors="replace")
+
+
+@pytest.mark.parametrize("format", BUNDLED)
+def test_nothing_that_identifies_or_was_typed_leaves(data: Path, tmp_path: Path, format: str) -> None:
+    exported = export_as(format, data, tmp_path / "out", with_events=True)
     found = files(tmp_path / "out")
     assert [name for name, text in found.items() if NEVER in text] == []
     assert [name for name, text in found.items() if TYPED in text] == []
     assert {"notes.text", "adverse_events.what", "trials.details_remark"} <= set(exported.left_out)
+
+
+@pytest.mark.parametrize("format", BUNDLED)
+def test_typed_texts_leave_in_every_format_if_asked_for(data: Path, tmp_path: Path, format: str) -> None:
+    export_as(format, data, tmp_path / "out", with_notes=True, with_events=True)
+    found = files(tmp_path / "out")
+    assert [name for name, text in found.items() if NEVER in text] == []
+    assert [name for name, text in found.items() if TYPED in text] != []
 
 
 def test_typed_texts_leave_if_asked_for_and_names_never(data: Path, tmp_path: Path) -> None:
