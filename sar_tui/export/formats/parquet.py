@@ -16,8 +16,10 @@ from sar_tui.export.errors import ExportError
 if TYPE_CHECKING:
     import pyarrow
 
-ROWS = 1 << 16
-"""Rows that are written at a time, as one row group."""
+ROWS = 1 << 12
+"""Rows that are in memory as Python's objects at a time."""
+_BLOCKS = 32
+"""Blocks of so many rows that are written together, as a row group."""
 _NO_MONTH = "__HIVE_DEFAULT_PARTITION__"
 """The name that DuckDB, Spark and others read as missing."""
 NO_PACKAGE = "Parquet needs the Python package pyarrow. Install it with: pip install 'sar-tui[lake]'."
@@ -172,6 +174,8 @@ def _write(path: Path, shape: _Shape, rows: Iterator[Values]) -> None:
     from pyarrow import parquet
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    with parquet.ParquetWriter(path, shape.schema, compression="zstd") as file:
-        while block := list(islice(rows, ROWS)):
-            file.write_batch(pa.record_batch(shape.columns(block), schema=shape.schema))
+    texts = [field.name for field in shape.schema if field.type == pa.string()]  # the same ones in many rows
+    with parquet.ParquetWriter(path, shape.schema, compression="zstd", use_dictionary=texts) as file:
+        blocks = iter(lambda: list(islice(rows, ROWS)), [])
+        while group := [pa.record_batch(shape.columns(each), schema=shape.schema) for each in islice(blocks, _BLOCKS)]:
+            file.write_table(pa.Table.from_batches(group).combine_chunks())
