@@ -75,8 +75,8 @@ def _operator(extent: Extent) -> Any:
 
 
 def _export(extent: Extent) -> Any:
-    few, many = (5, 20) if extent.quick else (25, 250)
-    return export.measure(few, many, extent.folder, extent.progress("exports", export.steps()))
+    trials, samples = (20_000, 50_000) if extent.quick else (1_000_000, 3_600_000)
+    return export.measure(trials, samples, extent.folder, extent.progress("exports", export.steps()))
 
 
 def _merge(extent: Extent) -> Any:

@@ -115,22 +115,22 @@ def _sessions(many: Results) -> dict[str, Rows]:
 
 
 def _export(exported: Results) -> dict[str, Rows]:
-    return {
-        "An export as CSV": [
-            ["sessions", "rows", "rows per second", "a bare loop's", "ratio of the times", "peak memory (MB)"],
-            *(
-                [
-                    f"{size['sessions']}",
-                    f"{size['rows']}",
-                    f"{size['rows_per_s']:.0f}",
-                    f"{size['bare_rows_per_s']:.0f}",
-                    f"{size['ratio']:.2f}",
-                    f"{size['memory_mb']:.0f}",
-                ]
-                for size in exported["sizes"]
-            ),
-        ]
-    }
+    rows = []
+    for each in exported["exports"]:
+        small, large = each["sizes"]
+        memory = [f"{size['memory_mb']:.0f}" if size["memory_mb"] else "" for size in (small, large)]
+        rows.append(
+            [
+                f"{large['rows']} {each['what']}",
+                each["as"],
+                f"{large['s']:.1f}",
+                f"{large['rows'] / large['s']:.0f}",
+                f"{large['s'] / small['s']:.1f}",
+                *memory,
+            ]
+        )
+    head = ["rows", "as", "s", "rows/s", "ratio", "MB of a tenth", "MB"]
+    return {"Exports, and those of a tenth of the rows": [head, *rows]}
 
 
 def _merge(merged: Results) -> dict[str, Rows]:
