@@ -106,12 +106,33 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
             await until_failing(driver)
             assert driver.app.live
             assert "takes no markers" in driver.app.live.markers_trouble
-            await driver.do_attempt(await driver.begin())
+            assert driver.sees("takes no markers"), "a therapist who is there is told between attempts"
+            prompt = await driver.begin()
+            assert not driver.sees("takes no markers"), "nothing vanishes from the screen in a trial"
+            await driver.do_attempt(prompt)
             await driver.see_the_summary()
         assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
     assert len(trials(tmp_path, "response_ns")) == 4
     closed = closing(driver)
     assert closed["lost"] > 0
+
+
+async def test_a_resumed_session_sends_its_next_run_and_nothing_of_the_one_before(
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(tmp_path, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        session = driver.session_id
+    with udp_receiver() as receiver:
+        async with open_app(tmp_path, catalogue, session, markers=[receiver.address]) as driver:
+            await driver.press("enter")
+            await driver.wait(300)
+            await driver.do_attempt(await driver.begin())
+            await driver.see_the_summary()
+        markers = receiver.until("session_end")
+    assert [marker["run"] for marker in markers if marker["event"] == "session_start"] == [2]
+    assert markers[0]["event"] == "session_start"
+    assert stamps(markers, "prompt_onset") == trials(tmp_path, "onset_ns")[2:]
 
 
 async def until_failing(driver: AppDriver) -> None:

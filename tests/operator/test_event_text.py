@@ -1,4 +1,4 @@
-"""The panel's log says why the level or the goal has changed."""
+"""The panel's log says why the level or the goal has changed, and if markers are lost."""
 
 import pytest
 
@@ -35,8 +35,18 @@ TARGET = "18 of 20 prompts reached the goal; the target is 70 %."
             m.GoalChanged(previous=1000, goal=843.218, unit="ms", reason="percentile", why="The goal is a result."),
             "Goal 1000 → 843.2 ms (the goal is a result).",
         ),
+        (
+            t.MARKERS,
+            m.MarkersChanged(destination="serial:COM3", state="failing", at=0, detail="The port takes no markers."),
+            "No markers go to serial:COM3: The port takes no markers.",
+        ),
+        (
+            t.MARKERS,
+            m.MarkersChanged(destination="serial:COM3", state="working", at=0),
+            "Markers go to serial:COM3 again.",
+        ),
     ],
-    ids=["target", "in a row", "of an earlier program", "by hand", "goal"],
+    ids=["target", "in a row", "of an earlier program", "by hand", "goal", "no markers", "markers again"],
 )
 def test_a_change_is_logged_with_its_reason(topic: Topic[m.Message], message: m.Message, text: str) -> None:
     line = event_line(b.frame(topic, message), None, None)

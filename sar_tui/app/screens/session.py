@@ -9,7 +9,7 @@ from sar_tui.app.screens.session_keys import KeysScreen
 from sar_tui.app.screens.summary import Summary
 from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Prompt, Recall, SessionEnded, Waiting
-from sar_tui.framework.topics import RECALL
+from sar_tui.framework.topics import MARKERS, RECALL
 from sar_tui.widgets.big_prompt import BigPrompt
 
 
@@ -26,6 +26,7 @@ class SessionScreen(KeysScreen):
     def on_mount(self) -> None:
         self._show_attempts(0)
         self._live.begin(self.app, self._broken)
+        self._live.run.session.bus.subscribe(MARKERS, lambda _: self._warn_of_markers())
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 
@@ -81,7 +82,7 @@ class SessionScreen(KeysScreen):
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")
         self._update_motion(waiting)
-        self._warn_of_markers(waiting)
+        self._warn_of_markers()
         if waiting.what in ("foreperiod", "response"):
             if waiting.what == "response":
                 self._gc.begin_trial()
@@ -102,10 +103,10 @@ class SessionScreen(KeysScreen):
             self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip)
             self._stage("menu")
 
-    def _warn_of_markers(self, waiting: Waiting) -> None:
+    def _warn_of_markers(self) -> None:
         """Tell a therapist who is there, once and never in a trial, that markers are lost."""
-        trouble = self._live.markers_trouble
-        if trouble and trouble != self._warned_of and waiting.stage not in ("trial", "answer") and not self.app.patient:
+        trouble, in_trial = self._live.markers_trouble, self._waiting is None or self._waiting.stage == "trial"
+        if trouble and trouble != self._warned_of and not in_trial and not self.app.patient:
             self._warned_of, self._has_warned = trouble, True
             self.app.notify(trouble, severity="warning", timeout=30)
 
