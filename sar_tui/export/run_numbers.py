@@ -1,4 +1,4 @@
-"""Runs of the program that actions and notes belong to: their tables do not say, but the messages do."""
+"""Runs of the program that stamps belong to, where the tables do not say, but the messages do."""
 
 import sqlite3
 from collections.abc import Callable
@@ -34,6 +34,17 @@ def runs_of_notes(database: sqlite3.Connection, session: str, damage: Damage) ->
         damage,
         "SELECT coalesce(nullif(json_extract(message, '$.at'), 0), at_ns), run FROM events"
         " WHERE session=? AND topic='operator/noted'",
+        (session,),
+    )
+
+
+def runs_of_starts(database: sqlite3.Connection, session: str, damage: Damage) -> Find:
+    """Return the run in which an attempt began, by its number."""
+    return _single(database, session) or _found(
+        database,
+        damage,
+        "SELECT json_extract(message, '$.attempt'), max(run) FROM events"
+        " WHERE session=? AND topic='event_handler/attempt_started' GROUP BY 1",
         (session,),
     )
 

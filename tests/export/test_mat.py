@@ -71,6 +71,8 @@ def test_seconds_go_on_when_a_session_is_resumed_after_its_computer_went_down(tm
     assert (begun["clock_s"], again["clock_s"]) == (0, (went_on - began).total_seconds())
     assert second[0]["onset_ns"] < first[0]["onset_ns"], "the clock began anew"
     assert first[0]["onset_s"] == (first[0]["onset_ns"] - begun["clock_ns"]) / 1e9
+    (_, cut) = mat_files.rows(tmp_path / "out", "attempts")
+    assert 0 <= cut["started_s"] == (cut["started_ns"] - begun["clock_ns"]) / 1e9 < 60
     since = (second[0]["onset_ns"] - again["clock_ns"]) / 1e9
     assert second[0]["onset_s"] == pytest.approx(again["clock_s"] + since, abs=1e-8)
 

@@ -77,7 +77,7 @@ class _Session:
         for seat, code in seats.items():
             if seat == "A" or code:
                 own = [row for row in trials if row["seat"] == seat]
-                yield Tier(f"{seat} attempts", self._attempts(seat, own), code or "")
+                yield Tier(f"{seat} attempts", self._attempts(seat), code or "")
                 yield Tier(f"{seat} trials", self._placed((row, _trial(row), *_times(row)) for row in own), code or "")
         yield from self._agent()
         yield Tier("operator", self._decisions())
@@ -107,22 +107,14 @@ class _Session:
                 found.append(annotation(began, self._clock.milliseconds(row["run"], end), value))
         return found
 
-    def _attempts(self, seat: str, trials: list[dict[str, Any]]) -> list[Annotation]:
-        """Return the attempts of a seat; one that was interrupted begins with its first trial, in the earlier run."""
-        first: dict[int, Row] = {}
-        for row in trials:
-            if row["onset_ns"] is not None:
-                first.setdefault(row["attempt"], row)
+    def _attempts(self, seat: str) -> list[Annotation]:
         found = []
         for row in self._rows("attempts"):
-            if row["seat"] != seat:
+            if row["seat"] != seat or row["started_ns"] is None:
                 continue
-            begun = first.get(row["attempt"], row)
-            if begun["run"] == row["run"]:
-                begun = {"run": row["run"], "onset_ns": row["started_ns"]}
-            start = self._clock.milliseconds(begun["run"], begun["onset_ns"])
+            start = self._clock.milliseconds(row["started_run"], row["started_ns"])
             if start is None:
-                self.unplaced += begun["onset_ns"] is not None
+                self.unplaced += 1
             else:
                 found.append(annotation(start, self._clock.milliseconds(row["run"], row["ended_ns"]), _attempt(row)))
         return found

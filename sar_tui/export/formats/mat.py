@@ -110,7 +110,8 @@ def _table(table: Table, rows: Sequence[Values], clock: SessionClock | None = No
     for column, found in zip(table.columns, values, strict=True):
         made[short[column.name]] = column_of(column, found)
         if clock is not None and in_seconds(table, column):
-            runs = values[names.index("run")]
+            own = f"{column.name.removesuffix('_ns')}_run"  # an attempt may have begun in an earlier run
+            runs = values[names.index(own if own in names else "run")]
             made[seconds_name(column)] = numbers([clock.seconds(*each) for each in zip(runs, found, strict=True)])
     return made
 

@@ -11,6 +11,7 @@ from sar_tui.export.columns import MODE, PARTICIPANT, SEAT, SESSION, TASK, TO_SE
 from sar_tui.export.columns import stored as _stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import columns, value_for
+from sar_tui.export.run_numbers import runs_of_starts
 from sar_tui.export.seats import codes_by_seat
 from sar_tui.framework.policies.feedback import POLICIES
 
@@ -64,7 +65,13 @@ _PLAIN = (
         "The feedback that followed; none if none was due or asked for.",
         levels=("positive", "neutral", "negative", "none"),
     ),
-    _stored("attempts.started_ns", "integer", "When it began, steady clock of its run.", unit="ns"),
+    _stored(
+        "messages.run",
+        "integer",
+        "The run of the program in which it began; another one than that of its end if it was interrupted.",
+        name="started_run",
+    ),
+    _stored("attempts.started_ns", "integer", "When it began, steady clock of started_run.", unit="ns"),
     _stored("attempts.ended_ns", "integer", "Its last response, steady clock of its run.", unit="ns"),
 )
 
@@ -91,7 +98,23 @@ def _rows(
     qualities: Mapping[str, Column], damage: Damage, database: sqlite3.Connection, session: str
 ) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
-    for id, mode, task, attempt, seat, run, practice, level, metric, *rest, chosen, measured in database.execute(
+    started_run = runs_of_starts(database, session, damage)
+    for (
+        id,
+        mode,
+        task,
+        attempt,
+        seat,
+        run,
+        practice,
+        level,
+        metric,
+        *rest,
+        began,
+        ended,
+        chosen,
+        measured,
+    ) in database.execute(
         "SELECT sessions.id, mode, task, attempt, seat, run, practice, level, metric, metric_unit, goal, accuracy,"
         " correct, trials, outcome, feedback, started_ns, ended_ns, choice, qualities"
         " FROM attempts JOIN sessions ON sessions.id=session WHERE session=? ORDER BY attempt, seat",
@@ -101,6 +124,7 @@ def _rows(
         decided, found = damage.object_of("choice", chosen), damage.object_of("qualities", measured)
         yield (
             id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, result, *rest,
+            started_run(attempt), began, ended,
             *(decided.get(key) for key in _CHOICE),
             *(value_for(column, found.get(key)) for key, column in qualities.items()),
         )  # fmt: skip
