@@ -125,9 +125,10 @@ def _numbers(values: "Floats") -> list[float | None]:
     from numpy import isfinite  # imports numpy, which an export without a sensor does not need
 
     is_measured = isfinite(values)
+    found: list[float | None] = values.tolist()
     if is_measured.all():
-        return values.tolist()
-    return [value if known else None for value, known in zip(values.tolist(), is_measured.tolist(), strict=True)]
+        return found
+    return [value if known else None for value, known in zip(found, is_measured.tolist(), strict=True)]
 
 
 _QUANTITIES = ("acceleration", "rate", "field")
