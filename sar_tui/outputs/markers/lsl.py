@@ -1,5 +1,6 @@
 """Markers as a stream of the Lab Streaming Layer (LSL)."""
 
+import contextlib
 import os
 import time
 from importlib.util import find_spec
@@ -100,7 +101,8 @@ def library() -> Any:
         _configured = True
         own = _own_configuration()
         if "[log]" not in own:
-            pylsl.set_config_content(f"{own}\n{_QUIET}")
+            with contextlib.suppress(NotImplementedError):  # an older library of the system, which is not quiet
+                pylsl.set_config_content(f"{own}\n{_QUIET}")
     return pylsl
 
 

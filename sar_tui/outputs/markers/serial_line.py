@@ -70,11 +70,11 @@ class SerialLine:
         import serial
 
         try:
-            self._line = serial.Serial(self._port, self._baud, timeout=0, write_timeout=_WRITE_SECONDS)
+            self._line = serial.Serial(self._port, self._baud, timeout=0, write_timeout=_WRITE_SECONDS, exclusive=True)
         except (OSError, ValueError) as error:  # serial.SerialException is an OSError
             raise MarkerError(
-                f"The serial port {self._port} cannot be opened ({_reason(error)}). Plug the trigger box in, and see "
-                "that you may use it (on Linux: the group dialout)."
+                f"The serial port {self._port} cannot be opened ({_reason(error)}). Plug the trigger box in, see "
+                "that you may use it (on Linux: the group dialout), and close other programs that use it."
             ) from error
         return ""
 

@@ -65,6 +65,17 @@ def test_a_serial_port_that_is_not_there_is_named() -> None:
         SerialLine("serial:/dev/nowhere").check()
 
 
+def test_a_serial_port_that_another_program_uses_is_not_shared() -> None:
+    pytest.importorskip("serial")
+    with serial_line() as line:
+        first, second = (SerialLine(f"serial:{line.name}") for _ in range(2))
+        first.open("s1", "keyboard")
+        with pytest.raises(MarkerError, match="close other programs that use it"):
+            second.check()
+        first.close()
+        second.check()
+
+
 def test_a_code_is_followed_by_zero_and_a_line_is_json() -> None:
     pytest.importorskip("serial")
     with serial_line() as line:
