@@ -57,3 +57,4 @@ def store_study(data: Path, catalogue: Catalogue) -> None:
         (keyboard,) = database.execute("SELECT id FROM sessions WHERE task='keyboard' LIMIT 1").fetchone()
         wellbeing.save(database, "P01", "before", "pain", "3", session=keyboard)
         wellbeing.save(database, "P01", "after", "fatigue", "not said", session=keyboard)
+        wellbeing.save(database, "P01", "before", "pain", "8")  # too much to begin a session

@@ -247,6 +247,7 @@ def test_scores_and_answers_are_phenotypes(dataset: Path) -> None:
     assert set(sidecar) == {"MeasurementToolMetadata", *row} - {"participant_id"}
     (answers,) = read(dataset / "phenotype" / "wellbeing.tsv")
     assert (answers["pain_before_1"], answers["fatigue_after_1"]) == ("3", "not said")
+    assert (answers["session_2"], answers["pain_before_2"]) == ("n/a", "8"), "before a session that never began"
 
 
 def test_notes_leave_only_if_asked_for_and_keep_quotes_and_line_ends(

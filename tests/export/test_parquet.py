@@ -219,8 +219,8 @@ def test_the_query_of_the_page_gives_what_the_databases_hold(
     clinic: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     expected = []
-    for site in ("BERN", "ULM"):
-        data = clinic(site, "keyboard", "reaching")
+    for site, tasks in (("BERN", ("keyboard", "reaching")), ("ULM", ("keyboard", "pairs"))):
+        data = clinic(site, *tasks)
         leave(data, tmp_path / "lake")
         with closing(connect(data)) as database:
             expected += [

@@ -16,6 +16,7 @@ from sar_tui.progress.instruments import INSTRUMENTS
 
 _FOLDER = "phenotype"
 _WELLBEING = "wellbeing"
+_DAY = len("2026-11-23")
 _MOMENTS = {"before": "before the session", "pause": "in a pause", "after": "after the session"}
 _QUESTIONS = {
     "pain": "Pain, 0 (none) to 10; yes: chosen in a pause; not said: would rather not say.",
@@ -101,18 +102,21 @@ def _tool(name: str, occasions: Mapping[str, list[Row]]) -> Tool:
 
 
 def _wellbeing(study: Study) -> Tool:
-    """Return the answers about pain and tiredness; an occasion is a session. The last answer to a question counts."""
-    labels = {session.id: session.label for session in study.sessions}
+    """Return the answers about pain and tiredness. The last answer to a question counts.
+
+    An occasion is a session, or the day of answers before a session that never began.
+    """
+    labels = {session.id: f"ses-{session.label}" for session in study.sessions}
     occasions: dict[str, dict[str, Row]] = {}
     asked: set[str] = set()
     for code in study.owners("wellbeing"):
         for row in study.rows("wellbeing", code):
             session = row["session"]
-            if code in study.subjects and session in labels:
+            if code in study.subjects and (session is None or session in labels):
                 column = f"{row['question']}_{row['moment']}"
                 asked.add(column)
-                answers = occasions.setdefault(code, {}).setdefault(session, {})
-                answers |= {"session": f"ses-{labels[session]}", column: row["answer"]}
+                answers = occasions.setdefault(code, {}).setdefault(session or row["at"][:_DAY], {})
+                answers |= {"session": labels.get(session), column: row["answer"]}
     columns = {
         f"{question}_{moment}": {"Description": f"{told} Asked {when}."}
         for moment, when in _MOMENTS.items()
@@ -121,6 +125,6 @@ def _wellbeing(study: Study) -> Tool:
     }
     return Tool(
         "Questions about pain and tiredness with numeric rating scales, asked by sar-tui in its sessions.",
-        {"session": {"Description": "The session."}, **columns},
+        {"session": {"Description": "The session; n/a: it never began."}, **columns},
         {code: list(sessions.values()) for code, sessions in occasions.items()},
     )
