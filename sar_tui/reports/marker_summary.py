@@ -36,7 +36,7 @@ class MarkerSummary(msgspec.Struct):
         if self.late_ms is not None and self.latest_ms is not None:
             parts.append(f"prompts sent {self.late_ms:.1f} ms after their onset, at most {self.latest_ms:.1f} ms")
         if self.unfinished:
-            parts.append("not counted in a run that did not end by itself")
+            parts.append("not counted in a run that was killed or is not over")
         sentence = f"Markers to {self.destination}: {'; '.join(parts)}."
         return " ".join([sentence, *self.failures, *(f"{fact}." for fact in self.facts)])
 

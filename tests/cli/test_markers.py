@@ -101,5 +101,10 @@ def test_show_says_where_markers_went_and_how_many_arrived(call: Call, simulated
     )
     (summary,) = call("show", simulated, "--json").json["markers"]
     assert (summary["sent"], summary["lost"], summary["unfinished"]) == (7, 2, 0)
+    opened = msgspec.structs.asdict(MarkersChanged(destination="udp://h:1", at=1, state="open"))
+    record(tmp_path, simulated, MARKERS.name, **opened)
+    assert "Markers to udp://h:1: 0 sent, 0 lost; not counted in a run that was killed or is not over." in " ".join(
+        call("show", simulated).out.split()
+    )
     with connect_to_read(tmp_path / "data") as database:
         assert marker_summaries(database, "another") == []

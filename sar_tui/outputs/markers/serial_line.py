@@ -1,6 +1,7 @@
 """Markers on a serial line: a byte each for trigger boxes, or a line of JSON each."""
 
 import contextlib
+import os
 import time
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NoReturn
@@ -101,7 +102,7 @@ class SerialLine:
 
 
 def _reason(error: Exception) -> str:
-    import os
-
-    number = getattr(error, "errno", None)
+    """Return the system's words for an error, which pyserial puts into a sentence of its own."""
+    original = error.__context__ if isinstance(error.__context__, OSError) else error
+    number = getattr(original, "errno", None)
     return os.strerror(number) if isinstance(number, int) else str(error)
