@@ -88,6 +88,23 @@ def test_a_text_whose_bytes_are_not_utf_8_leaves_as_far_as_it_can_be_read(sessio
     ]
 
 
+def test_a_damaged_message_of_a_sensor_is_named_and_its_other_faults_leave(call: Call, tmp_path: Path) -> None:
+    call("simulate", "reaching", "--user", "poor", "--attempts", 1, "--seed", 3)
+    data = tmp_path / "data"
+    export_csv(data, tmp_path / "whole")
+    with closing(connect(data)) as database:
+        (number,) = database.execute(
+            "SELECT max(seq) FROM events WHERE topic='input/sensor' AND json_extract(message, '$.state')='gap'"
+        ).fetchone()
+    change(data, "UPDATE messages SET message=? WHERE seq=?", BROKEN, number)
+    exported = export_csv(data, tmp_path / "out")
+    assert [sentence.split(", ")[-2:] for sentence in exported.problems] == [
+        [f"message {number}: what is stored in a message is damaged", "and left out."]
+    ]
+    faults, whole = (read_csv(tmp_path / name, "sensor_faults") for name in ("out", "whole"))
+    assert len(faults) == len(whole) - 1 > 0
+
+
 def test_answers_before_a_session_that_never_began_leave_with_their_participant(session: str, tmp_path: Path) -> None:
     with closing(connect(tmp_path / "data")) as database:
         (code,) = database.execute("SELECT participant FROM seats").fetchone()

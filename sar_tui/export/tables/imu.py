@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Column, Reference, Table, Values, stored
 from sar_tui.export.damage import Damage
+from sar_tui.export.messages_of_topic import messages_of_topic
 from sar_tui.export.seats import codes_by_seat
 from sar_tui.store.imu import layout
 
@@ -136,10 +137,7 @@ _QUANTITIES = ("acceleration", "rate", "field")
 
 def _faults(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     number = 0
-    for seq, run, at, message in database.execute(
-        "SELECT seq, run, at_ns, message FROM events WHERE session=? AND topic='input/sensor' ORDER BY seq", (session,)
-    ):
-        found = damage.object_of("message", message, f"message {seq}")
+    for run, at, found in messages_of_topic(database, session, "input/sensor", damage):
         if found.get("state") not in _STATES:
             continue
         number += 1

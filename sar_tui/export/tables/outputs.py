@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
 from sar_tui.export.damage import Damage
+from sar_tui.export.messages_of_topic import messages_of_topic
 from sar_tui.framework.messages.base import ActionPart
 
 _ENDS = ("done", "aborted", "failed")
@@ -16,10 +17,7 @@ _ENDS = ("done", "aborted", "failed")
 def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     found: list[dict[str, Any]] = []
     latest: dict[tuple[Any, ...], dict[str, Any]] = {}
-    for seq, run, at, message in database.execute(
-        "SELECT seq, run, at_ns, message FROM events WHERE session=? AND topic='output/report' ORDER BY seq", (session,)
-    ):
-        report = damage.object_of("message", message, f"message {seq}")
+    for run, at, report in messages_of_topic(database, session, "output/report", damage):
         key = (run, report.get("action"), report.get("output"), report.get("deed"))
         part = latest.get(key)
         if part is None or "outcome" in part:
