@@ -1,5 +1,6 @@
-"""Markers of the real program in a pseudo-terminal: stamps, order, and a screen that LSL does not write on."""
+"""Markers of the real program in a pseudo-terminal: stamps, a flash and a tone, and a screen LSL does not write on."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -22,18 +23,21 @@ def test_markers_over_udp_and_lsl_have_the_stamps_that_are_stored(tmp_path: Path
     pytest.importorskip("pylsl")
     data = tmp_path / "data"
     with udp_receiver() as receiver:
-        command = [*run_command(data, prompts_per_attempt=6, attempts=1), "--markers", f"lsl,{receiver.address}"]
+        command = [*run_command(data, prompts_per_attempt=3, attempts=1), "--sync-flash"]
+        command += ["--speech", f"file:{tmp_path}", "--markers", f"lsl,{receiver.address}"]
         with Terminal(command) as terminal:
             screen = ScreenReader(terminal)
-            terminal.wait_for("Press Enter")
+            terminal.wait_for("for the camera.")
             inlet = lsl_inlet(only_session(data))
-            ScriptedParticipant(terminal, random_answers(3, 120, 220, error_rate=0.25)).run(6)
+            terminal.press("enter")
+            terminal.wait_for("Welcome")
+            ScriptedParticipant(terminal, random_answers(3, 120, 220, error_rate=0.25)).run(3)
             see_the_summary(terminal)
             terminal.press("enter")
             assert terminal.wait() == 0
         markers = receiver.until("session_end")
         stamps = []
-        while len(stamps) < 6:
+        while len(stamps) < 3:
             (text,), stamp = inlet.pull_sample(PATIENCE_S)
             if '"event":"prompt_onset"' in text:
                 stamps.append(stamp)
@@ -42,6 +46,11 @@ def test_markers_over_udp_and_lsl_have_the_stamps_that_are_stored(tmp_path: Path
     responses = [ns for (ns,) in rows(data, "SELECT response_ns FROM trials ORDER BY attempt, trial")]
     assert [marker["ns"] for marker in markers if marker["event"] == "prompt_onset"] == onsets
     assert [marker["ns"] for marker in markers if marker["event"] == "response"] == responses
+    signals = [json.loads(text) for (text,) in rows(data, "SELECT message FROM events WHERE topic='output/sync'")]
+    assert sorted((signal["what"], signal["source"]) for signal in signals) == [("flash", "flush"), ("tone", "sound")]
+    assert {marker["ns"] for marker in markers if marker["event"].startswith("sync_")} == {
+        signal["at"] for signal in signals
+    }
     assert stamps == pytest.approx([ns / SECOND for ns in onsets], rel=0, abs=1e-6)
     assert "common.cpp" not in screen.text(), "LSL must not write on the screen"
     assert b"api_config" not in terminal.output
