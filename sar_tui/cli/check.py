@@ -20,18 +20,24 @@ def check(context: typer.Context, as_json: AsJson = False, data: Data = None, ta
 
     Nothing is changed. A session may go on meanwhile.
     """
-    from sar_tui.store.integrity import counts, flaws
+    from sar_tui.store.integrity import counts, flaws, interrupted
     from sar_tui.store.troubles import troubles
 
     home = Home.of(context, data, tasks)
     with home.database() as database:
         found = list(flaws(database))
         waiting = troubles(database, home.folder)
-        number = counts(database) if not any(flaw.kind == "file" for flaw in found) else {}
+        is_readable = not any(flaw.kind == "file" for flaw in found)
+        number = counts(database) if is_readable else {}
+        stopped = interrupted(database, home.folder) if is_readable else []
     if as_json:
-        print_json({"flaws": [flaw._asdict() for flaw in found], "troubles": waiting, "rows": number})
+        print_json(
+            {"flaws": [flaw._asdict() for flaw in found], "troubles": waiting, "rows": number, "interrupted": stopped}
+        )
     else:
         _print(found, waiting, number, home.folder)
+        for session in stopped:
+            print(f"· {session}: This session was interrupted; what was recorded is here.")
     if found or waiting:
         raise typer.Exit(FAILED)
 

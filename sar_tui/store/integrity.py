@@ -1,48 +1,23 @@
 """The whole database examined: damaged pages, rows without their session, gaps, damaged samples and texts."""
 
 import sqlite3
-import zlib
 from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
-import msgspec
-
-from sar_tui.store.database import damaged, explain
-
-Kind = Literal["file", "orphan", "gap", "samples", "text"]
-"""``file``: its pages are damaged. ``orphan``: rows that belong to nothing. ``gap``: numbers that are missing in a row
-of events, attempts or trials. ``samples``: a block of a sensor's samples. ``text``: a column that is no JSON."""
+from sar_tui.store.damaged_rows import Kind, damages
+from sar_tui.store.database import explain
+from sar_tui.store.locks import is_held
 
 _MOST_FAULTS = 20
 """Largest number of damaged pages that are named."""
-_SESSION_TABLES = (
-    "seats", "runs", "attempts", "trials", "actions", "notes", "imu_streams", "imu_chunks", "checkpoints",
-    "earlier_events", "wellbeing", "adverse_events",
-)  # fmt: skip
-_ORPHANS = {
-    "sessions without a seat": "SELECT id FROM sessions WHERE id NOT IN (SELECT session FROM seats)",
-    "seats without a participant": (  # simulated people are no participants
-        "SELECT session FROM seats JOIN sessions ON id=session WHERE mode='live'"
-        " AND participant NOT IN (SELECT code FROM participants)"
-    ),
-    "events without a session": "SELECT id FROM session_numbers WHERE id NOT IN (SELECT id FROM sessions)",
-    "events without a number of their session": (
-        "SELECT DISTINCT session_number FROM messages WHERE session_number NOT IN (SELECT number FROM session_numbers)"
-    ),
-    "events without a topic": (
-        "SELECT DISTINCT id FROM messages JOIN session_numbers ON number=session_number"
-        " WHERE topic NOT IN (SELECT id FROM topics)"
-    ),
-    "samples without their stream": (
-        "SELECT DISTINCT session FROM imu_chunks AS chunks WHERE NOT EXISTS"
-        " (SELECT 1 FROM imu_streams WHERE session=chunks.session AND stream=chunks.stream)"
-    ),
-} | {
-    f"{table} without a session": (
-        f"SELECT DISTINCT session FROM {table} WHERE session IS NOT NULL AND session NOT IN (SELECT id FROM sessions)"
-    )
-    for table in _SESSION_TABLES
+_WITHOUT_PARTICIPANT = {
+    "seats": "mode='live'",  # simulated people are no participants
+    "wellbeing": "coalesce(mode, 'live')='live'",
+    "adverse_events": "1",
+    "instrument_scores": "1",
 }
+"""Tables whose rows need their participant, if a condition holds."""
 _GAPS = {
     "events": (
         "SELECT session, '', min(seq), max(seq), count(*) FROM (SELECT session, seq FROM earlier_events UNION ALL"
@@ -58,16 +33,6 @@ _GAPS = {
     "blocks of samples": (
         "SELECT session, ' of stream ' || stream, min(seq), max(seq), count(*) FROM imu_chunks GROUP BY session, stream"
     ),
-}
-_JSON = {
-    "sessions": ("id", ("parameters", "software", "machine")),
-    "runs": ("session", ("clock_anchor", "software", "machine")),
-    "attempts": ("session", ("qualities", "choice")),
-    "trials": ("session", ("timing", "details")),
-    "actions": ("session", ("proposed", "final")),
-    "programmes": ("participant", ("parameters",)),
-    "earlier_events": ("session", ("message",)),
-    "messages": ("(SELECT id FROM session_numbers WHERE number=session_number)", ("message",)),
 }
 
 
@@ -87,23 +52,25 @@ def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
     Raises:
         StoreError: the database cannot be read at all.
     """
+    texts = database.text_factory
+    database.text_factory = lambda raw: raw.decode(errors="replace")  # ids may be damaged, too
     try:
         database.execute("BEGIN")
         try:
             found = list(_damaged_pages(database))
             yield from found
             if not found:  # the rest is read from these pages
-                yield from _orphans(database)
-                yield from _gaps(database) if gaps else ()
-                yield from _damaged_samples(database)
-                yield from _damaged_texts(database)
+                yield from _damaged_rows(database)
+                yield from _without_participant(database)
+                if gaps:
+                    yield from _gaps(database)
+                    yield from _lost_trials(database)
         finally:
+            database.text_factory = texts
             if database.in_transaction:
                 database.execute("ROLLBACK")
     except sqlite3.Error as error:
         raise explain(error) from error
-    except UnicodeDecodeError as error:
-        raise damaged() from error
 
 
 def _damaged_pages(database: sqlite3.Connection) -> Iterator[Flaw]:
@@ -117,10 +84,38 @@ def _damaged_pages(database: sqlite3.Connection) -> Iterator[Flaw]:
         yield Flaw("file", "", f"The file is damaged: {error}.")
 
 
-def _orphans(database: sqlite3.Connection) -> Iterator[Flaw]:
-    for what, query in _ORPHANS.items():
-        for (where,) in database.execute(query):
-            yield Flaw("orphan", str(where), f"There are {what}.")
+def _damaged_rows(database: sqlite3.Connection) -> Iterator[Flaw]:
+    for each in damages(database):
+        for where, what in database.execute(
+            f"SELECT {each.where}, {each.words} FROM {each.table} WHERE {each.condition} GROUP BY 1, {each.part}"
+        ):
+            yield Flaw(each.kind, str(where), what)
+
+
+def _without_participant(database: sqlite3.Connection) -> Iterator[Flaw]:
+    for table, condition in _WITHOUT_PARTICIPANT.items():
+        with_session = "" if "mode" not in condition else f" LEFT JOIN sessions ON sessions.id={table}.session"
+        where = "session" if table == "seats" else "participant"
+        for (whose,) in database.execute(
+            f"SELECT DISTINCT {where} FROM {table}{with_session} WHERE {condition}"
+            " AND participant NOT IN (SELECT code FROM participants)"
+        ):
+            yield Flaw("orphan", str(whose), f"There are {table} without a participant.")
+
+
+def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:
+    """Yield attempts and trials that lack each other. Only the last attempt may have trials and no row: it stopped."""
+    for session, seat, attempt in database.execute(
+        "SELECT DISTINCT session, seat, attempt FROM trials WHERE NOT EXISTS"
+        " (SELECT 1 FROM attempts WHERE session=trials.session AND attempt=trials.attempt AND seat=trials.seat)"
+        " AND EXISTS (SELECT 1 FROM attempts WHERE session=trials.session AND attempt>=trials.attempt)"
+    ):
+        yield Flaw("gap", str(session), f"Of attempt {attempt} there are trials of seat {seat}, but not its result.")
+    for session, seat, attempt in database.execute(
+        "SELECT session, seat, attempt FROM attempts WHERE trials>0 AND NOT EXISTS"
+        " (SELECT 1 FROM trials WHERE session=attempts.session AND attempt=attempts.attempt AND seat=attempts.seat)"
+    ):
+        yield Flaw("gap", str(session), f"Of attempt {attempt} there is the result of seat {seat}, but no trial.")
 
 
 def _gaps(database: sqlite3.Connection) -> Iterator[Flaw]:
@@ -132,37 +127,11 @@ def _gaps(database: sqlite3.Connection) -> Iterator[Flaw]:
                 yield Flaw("gap", session, f"The {what}{of} do not begin at 1.")
 
 
-def _damaged_samples(database: sqlite3.Connection) -> Iterator[Flaw]:
-    sizes: dict[str, int] = {}
-    for session, stream, seq, count, crc, data, layout in database.execute(
-        "SELECT session, stream, seq, n, crc32, data, layout FROM imu_chunks JOIN imu_streams USING (session, stream)"
-    ):
-        if layout not in sizes:
-            sizes[layout] = _size(layout)
-        if zlib.crc32(data) != crc or len(data) != count * sizes[layout]:
-            yield Flaw("samples", session, f"Block {seq} of sensor stream {stream} is damaged.")
-
-
-def _size(layout: str) -> int:
-    """Return the bytes of a sample; 0 if its layout cannot be read, so that its blocks count as damaged."""
-    import numpy as np
-
-    try:
-        return np.dtype([tuple(_tuples(field)) for field in msgspec.json.decode(layout)]).itemsize
-    except (TypeError, ValueError, msgspec.DecodeError):
-        return 0
-
-
-def _tuples(field: list[object]) -> Iterator[object]:
-    return (tuple(part) if isinstance(part, list) else part for part in field)
-
-
-def _damaged_texts(database: sqlite3.Connection) -> Iterator[Flaw]:
-    for table, (where, columns) in _JSON.items():
-        for column in columns:
-            wrong = f"{column} IS NOT NULL AND NOT json_valid({column})"
-            for whose, count in database.execute(f"SELECT {where}, count(*) FROM {table} WHERE {wrong} GROUP BY 1"):
-                yield Flaw("text", str(whose), f"{count} of the texts {table}.{column} cannot be read.")
+def interrupted(database: sqlite3.Connection, folder: Path) -> list[str]:
+    """Return the ids of sessions that were left before their end, and that no program runs. That is no flaw."""
+    stopped = "SELECT CAST(id AS BLOB), status FROM sessions WHERE status IN ('running', 'interrupted') ORDER BY rowid"
+    found = [(bytes(name).decode(errors="replace"), status) for name, status in database.execute(stopped)]
+    return [name for name, status in found if status != "running" or not is_held(folder, "session", name)]
 
 
 def counts(database: sqlite3.Connection) -> dict[str, int]:

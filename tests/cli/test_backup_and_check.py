@@ -52,3 +52,20 @@ def test_without_data_there_is_nothing_to_back_up(call: Call) -> None:
     called = call("backup")
     assert called.code == 2
     assert called.err.startswith("There is no data in ")
+
+
+def test_an_interrupted_session_is_told_and_is_no_flaw(call: Call, simulated: str, tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
+        database.execute("UPDATE sessions SET status='running'")
+    called = call("check")
+    assert called.code == 0
+    assert f"{simulated}: This session was interrupted" in called.out
+    assert call("check", "--json").json["interrupted"] == [simulated]
+
+
+def test_damaged_characters_do_not_stop_the_check(call: Call, simulated: str, tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
+        database.execute("UPDATE trials SET stimulus=CAST(x'ff' AS TEXT) WHERE trial=1")
+    called = call("check")
+    assert (called.code, called.err) == (1, "")
+    assert f"{simulated}: 4 of the rows of trials have characters that cannot be read." in called.out

@@ -56,6 +56,18 @@ def test_a_new_database_is_whole(data: Path) -> None:
         ("UPDATE imu_chunks SET data=zeroblob(length(data)) WHERE seq=1", ("samples", "stream 1 is damaged.")),
         ("UPDATE imu_chunks SET n=n+1 WHERE seq=1", ("samples", "stream 1 is damaged.")),
         ("UPDATE trials SET timing='{' WHERE trial=1", ("text", "of the texts trials.timing cannot be read.")),
+        ("UPDATE imu_streams SET layout='[[]]'", ("samples", "The layout of sensor stream 1 cannot be read.")),
+        (
+            "UPDATE trials SET stimulus=CAST(x'ff' AS TEXT) WHERE trial=1",
+            ("text", "rows of trials have characters that"),
+        ),
+        ("UPDATE sessions SET id=CAST(x'ff' AS TEXT) WHERE task='pairs'", ("text", "rows of sessions have characters")),
+        ("DELETE FROM attempts WHERE attempt=1 AND seat='B'", ("gap", "trials of seat B, but not its result.")),
+        ("DELETE FROM trials WHERE attempt=2 AND seat='B'", ("gap", "the result of seat B, but no trial.")),
+        (
+            "INSERT INTO adverse_events VALUES ('e', 1, 'P99', NULL, '', '', '', '', '', '', '', '')",
+            ("orphan", "There are adverse_events without a participant."),
+        ),
         ("UPDATE messages SET message=substr(message, 2) WHERE seq=3", ("text", "texts messages.message cannot be")),
     ],
 )
@@ -75,6 +87,11 @@ def test_damaged_pages_are_found_and_nothing_else_is_looked_for(recorded: sqlite
         file.write(b"\xff" * 100)
     with closing(connect(data)) as database:
         assert {flaw.kind for flaw in flaws(database)} == {"file"}
+
+
+def test_the_last_attempt_of_an_interrupted_session_lacks_its_result(recorded: sqlite3.Connection) -> None:
+    recorded.execute("DELETE FROM attempts WHERE attempt=2 AND session=(SELECT id FROM sessions WHERE task='pairs')")
+    assert found(recorded) == []
 
 
 def test_a_flaw_names_its_session(recorded: sqlite3.Connection) -> None:
