@@ -6,6 +6,7 @@ import secrets
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import lru_cache
 from heapq import merge
 from pathlib import Path
 from typing import Any, Literal
@@ -182,7 +183,9 @@ def _typed(table: str, row: Row, also_damaged: bool = False) -> Row:
     return row | decoded | booleans | endless
 
 
+@lru_cache(maxsize=256)
 def _object_or_empty(text: str) -> Any:
+    """Return a JSON value, the same object for the same text: most sessions share their software and machine."""
     try:
         return read_json(text)
     except StoreError:

@@ -71,6 +71,16 @@ def test_a_clock_that_was_set_back_does_not_change_which_session_is_the_last(
     assert [row["id"] for row in sessions.listing(database, data)] == [last, earlier]
 
 
+def test_an_export_lists_damaged_sessions_too_and_keeps_equal_facts_once(
+    database: sqlite3.Connection, data: Path
+) -> None:
+    earliest, _, _ = (enter(database) for _ in range(3))
+    database.execute("UPDATE sessions SET machine='{broken' WHERE id=?", (earliest,))
+    third, second, first = sessions.listing(database, data, also_damaged=True)
+    assert (first["machine"], first["software"]) == ({}, third["software"])
+    assert second["software"] is third["software"], "thousands of sessions would fill the memory"
+
+
 def test_the_sessions_of_one_participant_are_theirs_alone(database: sqlite3.Connection, data: Path) -> None:
     mine, _ = enter(database, "P01"), enter(database, "P02")
     assert [row["id"] for row in sessions.listing(database, data, participant="P01")] == [mine]
