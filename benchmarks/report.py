@@ -136,13 +136,14 @@ def _export(exported: Results) -> dict[str, Rows]:
 def _merge(merged: Results) -> dict[str, Rows]:
     return {
         "A merge into a database of as many sessions": [
-            ["sessions", "trials", "size (MB)", "seconds", "again, with nothing new", "peak memory (MB)"],
+            ["sessions", "trials", "size (MB)", "seconds", "CPU's", "again, with nothing new", "peak memory (MB)"],
             *(
                 [
                     f"{size['sessions']}",
                     f"{size['trials']}",
                     f"{size['megabytes']:.0f}",
                     f"{size['merge_s']:.1f}",
+                    f"{size['cpu_s']:.1f}",
                     f"{size['again_s']:.1f}",
                     f"{size['memory_mb']:.0f}",
                 ]
