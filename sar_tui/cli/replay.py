@@ -4,12 +4,27 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json, watch_plugins
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    RecordedSession,
+    Tasks,
+    console,
+    print_json,
+    progress_bar,
+    watch_plugins,
+)
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
+    import sqlite3
+
+    from sar_tui.framework.trial_types import Metric
+    from sar_tui.replay.fork import Forked
     from sar_tui.replay.rescore import Rescored
+    from sar_tui.store.sessions import Row
 
 
 def replay(
@@ -25,6 +40,18 @@ def replay(
             "prompts would have been the same. May be repeated.",
         ),
     ] = None,
+    fork: Annotated[
+        bool,
+        typer.Option(
+            "--fork",
+            help="With --what-if, go on after the first prompt that would have been another, with a model of this "
+            "participant's key presses: many runs, and an interval. Any setting may be changed.",
+        ),
+    ] = False,
+    runs: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=20, max=10_000, show_default=False, help="Runs of a fork. Default: 200."),
+    ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -37,8 +64,16 @@ def replay(
     watch_plugins(context)
     home = Home.of(context, data, tasks)
     changed = _read(what_if or [])
+    if fork and not changed:
+        raise Refused("--fork needs --what-if NAME=VALUE: another setting to go on with.")
+    if runs is not None and not fork:
+        raise Refused("--runs is for --fork only.")
     with home.session(session) as (database, found):
         database.execute("PRAGMA query_only=ON")
+        if fork:
+            forked = _fork(database, home, found, changed, runs)
+            print_json(forked) if as_json else _print_forked(forked, home.catalogue().task(found["task"]).metric)
+            return
         if changed:
             rescored = rescore(database, home.folder, home.catalogue(), found, changed)
             print_json(rescored) if as_json else _print(rescored)
@@ -62,6 +97,43 @@ def _read(pairs: list[str]) -> dict[str, object]:
             raise Refused(f"--what-if takes NAME=VALUE, such as --what-if threshold=900, not {pair!r}.")
         found[name.strip()] = value
     return found
+
+
+def _fork(
+    database: "sqlite3.Connection", home: Home, row: "Row", changed: dict[str, object], runs: int | None
+) -> "Forked":
+    from sar_tui.replay.fork import RUNS
+    from sar_tui.replay.fork import fork as fork_session
+
+    count = runs or RUNS
+    with progress_bar() as bar:
+        line = bar.add_task("runs", total=count)
+        return fork_session(
+            database,
+            home.folder,
+            home.catalogue(),
+            row,
+            changed,
+            count,
+            lambda done: bar.update(line, completed=done),
+        )
+
+
+def _print_forked(forked: "Forked", metric: "Metric") -> None:
+    from sar_tui.cli.tables import add, table
+    from sar_tui.replay.words import forked_sentences
+
+    heading, told = forked_sentences(forked)
+    numbers = ("recorded", "median", "low", "high")
+    made = table("", *numbers, right=numbers)
+    for one in forked.numbers:
+        name = f"mean {metric.label}" if one.name == "mean_metric" else one.name.replace("_", " ")
+        add(made, name, *(None if value is None else f"{value:.4g}" for value in (getattr(one, n) for n in numbers)))
+    out = console()
+    out.print(heading, style="bold")
+    out.print(made)
+    for sentence in told:
+        out.print(sentence, soft_wrap=True)
 
 
 def _print(rescored: "Rescored") -> None:

@@ -43,6 +43,7 @@ class Session:
         others_best: the same for the other participants, by seat.
         names: what the agent calls each participant, by seat; without a name, the seat.
         done_today: what the participant did today, if something limits a day (`policies.limits.Dose`).
+        rules: version of the rules; a record that is replayed brings its own.
 
     Attributes:
         parameters: with which the task was built; a therapist may change some for ``task.parameters``.
@@ -59,6 +60,7 @@ class Session:
         others_best: dict[str, dict[str, float]] | None = None,
         names: dict[str, str] | None = None,
         done_today: dict[str, float] | None = None,
+        rules: int = RULES,
     ) -> None:
         self.task = task
         self.parameters = task.parameters
@@ -74,7 +76,7 @@ class Session:
         self.ended = False
         self.is_agent_acting = False
         self.awaits_operator = False
-        self._rules = RULES
+        self._rules = rules
         self._tr = task.tr
         self._use_texts(theme)
         self.bus.subscribe(THEME, lambda applied: self._use_texts(applied.theme))

@@ -64,7 +64,7 @@ def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row
         ParameterError: its parameters are not those of the present task.
         Failed: its task cannot be set up.
     """
-    _check(folder, row)
+    check_whole(folder, row)
     versions = present(row, catalogue)
     session = new_session(row, catalogue, {})
     runs: list[SessionStarted] = []
@@ -93,7 +93,7 @@ def new_session(row: sessions.Row, catalogue: Catalogue, changed: Mapping[str, o
     return Session(task, theme, VirtualClock(), row["seed"])
 
 
-def _check(folder: Path, row: sessions.Row) -> None:
+def check_whole(folder: Path, row: sessions.Row) -> None:
     """Raise StoreError if the record of a session is not whole, or still grows."""
     if row["status"] == "running":
         raise StoreError(f"The session {row['id']} is running. Replay it when it has ended.", bad_input=True)

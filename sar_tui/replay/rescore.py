@@ -14,6 +14,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.messages import AttemptEnded, PendingApproval, Prompt, TrialEnded
 from sar_tui.framework.parameters import current_values, fields
 from sar_tui.framework.replay_comparison import is_same
+from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import new_session, replay
 from sar_tui.runs.plan import Failed
@@ -90,12 +91,14 @@ def rescore(
         Failed: the session differs from its record without any change, or its task cannot be set up.
     """
     kind = catalogue.task(row["task"])
-    scores = {field.name for field in fields(kind.Parameters) if field.group in _GROUPS or field.name in _DETECTION}
     names = current_values(kind.Parameters, changed)
     declared = {field.name for field in fields(kind.Parameters)}
-    if wrong := [name for name in names if name in declared and (name not in scores or name in _TIMED)]:
+    if wrong := [name for name in names if name in declared and not changes_only_scores(kind, name)]:
         raise ParameterError(
-            {name: f"{name} changes more than scores: the recorded inputs would not fit." for name in wrong}
+            {
+                name: f"{name} changes more than scores: the recorded inputs would not fit. --fork models what follows."
+                for name in wrong
+            }
         )
     session = new_session(row, catalogue, names)
     if not replay(database, folder, catalogue, row).identical:
@@ -123,6 +126,12 @@ def rescore(
         ends_at_attempt=ends_at,
         other_feedback_from=min(other, default=None),
     )
+
+
+def changes_only_scores(kind: type[Task], name: str) -> bool:
+    """Return True if a parameter changes scores, and prompts only by them: recorded inputs fit up to another prompt."""
+    scores = {field.name for field in fields(kind.Parameters) if field.group in _GROUPS or field.name in _DETECTION}
+    return name in scores and name not in _TIMED
 
 
 class _Trace:

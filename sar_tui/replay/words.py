@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from sar_tui.framework.replay_comparison import WORDING
+from sar_tui.replay.fork import Forked
 from sar_tui.replay.replay import FirstDifference, Replayed
 from sar_tui.replay.rescore import Rescored
 from sar_tui.replay.versions import changes
@@ -86,3 +87,31 @@ def rescored_sentences(rescored: Rescored) -> list[str]:
             "responses might have been others."
         )
     return found
+
+
+def forked_sentences(forked: Forked) -> tuple[str, list[str]]:
+    """Return the heading of a fork, and sentences that tell what it is made of and what it leaves out."""
+    settings = ", ".join(f"{name} = {value}" for name, value in forked.what_if.items())
+    first = forked.record_ends_at_attempt
+    fit = forked.model
+    if first is None or fit is None:
+        return "From the record alone", [f"With {settings} all prompts would have been those of the record."]
+    kept = f"The record ends before attempt {first}. From there on" if first > 1 else "From the first attempt on"
+    found = [
+        f"With {settings}. {kept}, responses are drawn from a model of this participant, in {forked.runs} runs.",
+        f"The interval holds {forked.coverage:.0%} of the runs.",
+        f"The model was fitted to {fit.responses} correct responses of {fit.attempts} attempts: "
+        f"{fit.base_ms:.0f} ms and {fit.per_bit_ms:.0f} ms for each bit of choice, {fit.per_attempt_ms:+.1f} ms from "
+        f"attempt to attempt, scatter {fit.spread:.0%}, {fit.wrong:.1%} wrong, {fit.missed:.1%} missed.",
+    ]
+    if fit.fewest_choices == fit.most_choices:
+        found.append(
+            f"All responses were to one of {fit.most_choices} prompts: how other levels change them is an assumption."
+        )
+    else:
+        found.append(
+            f"They were to one of {fit.fewest_choices} to {fit.most_choices} prompts; beyond that, the model "
+            "extrapolates."
+        )
+    found.append("How other feedback would have changed the participant is not in it.")
+    return "Model, not data", found

@@ -1,22 +1,38 @@
 """Simulated participants: nodes that receive prompts, and publish key presses or move a simulated hand."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
+from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.messages import Action, KeyPressed, OutputReport, PartState, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
-from sar_tui.framework.trial_types import Act, Cue, Stimulus
-from sar_tui.simulation.participant_model import Person
+from sar_tui.framework.trial_types import Act, Cue, Performance, Stimulus
 
 SHOWING = 4 * MS
 """Time from a prompt's publication to its onset."""
 READING = 1200 * MS
 """Time from a request for a key to its press."""
 _SEEN: tuple[PartState, ...] = ("queued", "started", "done")
+
+
+class Person(Protocol):
+    """A model of a participant, such as `participant_model.Person`."""
+
+    def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
+        """Draw the performance of one prompt among ``choices`` in an attempt (1, 2, …)."""
+        ...
+
+    def misses_it(self, streams: RandomStreams) -> bool:
+        """Return True if this prompt gets no response."""
+        ...
+
+    def wants_feedback(self, streams: RandomStreams) -> bool:
+        """Return True if they request feedback on an attempt."""
+        ...
 
 
 def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A") -> list[Act]:
@@ -75,7 +91,7 @@ class SimulatedParticipant(_Performer):
     """Presses Enter when the session waits for it, and responds to each prompt as its person would."""
 
     name = "participant"
-    emits = (KEY, SHOWN, REPORT)
+    emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, REPORT)
     _next: Handle | None = None
 
     @on(WAITING)

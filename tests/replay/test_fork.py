@@ -1,0 +1,91 @@
+"""``sar-tui replay --what-if … --fork``: a session goes on by other settings, with a model of its participant."""
+
+from contextlib import closing
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+
+from sar_tui.replay.response_model import Counts, Response, ResponseModel
+from sar_tui.store.database import connect
+from tests.program import Call
+
+FEW = ("--fork", "--runs", "20")
+
+
+def numbers(result: Any) -> dict[str, dict[str, Any]]:
+    return {one["name"]: one for one in result["numbers"]}
+
+
+def test_it_begins_where_the_scores_of_the_record_end(call: Call, simulated: str) -> None:
+    changed = ("replay", simulated, "--what-if", "threshold=500")
+    result = call(*changed, *FEW, "--json").json
+    assert result["record_ends_at_attempt"] == call(*changed, "--json").json["ends_at_attempt"] > 1
+    assert (result["runs"], result["what_if"]) == (20, {"threshold": 500})
+    assert result["model"]["responses"] > 60
+    level = numbers(result)["final_level"]
+    assert level["low"] <= level["median"] <= level["high"] < level["recorded"]
+    assert result == call(*changed, *FEW, "--json").json, "the runs are seeded"
+    told = call(*changed, *FEW).out
+    assert told.startswith("Model, not data\n")
+    assert f"The record ends before attempt {result['record_ends_at_attempt']}." in told
+
+
+def test_any_setting_can_be_changed_and_may_leave_nothing_of_the_record(call: Call, simulated: str) -> None:
+    result = call("replay", simulated, "--what-if", "prompts_per_attempt=5", *FEW, "--json").json
+    assert result["record_ends_at_attempt"] == 1
+    longer = call("replay", simulated, "--what-if", "attempts=6", *FEW, "--json").json
+    assert (longer["record_ends_at_attempt"], numbers(longer)["attempts"]["median"]) == (5, 6)
+
+
+def test_nothing_is_modelled_if_all_prompts_are_the_same(call: Call, simulated: str) -> None:
+    called = call("replay", simulated, "--what-if", "feedback_schedule=none", *FEW, "--json").json
+    assert (called["record_ends_at_attempt"], called["model"], called["runs"]) == (None, None, 1)
+    assert numbers(called)["positive_feedbacks"]["high"] == 0
+    metric = numbers(called)["mean_metric"]
+    assert metric["recorded"] == metric["low"] == metric["high"]
+    assert call("replay", simulated, "--what-if", "feedback_schedule=none", *FEW).out.startswith(
+        "From the record alone\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("keyboard", "-p", "P01", "--attempts", 2, "--set", "prompts_per_attempt=5"), "too few for a model"),
+        (("keyboard", "-p", "P01", "--attempts", 3, "--operator", "careful"), "An operator or a therapist acted on"),
+        (("pairs", "-p", "P01", "-p", "P02", "--attempts", 1), "A session of two cannot be forked"),
+        (("reaching", "-p", "P01", "--attempts", 1, "--set", "reaches_per_attempt=1"), "not of movements"),
+    ],
+)
+def test_a_session_that_cannot_be_modelled_is_refused(call: Call, words: tuple[object, ...], said: str) -> None:
+    call("simulate", *words, "--user", "average", "--seed", 1)
+    called = call("replay", "last", "--what-if", "start_level=2", *FEW)
+    assert (called.code, called.out) == (1, "")
+    assert said in called.err
+
+
+def test_a_session_that_was_not_completed_is_refused(call: Call, data: Path, simulated: str) -> None:
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET status='aborted'")
+    called = call("replay", simulated, "--what-if", "threshold=900", *FEW)
+    assert (called.code, "was not completed" in called.err) == (1, True)
+
+
+@pytest.mark.parametrize("words", [("--fork",), ("--runs", "50"), ("--what-if", "threshold=900", "--runs", "50")])
+def test_its_options_need_each_other(call: Call, simulated: str, words: tuple[str, ...]) -> None:
+    called = call("replay", simulated, *words)
+    assert (called.code, called.out) == (2, "")
+
+
+def test_the_model_finds_what_made_the_responses() -> None:
+    random = Random(3)
+    drawn = [(attempt, random.choice((2, 4, 8, 16))) for attempt in range(1, 21) for _ in range(20)]
+    times = [(300 + 150 * (choices.bit_length() - 1) + 5 * (a - 10.5)) * random.gauss(1, 0.2) for a, choices in drawn]
+    responses = [Response(*one, time) for one, time in zip(drawn, times, strict=True)]
+    fit = ResponseModel(responses, Counts(420, missed=10, wrong=10)).fit
+    assert fit.base_ms == pytest.approx(300, rel=0.1)
+    assert fit.per_bit_ms == pytest.approx(150, rel=0.1)
+    assert fit.per_attempt_ms == pytest.approx(5, abs=2)
+    assert fit.spread == pytest.approx(0.2, rel=0.1)
