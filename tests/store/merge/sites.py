@@ -1,7 +1,6 @@
 """Databases of several sites for tests of merges, and what a database holds in words that all of them share."""
 
 import json
-import shutil
 import sqlite3
 from collections import Counter
 from contextlib import closing
@@ -142,7 +141,3 @@ def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
         return value
 
     return [tuple(in_words(name, value) for name, value in zip(names, row, strict=True)) for row in found]
-
-
-def remove(folder: Path) -> None:
-    shutil.rmtree(folder)
