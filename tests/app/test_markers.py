@@ -1,5 +1,8 @@
 """Markers of a session in the app: what is sent equals what is stored, and a destination that fails is told of."""
 
+import asyncio
+import threading
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
@@ -7,14 +10,32 @@ import msgspec
 import pytest
 
 from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import SessionCommand
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import COMMAND
 from sar_tui.outputs.markers.marker import CODES
+from sar_tui.outputs.markers.sender import Sender
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import AppDriver, open_app, plan, stored
+from sar_tui.store.passphrase import Passphrase
+from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 from tests.outputs.markers.receivers import PATIENCE_S, lsl_inlet, serial_line, udp_receiver
 from tests.outputs.markers.xdf_writer import write_xdf
+
+
+@pytest.fixture
+def failed(monkeypatch: pytest.MonkeyPatch) -> Callable[[AppDriver], Awaitable[None]]:
+    """Function that waits until the thread that sends has noticed that it cannot, and the session was told."""
+    has_failed = threading.Event()
+    fail = Sender._fail
+
+    def noted(sender: Sender, error: Exception) -> None:
+        fail(sender, error)
+        has_failed.set()
+
+    async def until_failed(driver: AppDriver) -> None:
+        assert await asyncio.to_thread(has_failed.wait, PATIENCE_S)
+        await driver.settle()
+
+    monkeypatch.setattr(Sender, "_fail", noted)
+    return until_failed
 
 
 def stamps(markers: list[dict[str, Any]], event: str) -> list[int]:
@@ -93,7 +114,7 @@ async def test_each_event_is_its_byte_on_a_serial_line(
 
 
 async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
+    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], failed: Callable[[AppDriver], Awaitable[None]]
 ) -> None:
     pytest.importorskip("serial")
     with serial_line() as line:
@@ -103,7 +124,7 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
             line.read(1)
             line.unplug()
             await driver.do_attempt(prompt)
-            await until_failing(driver)
+            await failed(driver)
             assert driver.app.live
             assert driver.app.live.markers_trouble.endswith("takes no markers (Input/output error).")
             assert driver.sees("takes no markers"), "a therapist who is there is told between attempts"
@@ -115,6 +136,28 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
     assert len(trials(tmp_path, "response_ns")) == 4
     closed = closing(driver)
     assert closed["lost"] > 0
+
+
+async def test_in_patient_mode_lost_markers_are_kept_for_the_therapist(
+    tmp_path: Path, catalogue: Catalogue, failed: Callable[[AppDriver], Awaitable[None]]
+) -> None:
+    pytest.importorskip("serial")
+    known(tmp_path)
+    Passphrase(tmp_path).set("horse staple")
+    with serial_line() as line:
+        address = f"serial:{line.name}?pulse=0"
+        async with open_app(tmp_path, catalogue, patient="P01", markers=[address]) as driver:
+            await driver.press("enter")
+            line.read(1)
+            line.unplug()
+            await driver.press("enter")
+            await driver.do_attempt(await driver.begin())
+            await failed(driver)
+            assert not driver.sees("takes no markers"), "the participant is alone"
+            await driver.do_attempt(await driver.begin())
+            await driver.see_the_summary()
+            await driver.press("enter")
+            assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
 
 
 async def test_a_resumed_session_sends_its_next_run_and_nothing_of_the_one_before(
@@ -133,18 +176,6 @@ async def test_a_resumed_session_sends_its_next_run_and_nothing_of_the_one_befor
     assert [marker["run"] for marker in markers if marker["event"] == "session_start"] == [2]
     assert markers[0]["event"] == "session_start"
     assert stamps(markers, "prompt_onset") == trials(tmp_path, "onset_ns")[2:]
-
-
-async def until_failing(driver: AppDriver) -> None:
-    """Wait until the thread that sends has noticed that it cannot, and the session was told."""
-    assert driver.app.live
-    for _ in range(1000):
-        if driver.app.live.markers_trouble:
-            return
-        await driver.wait(10)
-        driver.session.bus.post(COMMAND, SessionCommand(command="hold", actor="therapist"))
-        await driver.settle()
-    raise AssertionError("it was not told of")
 
 
 def closing(driver: AppDriver) -> dict[str, Any]:

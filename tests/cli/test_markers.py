@@ -51,6 +51,20 @@ def test_nothing_is_sent_unless_asked_for(call: Call, opened: list[Sequence[str]
     assert opened == [()]
 
 
+@pytest.mark.parametrize("command", [(), RUN])
+def test_the_app_and_a_session_can_begin_with_a_flash(
+    call: Call, opened: list[Sequence[str]], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+) -> None:
+    flashes: list[bool] = []
+    monkeypatch.setattr("sar_tui.app.app.run_app", lambda *_, sync_flash, **__: flashes.append(sync_flash))
+    assert call(*command, "--sync-flash").code == 0
+    assert call(*command).code == 0
+    assert flashes == [True, False]
+    called = call("--sync-flash", "sessions")
+    assert called.code == 2
+    assert "--sync-flash goes after the command" in called.err
+
+
 def test_an_invalid_address_is_bad_usage(call: Call, opened: list[Sequence[str]]) -> None:
     called = call(*RUN, "--markers", "mqtt://broker")
     assert (called.code, opened) == (2, [])
