@@ -30,15 +30,22 @@ def backup(
 ) -> None:
     """Copy the database, also while a session goes on."""
     from sar_tui.store.backup import back_up, rehearse
+    from sar_tui.store.rescue import rescue_files
 
     home = Home.of(context, data, tasks)
     made = back_up(home.folder, to)
+    left_out = rescue_files(home.folder)
     found = rehearse(made.path) if verify else []
     if as_json:
         whole = {"verified": verify and not found, "flaws": [flaw._asdict() for flaw in found]} if verify else {}
-        print_json({"file": str(made.path), "sessions": made.sessions, "bytes": made.bytes, **whole})
+        rescue = [str(path) for path in left_out]
+        print_json(
+            {"file": str(made.path), "sessions": made.sessions, "bytes": made.bytes, "left_out": rescue, **whole}
+        )
     else:
         print(f"{made.sessions} session{'' if made.sessions == 1 else 's'} in {made.path}")
+        for path in left_out:
+            print(f"! {path} is not in it. `sar-tui rescue` brings its sessions into the database.")
         if verify and not found:
             print("It was restored into an empty folder: it opens there, and all of it is whole.")
         for flaw in found:

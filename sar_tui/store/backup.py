@@ -5,6 +5,7 @@ import os
 import shutil
 import sqlite3
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
@@ -14,6 +15,7 @@ from typing import NamedTuple
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read, explain
 from sar_tui.store.integrity import Flaw, counts, flaws
+from sar_tui.store.locks import Held, hold
 
 _KEPT = ("participants", "sessions", "seats", "runs", "attempts", "trials", "messages", "imu_chunks", "programmes")
 """Tables whose rows are never deleted: a copy has at least those that there were before."""
@@ -44,16 +46,46 @@ def back_up(folder: Path, to: Path | None = None) -> Backup:
     if not (folder / FILE).exists():
         raise StoreError(f"There is no data in {folder} yet.", bad_input=True)
     path = _path(to or folder / FOLDER)
-    with closing(connect_to_read(folder)) as database, _unfinished(path) as copy:
-        before = counts(database)
+    with closing(connect_to_read(folder)) as database:
+        return copy_database(database, folder, path)
+
+
+def copy_database(database: sqlite3.Connection, folder: Path, path: Path) -> Backup:
+    """Copy an open database of a data folder into a file, as `back_up` does.
+
+    Raises:
+        StoreError: as `back_up`.
+    """
+    with _one_at_a_time(folder), _unfinished(path, folder) as copy:
+        version, before = _version(database), counts(database)
         try:
             database.execute("VACUUM INTO ?", (str(copy),))
         except sqlite3.Error as error:
             raise explain(error, copy) from error
-        sessions = _examine(copy, before)
+        sessions = _examine(copy, before, is_all=version == _version(database))
         _sync(copy)
         _give_name(copy, path)
     return Backup(path, sessions, path.stat().st_size)
+
+
+def _version(database: sqlite3.Connection) -> int:
+    """Return a number that changes when another program writes to the database."""
+    (version,) = database.execute("PRAGMA data_version").fetchone()
+    return int(version)
+
+
+@contextmanager
+def _one_at_a_time(folder: Path) -> Iterator[None]:
+    """Hold the lock under which a data folder is copied, so that a copy's leftovers can be told from another copy."""
+    try:
+        lock = hold(folder, "backup", "all")
+    except Held:
+        raise StoreError(f"Another backup of {folder} is being made. Wait until it is done.") from None
+    except StoreError:  # the folder cannot be written to
+        yield
+        return
+    with lock:
+        yield
 
 
 def _path(to: Path) -> Path:
@@ -65,30 +97,47 @@ def _path(to: Path) -> Path:
 
 
 @contextmanager
-def _unfinished(path: Path) -> Iterator[Path]:
-    """Give an empty file beside a path, which only this user can read; it is removed if it is there afterwards."""
+def _unfinished(path: Path, folder: Path) -> Iterator[Path]:
+    """Give an empty file beside a path, which only this user can read; it is removed if it is there afterwards.
+
+    Those that killed backups of the data folder left there are removed, too.
+    """
+    prefix = f".sar-tui-{zlib.crc32(bytes(folder.resolve())):08x}-"
     try:
         make_private(path.parent)
-        number, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".part", dir=path.parent)
+        for left in (*path.parent.glob(f"{prefix}*.part"), *path.parent.glob(f"{prefix}*.part-journal")):
+            left.unlink()
+        number, name = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=path.parent)
     except OSError as error:
         raise StoreError(f"{path.parent} cannot be written to: {error.strerror}.", bad_input=True) from error
     os.close(number)
     try:
         yield Path(name)
     finally:
-        with contextlib.suppress(OSError):
-            Path(name).unlink()
+        for each in (Path(name), Path(f"{name}-journal")):
+            with contextlib.suppress(OSError):
+                each.unlink()
 
 
-def _examine(copy: Path, before: dict[str, int]) -> int:
-    """Return the number of sessions of a copy. Raises StoreError if it is not whole, or has fewer rows than before."""
+def _examine(copy: Path, before: dict[str, int], *, is_all: bool) -> int:
+    """Return the number of sessions of a copy.
+
+    Args:
+        copy: the copy.
+        before: the number of rows of each table before the copy.
+        is_all: True if nothing was written meanwhile, so that the copy has neither more rows nor fewer.
+
+    Raises:
+        StoreError: the copy is not whole.
+    """
     with closing(sqlite3.connect(f"file:{copy}?mode=ro", uri=True)) as opened:
         for (text,) in opened.execute("PRAGMA integrity_check(1)"):
             if text != "ok":
                 raise StoreError(f"The copy is damaged ({text}), so it was not kept. `sar-tui check` says more.")
         copied = counts(opened)
-    for table in _KEPT:
-        if copied.get(table, 0) < before.get(table, 0):
+    for table in before if is_all else _KEPT:
+        there, wanted = copied.get(table, 0), before.get(table, 0)
+        if there < wanted or (is_all and there != wanted):
             raise StoreError(f"The copy lacks rows of {table}, so it was not kept. Try again.")
     return copied["sessions"]
 

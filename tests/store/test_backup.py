@@ -1,8 +1,10 @@
 """A backup is whole or absent, replaces nothing, and opens as data."""
 
 import os
+import signal
 import sqlite3
 import stat
+import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import closing
@@ -18,6 +20,7 @@ from sar_tui.store import participants
 from sar_tui.store.backup import back_up, rehearse
 from sar_tui.store.database import FILE, StoreError, connect
 from sar_tui.store.integrity import counts
+from sar_tui.store.locks import hold
 
 
 @pytest.fixture
@@ -85,6 +88,50 @@ def test_a_copy_that_lacks_rows_is_not_kept(
     with pytest.raises(StoreError, match="lacks rows of trials"):
         back_up(data, tmp_path / "safe")
     assert os.listdir(tmp_path / "safe") == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="ends a program with a signal")
+def test_what_a_killed_backup_left_is_removed_by_the_next(
+    database: sqlite3.Connection, data: Path, tmp_path: Path
+) -> None:
+    safe = tmp_path / "safe"
+    killed = (
+        "import os, signal, sys; from pathlib import Path; from sar_tui.store import backup;"
+        "backup._sync = lambda copy: os.kill(os.getpid(), signal.SIGKILL);"
+        "backup.back_up(Path(sys.argv[1]), Path(sys.argv[2]))"
+    )
+    run = subprocess.run([sys.executable, "-c", killed, str(data), str(safe)], timeout=60, check=False)
+    assert run.returncode == -signal.SIGKILL
+    (left,) = safe.iterdir()
+    assert left.suffix == ".part"
+    made = back_up(data, safe)
+    assert list(safe.iterdir()) == [made.path]
+    assert rehearse(made.path) == []
+
+
+def test_two_backups_of_a_folder_are_not_made_at_once(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
+    with hold(data, "backup", "all"), pytest.raises(StoreError, match="Another backup"):
+        back_up(data, tmp_path / "safe")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits the size of files")
+def test_a_full_disk_leaves_no_backup_and_the_database_as_it_was(
+    database: sqlite3.Connection, data: Path, tmp_path: Path
+) -> None:
+    limited = (
+        "import resource, signal, sys; from pathlib import Path; from sar_tui.store.backup import back_up;"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536));"
+        "back_up(Path(sys.argv[1]), Path(sys.argv[2]))"
+    )
+    before = counts(database)
+    run = subprocess.run(
+        [sys.executable, "-c", limited, str(data), str(tmp_path / "safe")],
+        timeout=60, check=False, capture_output=True, text=True,
+    )  # fmt: skip
+    assert "StoreError" in run.stderr, run.stderr
+    assert list((tmp_path / "safe").iterdir()) == []
+    assert counts(database) == before
 
 
 def test_a_damaged_database_is_not_backed_up(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
