@@ -1,7 +1,7 @@
 """``sar-tui check``: examine all recorded data."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,36 +10,82 @@ from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
     from sar_tui.store.integrity import Flaw
+    from sar_tui.store.repair import Repair
 
 _COUNTED = {"attempts": "attempts", "trials": "trials", "imu_chunks": "blocks of samples"}
 """Tables whose rows are told, with their names in the plural."""
 
 
-def check(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+def check(
+    context: typer.Context,
+    mend: Annotated[
+        bool,
+        typer.Option(
+            "--repair", help="Move what is damaged into a file beside the database. No other program may run."
+        ),
+    ] = False,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
+) -> None:
     """Check that all recorded data is whole: the file, its relations, its numbers, and the sensors' samples.
 
-    Nothing is changed. A session may go on meanwhile.
+    Without --repair nothing is changed, and a session may go on meanwhile.
     """
     from sar_tui.store.integrity import counts, flaws, interrupted
+    from sar_tui.store.repair import repair
     from sar_tui.store.troubles import troubles
 
     home = Home.of(context, data, tasks)
+    done = repair(home.folder) if mend else None
     with home.database() as database:
-        found = list(flaws(database))
+        found = list(flaws(database)) if done is None else done.flaws
         waiting = troubles(database, home.folder)
         is_readable = not any(flaw.kind == "file" for flaw in found)
         number = counts(database) if is_readable else {}
         stopped = interrupted(database, home.folder) if is_readable else []
     if as_json:
         print_json(
-            {"flaws": [flaw._asdict() for flaw in found], "troubles": waiting, "rows": number, "interrupted": stopped}
+            {
+                **({"repair": _as_json(done)} if done else {}),
+                "flaws": [flaw._asdict() for flaw in found],
+                "troubles": waiting,
+                "rows": number,
+                "interrupted": stopped,
+            }
         )
     else:
+        if done:
+            _print_repair(done)
         _print(found, waiting, number, home.folder)
         for session in stopped:
             print(f"· {session}: This session was interrupted; what was recorded is here.")
     if found or waiting:
         raise typer.Exit(FAILED)
+
+
+def _as_json(done: "Repair") -> dict[str, object]:
+    files = {"backup": done.backup, "kept": done.kept, "aside": done.aside}
+    return {
+        **{name: path and str(path) for name, path in files.items()},
+        "unread": [each._asdict() for each in done.unread],
+        "moved": [each._asdict() for each in done.moved],
+    }
+
+
+def _print_repair(done: "Repair") -> None:
+    if not done.kept and not done.moved:
+        print("There is nothing to move aside, and nothing was changed.")
+    if done.backup:
+        print(f"A backup was made before: {done.backup}")
+    if done.kept:
+        print(f"All rows that can be read are in a new file. The damaged one is kept: {done.kept}")
+    for table, first, last in done.unread:
+        print(f"! {table}: rows {first} to {last} cannot be read.")
+    for table, rows, reason in done.moved:
+        print(f"· {rows} of the rows of {table} moved aside: {reason}.")
+    if done.aside:
+        print(f"They are in {done.aside}.")
 
 
 def _print(found: "list[Flaw]", waiting: list[str], number: dict[str, int], folder: Path) -> None:
@@ -49,4 +95,4 @@ def _print(found: "list[Flaw]", waiting: list[str], number: dict[str, int], fold
     for flaw in found:
         print(f"✗ {f'{flaw.where}: ' if flaw.where else ''}{flaw.what}")
     if any(flaw.kind == "file" for flaw in found):
-        print("Copy the folder before anything else, and restore a backup.")
+        print("Copy the folder before anything else. Then restore a backup, or save what can be read: check --repair.")

@@ -57,7 +57,7 @@ def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
     try:
         database.execute("BEGIN")
         try:
-            found = list(_damaged_pages(database))
+            found = list(damaged_pages(database))
             yield from found
             if not found:  # the rest is read from these pages
                 yield from _damaged_rows(database)
@@ -73,7 +73,8 @@ def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
         raise explain(error) from error
 
 
-def _damaged_pages(database: sqlite3.Connection) -> Iterator[Flaw]:
+def damaged_pages(database: sqlite3.Connection) -> Iterator[Flaw]:
+    """Yield what is wrong with the pages of the file."""
     try:
         for (text,) in database.execute(f"PRAGMA integrity_check({_MOST_FAULTS})"):
             if text != "ok":

@@ -69,3 +69,22 @@ def test_damaged_characters_do_not_stop_the_check(call: Call, simulated: str, tm
     called = call("check")
     assert (called.code, called.err) == (1, "")
     assert f"{simulated}: 4 of the rows of trials have characters that cannot be read." in called.out
+
+
+def test_a_repair_says_what_it_moved_where(call: Call, simulated: str, tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
+        database.execute("UPDATE sessions SET machine='{'")
+    called = call("check", "--repair", "--json")
+    assert called.code == 0
+    done = called.json["repair"]
+    assert {"table": "sessions", "rows": 1, "reason": "a text sessions.machine that cannot be read"} in done["moved"]
+    assert Path(done["aside"]).parent == tmp_path / "data"
+    assert Path(done["backup"]).parent == tmp_path / "data" / "backups"
+    assert called.json["flaws"] == []
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_repair_of_whole_data_says_that_nothing_was_changed(call: Call) -> None:
+    called = call("check", "--repair")
+    assert called.code == 0
+    assert called.out.startswith("There is nothing to move aside, and nothing was changed.\nAll data in ")

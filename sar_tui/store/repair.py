@@ -1,0 +1,232 @@
+"""Repair of a damaged database: what is damaged is moved aside, and nothing is deleted."""
+
+import contextlib
+import os
+import shutil
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import NamedTuple
+
+from sar_tui.store.backup import FOLDER, copy_database
+from sar_tui.store.damaged_rows import Damage, damages
+from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, sidecars
+from sar_tui.store.integrity import Flaw, damaged_pages, flaws
+from sar_tui.store.salvage import Unread, salvage
+
+_WAIT_S = 0.5
+"""Longest wait for another program that has the database open."""
+
+
+class Moved(NamedTuple):
+    """Rows that were moved aside: their table, their number, and why."""
+
+    table: str
+    rows: int
+    reason: str
+
+
+class Repair(NamedTuple):
+    """A repair.
+
+    ``backup``: copy of the database that was made before. ``kept``: the damaged file, under its new name. ``unread``:
+    rows that could not be read from that. ``aside``: database of the rows that were moved. ``flaws``: those that
+    remain.
+    """
+
+    backup: Path | None
+    kept: Path | None
+    unread: list[Unread]
+    aside: Path | None
+    moved: list[Moved]
+    flaws: list[Flaw]
+
+
+def repair(folder: Path) -> Repair:
+    """Repair the database of a data folder.
+
+    If pages of its file are damaged, all rows that can be read go into a new file, and the damaged one is kept. Then
+    damaged rows, and those that belong to nothing, move into a database beside it. A row is written there, and on the
+    disk, before it is removed here.
+
+    Raises:
+        StoreError: there is no database, another program has it open, it cannot be read at all, or the disk is full.
+    """
+    path = folder / FILE
+    if not path.exists():
+        raise StoreError(f"There is no data in {folder} yet.", bad_input=True)
+    stamp = f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
+    kept, unread = _renew(path, stamp)
+    connect(folder).close()  # brought up to date
+    with _exclusive(path) as database:
+        found = [each for each in damages(database) if _count(database, each)]
+        backup = aside = None
+        moved: list[Moved] = []
+        if found:
+            if not kept:
+                (folder / FOLDER).mkdir(mode=0o700, exist_ok=True)
+                backup = copy_database(database, folder, _free(folder / FOLDER / f"sar-tui-{stamp}.db")).path
+            aside = _free(folder / f"sar-tui-aside-{stamp}.db")
+            moved = _move_aside(database, aside)
+        return Repair(backup, kept, unread, aside, moved, list(flaws(database)))
+
+
+def _free(path: Path) -> Path:
+    """Return the path, or one with a number if there is such a file."""
+    free, number = path, 1
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
+
+
+@contextmanager
+def _exclusive(path: Path) -> Iterator[sqlite3.Connection]:
+    """Open a database that no other program has open, nor can open meanwhile."""
+    with closing(sqlite3.connect(path, timeout=_WAIT_S, isolation_level=None)) as database:
+        try:
+            database.execute("PRAGMA locking_mode=EXCLUSIVE")
+            database.execute("BEGIN EXCLUSIVE")
+            database.execute("COMMIT")
+            database.execute("PRAGMA synchronous=FULL")
+        except sqlite3.Error as error:
+            if (found := explain(error, path)).locked:
+                raise StoreError(
+                    f"Another program has {path} open. End all sessions, close sar-tui everywhere, and try again.",
+                    temporary=True,
+                    locked=True,
+                ) from error
+            raise found from error
+        try:
+            yield database
+        except sqlite3.Error as error:
+            raise explain(error, path) from error
+
+
+# --- damaged pages --------------------------------------------------------------------------------------------------
+
+
+def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
+    """Put a new file in place of one whose pages are damaged; return the damaged one, and what it did not yield."""
+    new = path.with_name(f".{path.stem}-salvaged.part")
+    try:
+        with _exclusive(path) as database:
+            if not any(damaged_pages(database)):
+                return None, []
+            _remove(new)
+            create_file(new)
+            unread = salvage(database, path, new)
+            _check_new(new)
+        with new.open("rb+") as file:
+            os.fsync(file.fileno())
+        kept = _keep(path, _free(path.with_name(f"{path.stem}-damaged-{stamp}.db")))
+        new.replace(path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise StoreError(f"{path.parent} cannot be written to: {error.strerror}.", temporary=True) from error
+    finally:
+        _remove(new)
+    return kept, unread
+
+
+def _check_new(new: Path) -> None:
+    with closing(sqlite3.connect(new)) as opened:
+        (state,) = opened.execute("PRAGMA integrity_check(1)").fetchone()
+        (version,) = opened.execute("PRAGMA user_version").fetchone()
+    if state != "ok" or version > VERSION:
+        raise StoreError(f"What can be read makes no database ({state}). Nothing was changed: restore a backup.")
+
+
+def _keep(path: Path, kept: Path) -> Path:
+    """Give a closed database a second name, together with its log if that could not be written into it."""
+    log, shared = sidecars(path)
+    kept_log, _ = sidecars(kept)
+    _link(path, kept)
+    if log.exists():
+        if log.stat().st_size:
+            _link(log, kept_log)
+        _sync_folder(path.parent)
+        log.unlink()  # would be written into the new file
+    with contextlib.suppress(FileNotFoundError):
+        shared.unlink()
+    return kept
+
+
+def _link(path: Path, other: Path) -> None:
+    try:
+        os.link(path, other)
+    except OSError:  # a file system without links
+        create_file(other)
+        shutil.copyfile(path, other)
+        with other.open("rb+") as file:
+            os.fsync(file.fileno())
+
+
+def _remove(new: Path) -> None:
+    for each in (new, new.with_name(f"{new.name}-journal")):
+        with contextlib.suppress(OSError):
+            each.unlink()
+
+
+def _sync_folder(folder: Path) -> None:
+    if os.name == "posix":
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
+
+
+# --- damaged rows ---------------------------------------------------------------------------------------------------
+
+
+def _count(database: sqlite3.Connection, damage: Damage) -> int:
+    (count,) = database.execute(f"SELECT count(*) FROM main.{damage.table} WHERE {damage.condition}").fetchone()
+    return int(count)
+
+
+def _move_aside(database: sqlite3.Connection, aside: Path) -> list[Moved]:
+    """Move damaged rows into a new database, again until no row belongs to one that was moved."""
+    create_file(aside)
+    database.execute("ATTACH ? AS aside", (str(aside),))
+    moved: list[Moved] = []
+    try:
+        while round_ := [each for damage in damages(database) if (each := _move(database, damage))]:
+            moved += round_
+    finally:
+        if not database.in_transaction:
+            database.execute("DETACH aside")
+    return moved
+
+
+def _move(database: sqlite3.Connection, damage: Damage) -> Moved | None:
+    """Move rows. Killed in between, they are in both databases."""
+    if not _count(database, damage):
+        return None
+    with _transaction(database):
+        database.execute(
+            f"CREATE TABLE IF NOT EXISTS aside.{damage.table} AS SELECT *, '' AS why FROM main.{damage.table} WHERE 0"
+        )
+        written = database.execute(
+            f"INSERT INTO aside.{damage.table} SELECT *, ? FROM main.{damage.table} WHERE {damage.condition}",
+            (damage.reason,),
+        ).rowcount
+    with _transaction(database):
+        removed = database.execute(f"DELETE FROM main.{damage.table} WHERE {damage.condition}").rowcount
+        if removed != written:
+            raise StoreError(f"{damage.table} changed during the repair. Try again.")
+    return Moved(damage.table, written, damage.reason)
+
+
+@contextmanager
+def _transaction(database: sqlite3.Connection) -> Iterator[None]:
+    database.execute("BEGIN")
+    try:
+        yield
+        database.execute("COMMIT")
+    except BaseException:
+        if database.in_transaction:
+            database.execute("ROLLBACK")
+        raise

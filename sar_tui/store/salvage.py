@@ -1,0 +1,158 @@
+"""Rows of a database whose pages are damaged, read as far as they can be, into a new file."""
+
+import contextlib
+import sqlite3
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import NamedTuple
+
+from sar_tui.store.database import damaged, explain
+
+_MOST_FAILURES = 20_000
+"""Largest number of ranges of a table that fail before the rest of it is given up: its root is damaged."""
+_AFTER = 2**16
+"""Row numbers that are tried beyond the last one that can be seen."""
+
+
+class Unread(NamedTuple):
+    """A range of rows that could not be read: the table, the first and the last row number."""
+
+    table: str
+    first: int
+    last: int
+
+
+def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]:
+    """Copy all rows that can be read into an empty file, and return the ranges that could not.
+
+    Args:
+        database: the damaged database. Nothing is written to it.
+        file: its path, for messages.
+        new: the file to fill.
+
+    Raises:
+        StoreError: not even the names of the tables can be read, or the new file cannot be written.
+    """
+    try:
+        schema = database.execute("SELECT type, name, sql FROM sqlite_master WHERE sql IS NOT NULL").fetchall()
+        (version,) = database.execute("PRAGMA user_version").fetchone()
+    except (sqlite3.Error, UnicodeDecodeError) as error:
+        raise damaged(file) from error
+    tables = [name for kind, name, _ in schema if kind == "table" and not name.startswith("sqlite_")]
+    if "sessions" not in tables:
+        raise damaged(file)
+    try:
+        _make(new, [sql for kind, name, sql in schema if kind == "table" and name in tables], version)
+        database.execute("ATTACH ? AS salvaged", (str(new),))
+        database.execute("PRAGMA salvaged.synchronous=OFF")  # synced as a whole, by the caller
+        # Numbers of sessions come before the events that are read by them.
+        found = [each for name in sorted(tables, key=lambda name: name == "messages") for each in _copy(database, name)]
+        database.execute("DETACH salvaged")
+        _make(new, [sql for kind, _, sql in schema if kind != "table"], version)
+    except sqlite3.Error as error:
+        raise explain(error, new) from error
+    return found
+
+
+def _make(new: Path, statements: Sequence[str], version: int) -> None:
+    with closing(sqlite3.connect(new, isolation_level=None)) as opened:
+        for statement in statements:
+            opened.execute(statement)
+        opened.execute(f"PRAGMA user_version={version}")
+
+
+def _copy(database: sqlite3.Connection, table: str) -> list[Unread]:
+    columns = ", ".join(f'"{name}"' for _, name, *_ in database.execute(f'PRAGMA main.table_info("{table}")'))
+    if table == "messages":  # has no row numbers
+        return _copy_messages(database, columns)
+    reader = _Reader(database, table, f"rowid, {columns}", "rowid")
+    if reader.copy("", (), -(2**63), 2**63 - 1, is_whole=True):
+        return []
+    first, last = _bounds(database, table)
+    reader.split("", (), first, last)
+    return reader.unread
+
+
+def _copy_messages(database: sqlite3.Connection, columns: str) -> list[Unread]:
+    reader = _Reader(database, "messages", columns, "seq")
+    if reader.copy("", (), -(2**63), 2**63 - 1, is_whole=True):
+        return []
+    for (number,) in database.execute("SELECT number FROM salvaged.session_numbers ORDER BY number").fetchall():
+        if not reader.copy("session_number=? AND ", (number,), 0, 2**31):
+            reader.split("session_number=? AND ", (number,), 0, _last_seq(database, number))
+    return reader.unread
+
+
+class _Reader:
+    """Copies ranges of a table, halved again and again where they cannot be read."""
+
+    def __init__(self, database: sqlite3.Connection, table: str, columns: str, key: str) -> None:
+        self._database = database
+        self._table = table
+        self._columns = columns
+        self._key = key
+        self.failures = 0
+        self.unread: list[Unread] = []
+
+    def copy(self, of: str, values: tuple[int, ...], first: int, last: int, *, is_whole: bool = False) -> bool:
+        """Copy a range of rows; return False, and copy none, if one of them cannot be read."""
+        condition = "" if is_whole else f"WHERE {of}{self._key} BETWEEN ? AND ?"
+        try:
+            self._database.execute(
+                f'INSERT OR IGNORE INTO salvaged."{self._table}" ({self._columns})'
+                f' SELECT {self._columns} FROM main."{self._table}" NOT INDEXED {condition}',
+                () if is_whole else (*values, first, last),
+            )
+        except sqlite3.DatabaseError as error:
+            if not _is_damage(error):
+                raise
+            return False
+        return True
+
+    def split(self, of: str, values: tuple[int, ...], first: int, last: int) -> None:
+        """Copy the readable rows of a range."""
+        if first > last:
+            return
+        if self.failures < _MOST_FAILURES and self.copy(of, values, first, last):
+            return
+        self.failures += 1
+        if first == last or self.failures >= _MOST_FAILURES:
+            self._note(first, last)
+            return
+        middle = (first + last) // 2
+        self.split(of, values, first, middle)
+        self.split(of, values, middle + 1, last)
+
+    def _note(self, first: int, last: int) -> None:
+        if self.unread and self.unread[-1].last + 1 == first:
+            first = self.unread.pop().first
+        self.unread.append(Unread(self._table, first, last))
+
+
+def _bounds(database: sqlite3.Connection, table: str) -> tuple[int, int]:
+    """Return a first and a last row number between which all rows of a table are, as far as that can be known."""
+    backwards = _seen(database, f'SELECT rowid FROM main."{table}" NOT INDEXED ORDER BY rowid DESC')
+    seen = backwards | _seen(database, f'SELECT rowid FROM main."{table}" NOT INDEXED ORDER BY rowid')
+    for _, index, *_ in database.execute(f'PRAGMA main.index_list("{table}")').fetchall():
+        seen |= _seen(database, f'SELECT rowid FROM main."{table}" INDEXED BY "{index}"')
+    return min(1, *seen, 1), max(seen, default=0) + (0 if backwards else _AFTER)
+
+
+def _last_seq(database: sqlite3.Connection, number: int) -> int:
+    query = f"SELECT seq FROM main.messages WHERE session_number={number} ORDER BY seq"
+    backwards = _seen(database, f"{query} DESC")
+    return max(backwards | _seen(database, query), default=0) + (0 if backwards else _AFTER)
+
+
+def _seen(database: sqlite3.Connection, query: str) -> set[int]:
+    """Return the smallest and the largest number that a query yields before it fails."""
+    low = high = None
+    with contextlib.suppress(sqlite3.DatabaseError):
+        for (number,) in database.execute(query):
+            low, high = min(number, number if low is None else low), max(number, number if high is None else high)
+    return {number for number in (low, high) if number is not None}
+
+
+def _is_damage(error: sqlite3.DatabaseError) -> bool:
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
