@@ -84,7 +84,8 @@ def validate(
         def progress(what: str, done: int, of: int) -> None:
             bar.update(line, description=what, completed=done, total=of)
 
-        given = Conditions(catalogue, min(reaches, _QUICK_REACHES) if quick else reaches, quick, progress=progress)
+        number = min(reaches, _QUICK_REACHES) if quick else reaches
+        given = Conditions(catalogue, number, quick, progress=progress, known={})
         conditions = given._replace(seeds=given.seeds[:_QUICK_SEEDS]) if quick else given
         for name in names:
             reports[name] = VALIDATIONS[name].run(conditions)

@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing
-from typing import Any
+from typing import Any, NamedTuple
 
 from sar_tui.framework.attempts import NextAttempt
 from sar_tui.framework.bus import FAULT, Bus, Record
@@ -44,6 +44,7 @@ class Session:
         names: what the agent calls each participant, by seat; without a name, the seat.
         done_today: what the participant did today, if something limits a day (`policies.limits.Dose`).
         rules: version of the rules; a record that is replayed brings its own.
+        parts: the classes of the framework's nodes, if not its own.
 
     Attributes:
         parameters: with which the task was built; a therapist may change some for ``task.parameters``.
@@ -61,6 +62,7 @@ class Session:
         names: dict[str, str] | None = None,
         done_today: dict[str, float] | None = None,
         rules: int = RULES,
+        parts: "Parts | None" = None,
     ) -> None:
         self.task = task
         self.parameters = task.parameters
@@ -80,7 +82,7 @@ class Session:
         self._tr = task.tr
         self._use_texts(theme)
         self.bus.subscribe(THEME, lambda applied: self._use_texts(applied.theme))
-        self.core = core_nodes(task, theme, seed)
+        self.core = core_nodes(task, theme, seed, parts or OWN_PARTS)
         for node in self.core:
             node.attach(self.bus)
         self.nodes = (*self.core, *extra)
@@ -253,14 +255,25 @@ class Session:
         self.awaits_operator = agent.awaits_operator
 
 
-def core_nodes(task: Task, theme: Theme, seed: int) -> tuple[Node, ...]:
+class Parts(NamedTuple):
+    """Classes of the framework's nodes that validations replace with broken ones, to see their tests fail."""
+
+    perception: type[Perception] = Perception
+    memory: type[Memory] = Memory
+    event_handler: type[EventHandler] = EventHandler
+
+
+OWN_PARTS = Parts()
+
+
+def core_nodes(task: Task, theme: Theme, seed: int, parts: Parts = OWN_PARTS) -> tuple[Node, ...]:
     """Return the framework's nodes and the task's own perception, in the order in which they receive a message."""
     seat_of = task.seat_of if len(task.seats) > 1 else None
-    perception = (Perception(task.parameters, seat_of), *task.nodes())
+    perception = (parts.perception(task.parameters, seat_of), *task.nodes())
     return (
         *perception,
-        Memory(),
-        EventHandler(task, seed, (*VITAL, *(node.name for node in perception))),
+        parts.memory(),
+        parts.event_handler(task, seed, (*VITAL, *(node.name for node in perception))),
         ActionCenter(task, theme, seed),
         Arbiter(task.parameters, theme),
     )

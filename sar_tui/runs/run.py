@@ -15,7 +15,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import build, fields
 from sar_tui.framework.policies.limits import Dose, limits_day, reached_of_day
-from sar_tui.framework.session import ReplayError, Session
+from sar_tui.framework.session import Parts, ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, task_source
@@ -106,7 +106,14 @@ class Run:
         return self.recorder.safeguard.file if self.recorder.safeguard else None
 
 
-def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
+def start(
+    plan: Plan,
+    folder: Path,
+    catalogue: Catalogue,
+    clock: Clock,
+    make_nodes: NodeFactory,
+    parts: Parts | None = None,
+) -> Run:
     """Store a new session, and build its run, ready to begin.
 
     Args:
@@ -115,6 +122,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
         catalogue: where the theme is found.
         clock: live or virtual.
         make_nodes: makes the input and output nodes.
+        parts: the classes of the framework's nodes, if not its own.
 
     Raises:
         StoreError: the database cannot be used, or a participant is in a live session.
@@ -136,7 +144,7 @@ def start(plan: Plan, folder: Path, catalogue: Catalogue, clock: Clock, make_nod
             held += [locks.hold(folder, "participant", code) for code in codes]
         facts = _participant_facts(database, task, codes, plan.mode)
         _check_day(task, codes[0], facts["done_today"])
-        session = Session(task, theme, clock, plan.seed, nodes, **facts)
+        session = Session(task, theme, clock, plan.seed, nodes, **facts, parts=parts)
         session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
         provenance = _provenance(plan.task, theme.name, folder, catalogue)

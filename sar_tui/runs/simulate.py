@@ -6,7 +6,7 @@ from pathlib import Path
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.node import Node
 from sar_tui.framework.paced_clock import PacedClock
-from sar_tui.framework.session import Session
+from sar_tui.framework.session import Parts, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED
@@ -29,6 +29,7 @@ def simulate(
     operator: OperatorProfile | None = None,
     partner: Person | None = None,
     bodies: Sequence[Output] = (),
+    parts: Parts | None = None,
 ) -> str:
     """Run a whole session into the database, and return its id.
 
@@ -43,6 +44,7 @@ def simulate(
         operator: decides on the agent's proposals, in the modes that the plan's parameters set.
         partner: at seat B of a task for two; by default, like ``person``.
         bodies: outputs besides those that the plan names; they report at once.
+        parts: the classes of the framework's nodes, if not its own.
 
     Raises:
         StoreError, PluginError, ParameterError: as ``start``.
@@ -60,7 +62,7 @@ def simulate(
         partners = [SimulatedPartner(partner or person, task, seed, seat=seat) for seat in task.seats[1:]]
         return [SimulatedParticipant(person, task, seed), *partners, *others]
 
-    run = start(plan, folder, catalogue, clock, make_nodes)
+    run = start(plan, folder, catalogue, clock, make_nodes, parts)
     try:
         run.session.bus.subscribe(ATTEMPT_ENDED, lambda ended: progress(ended.attempt))
         run.begin()

@@ -30,7 +30,7 @@ def competent(conditions: Conditions) -> Report:
 
 def _of_user(conditions: Conditions, name: str, user: str) -> Report:
     rows: list[Row] = []
-    with session_runner(conditions.catalogue) as runner:
+    with session_runner(conditions.catalogue, conditions.known) as runner:
         for number, seed in enumerate(conditions.seeds):
             conditions.progress(name, number, len(conditions.seeds))
             rows += level_rows(runner.run(user, seed), user, seed)

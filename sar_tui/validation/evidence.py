@@ -6,6 +6,7 @@ from functools import partial
 import msgspec
 
 from sar_tui.framework.graph import Graph
+from sar_tui.framework.session import Parts
 from sar_tui.validation.bodies import Body, every_body
 from sar_tui.validation.modularity import Code
 from sar_tui.validation.report import Conditions
@@ -24,7 +25,8 @@ class Evidence(msgspec.Struct, frozen=True):
         rare: those of competent users with feedback after every three attempts, by seed.
         worded: sessions of an average user by the form of feedback that was asked for, and seed.
         bare: a session without other bodies than the screen; ``embodied``: the same one with ``bodies``.
-        code: lines of each task's session; ``graphs``: the loops of the keyboard and the reaching task.
+        code: lines of each task's session; ``graphs``: the loops of the keyboard and the reaching task;
+            ``nodes``: the classes of the nodes in them, by name.
     """
 
     sessions: Mapping[tuple[str, int], Simulated]
@@ -35,6 +37,7 @@ class Evidence(msgspec.Struct, frozen=True):
     bodies: tuple[Body, ...]
     code: Mapping[str, Code]
     graphs: Mapping[str, Graph]
+    nodes: Mapping[str, Mapping[str, str]]
 
 
 class System(msgspec.Struct, frozen=True):
@@ -44,12 +47,14 @@ class System(msgspec.Struct, frozen=True):
         settings: of every session. ``rare``, ``worded``: more of them, for sessions in which feedback is to be rare, or
             has a form; they come last.
         bodies: returns the agent's bodies.
+        parts: the classes of the framework's nodes.
     """
 
     settings: Mapping[str, object] = {}
     rare: Mapping[str, object] = {}
     worded: Mapping[str, object] = {}
     bodies: Callable[[], tuple[Body, ...]] = every_body
+    parts: Parts = Parts()
 
 
 def collect(
@@ -57,12 +62,13 @@ def collect(
     system: System,
     code: Mapping[str, Code],
     graphs: Mapping[str, Graph],
+    nodes: Mapping[str, Mapping[str, str]],
     done: Callable[[], None] = lambda: None,
 ) -> Evidence:
     """Run the sessions of a system. ``done`` is called after each, `sessions` times."""
     seeds = conditions.seeds
-    with session_runner(conditions.catalogue) as runner:
-        run = partial(_run, runner, done)
+    with session_runner(conditions.catalogue, conditions.known) as runner:
+        run = partial(_run, runner, done, system.parts)
         bodies = system.bodies()
         return Evidence(
             sessions={(user, seed): run(user, seed, system.settings) for user in USERS for seed in seeds},
@@ -80,6 +86,7 @@ def collect(
             bodies=bodies,
             code=code,
             graphs=graphs,
+            nodes=nodes,
         )
 
 
@@ -91,11 +98,12 @@ def sessions(conditions: Conditions) -> int:
 def _run(
     runner: SessionRunner,
     done: Callable[[], None],
+    parts: Parts,
     user: str,
     seed: int,
     settings: Mapping[str, object],
     bodies: tuple[Body, ...] = (),
 ) -> Simulated:
-    found = runner.run(user, seed, bodies=bodies, **settings)
+    found = runner.run(user, seed, bodies=bodies, parts=parts, **settings)
     done()
     return found

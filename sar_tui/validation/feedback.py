@@ -15,6 +15,7 @@ BAND_MS, LEAST_ACCURACY = 10.0, 0.8
 """Results within this distance of the goal are neutral; praise needs at least this share of correct responses."""
 EVERY = 3
 """Number of attempts per feedback in the second condition of Figure 4.14."""
+TRUE_FIGURES = "Every figure is the result, the goal, or the difference from the last result at that level."
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
@@ -61,19 +62,16 @@ def has_its_form(texts: Mapping[str, Sequence[str]]) -> list[Claim]:
 def examples(conditions: Conditions) -> Report:
     """Return Figure 4.13: one row per feedback, in words and in figures."""
     rows = []
-    with session_runner(conditions.catalogue) as runner:
+    with session_runner(conditions.catalogue, conditions.known) as runner:
         for number, form in enumerate(("qualitative", "quantitative")):
             conditions.progress("figure-4.13", number, 2)
             for seed in conditions.seeds[:3]:
-                rows += _said(form, seed, runner.run("average", seed, feedback_form=form))
+                rows += said_rows(form, seed, runner.run("average", seed, feedback_form=form))
     texts = {form: [row["text"] for row in rows if row["form"] == form] for form in ("qualitative", "quantitative")}
-    untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not _is_true(row)]
+    untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not is_true(row)]
     claims = [
         *has_its_form(texts),
-        Claim(
-            "Every figure is the result, the goal, or the difference from the last result at that level.",
-            "; ".join(untrue),
-        ),
+        Claim(TRUE_FIGURES, "; ".join(untrue)),
     ]
     seen = _one_of_each(rows)
     return Report(rows, [_EXAMPLES], claims, seen=seen, chart=charts.sentences(seen, "feedback"))
@@ -83,7 +81,7 @@ def frequency(conditions: Conditions) -> Report:
     """Return Figure 4.14: one row per attempt of a competent user, with feedback after each, and after every three."""
     rows: list[Row] = []
     unsaid: list[str] = []
-    with session_runner(conditions.catalogue) as runner:
+    with session_runner(conditions.catalogue, conditions.known) as runner:
         for number, seed in enumerate(conditions.seeds):
             conditions.progress("figure-4.14", number, len(conditions.seeds))
             for every in (1, EVERY):
@@ -115,7 +113,7 @@ def frequency(conditions: Conditions) -> Report:
 
 def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report:
     rows: list[Row] = []
-    with session_runner(conditions.catalogue) as runner:
+    with session_runner(conditions.catalogue, conditions.known) as runner:
         for number, seed in enumerate(conditions.seeds):
             conditions.progress(name, number, len(conditions.seeds))
             rows += _of_seed(runner, users, seed)
@@ -187,7 +185,8 @@ def _feedback_claim(rows: Sequence[Row], every: int, sentence: str) -> Claim:
 # --- what was said --------------------------------------------------------------------------------------------
 
 
-def _said(form: str, seed: int, done: Simulated) -> list[Row]:
+def said_rows(form: str, seed: int, done: Simulated) -> list[Row]:
+    """Return one row for each feedback that was given, with what its figures may be."""
     rows: list[Row] = []
     last: dict[int, float | None] = {}
     for attempt in done.attempts:
@@ -212,7 +211,7 @@ def _said(form: str, seed: int, done: Simulated) -> list[Row]:
     return rows
 
 
-def _is_true(row: Row) -> bool:
+def is_true(row: Row) -> bool:
     """Return True if each figure in a text belongs to the attempt."""
     result, last = row["reaction_time_ms"], row["last_at_level_ms"]
     measured = {f"{row['goal_ms'] / 1000:.4g}", str(row["correct"]), str(row["trials"])}

@@ -25,7 +25,7 @@ def run(conditions: Conditions) -> Report:
     """Return one row per attempt under each schedule, with the same user and seed."""
     rows: list[Row] = []
     claims: list[Claim] = []
-    with session_runner(conditions.catalogue) as runner:
+    with session_runner(conditions.catalogue, conditions.known) as runner:
         for number, (name, schedule) in enumerate(SCHEDULES.items()):
             conditions.progress(f"policies: {name}", number, len(SCHEDULES))
             settings = {"feedback_schedule": name, "feedback_delay_ms": DELAY_MS, **schedule.settings}

@@ -52,6 +52,7 @@ class Conditions(NamedTuple):
         is_quick: fewer repetitions.
         seeds: those with which a claim about users is tested.
         progress: called with the current step, the number of steps done, and their total.
+        known: sessions that were simulated, which validations share; None to simulate each.
     """
 
     catalogue: "Catalogue"
@@ -59,3 +60,4 @@ class Conditions(NamedTuple):
     is_quick: bool = False
     seeds: Sequence[int] = range(1, 11)
     progress: Callable[[str, int, int], None] = lambda what, done, of: None
+    known: dict[object, Any] | None = None
