@@ -1,5 +1,6 @@
 """``sar-tui replay``: a recorded session again, from its inputs."""
 
+import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,6 +12,7 @@ from sar_tui.cli.common import (
     RecordedSession,
     Tasks,
     console,
+    need_screen,
     print_json,
     progress_bar,
     watch_plugins,
@@ -52,6 +54,18 @@ def replay(
         int | None,
         typer.Option(metavar="N", min=20, max=10_000, show_default=False, help="Runs of a fork. Default: 200."),
     ] = None,
+    watch: Annotated[
+        bool,
+        typer.Option(
+            "--watch",
+            help="Show the session again on the participant's screen, for watching only: Space pauses, left and right "
+            "jump an attempt, + and - change the speed, Q leaves.",
+        ),
+    ] = False,
+    speed: Annotated[
+        float | None,
+        typer.Option(metavar="TIMES", min=0.25, max=16, show_default=False, help="Speed of --watch. Default: 1."),
+    ] = None,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -68,6 +82,12 @@ def replay(
         raise Refused("--fork needs --what-if NAME=VALUE: another setting to go on with.")
     if runs is not None and not fork:
         raise Refused("--runs is for --fork only.")
+    if speed is not None and not watch:
+        raise Refused("--speed is for --watch only.")
+    if watch and (changed or as_json):
+        raise Refused("--watch shows the session as it was: give neither --what-if nor --json with it.")
+    if watch:
+        _watch(home, session, speed or 1.0)
     with home.session(session) as (database, found):
         database.execute("PRAGMA query_only=ON")
         if fork:
@@ -97,6 +117,21 @@ def _read(pairs: list[str]) -> dict[str, object]:
             raise Refused(f"--what-if takes NAME=VALUE, such as --what-if threshold=900, not {pair!r}.")
         found[name.strip()] = value
     return found
+
+
+def _watch(home: Home, session: str, speed: float) -> None:
+    """Show a session in this terminal, and exit."""
+    need_screen()
+    from sar_tui.app.watch import WatchApp
+    from sar_tui.replay.replay import check_whole
+
+    with home.session(session) as (database, found):
+        check_whole(home.folder, found)
+        app = WatchApp(home.folder, home.catalogue(), database, found, speed)
+    code = app.run_here()
+    if app.failure:
+        print(app.failure, file=sys.stderr)
+    raise typer.Exit(code)
 
 
 def _fork(

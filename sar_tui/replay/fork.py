@@ -1,5 +1,6 @@
 """A stored session by other parameters to its end: as recorded up to the first other prompt, then modelled."""
 
+import math
 import sqlite3
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -15,13 +16,21 @@ from sar_tui.plugins import Catalogue
 from sar_tui.replay.played_again import Responses, play, read_responses
 from sar_tui.replay.replay import check_whole
 from sar_tui.replay.rescore import changes_only_scores
-from sar_tui.replay.response_model import FEWEST_ATTEMPTS, FEWEST_RESPONSES, Counts, Fit, Response, ResponseModel
+from sar_tui.replay.response_model import (
+    FEWEST_ATTEMPTS,
+    FEWEST_RESPONSES,
+    Counts,
+    Fit,
+    Floats,
+    Response,
+    ResponseModel,
+)
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.store import sessions
 
 RUNS = 200
 COVERAGE = 0.9
-"""Share of the runs that lie in the interval."""
+"""Least share of the runs that lie in the interval."""
 _SCORES_TOO = ("attempts",)
 """Settings that change no recorded prompt beside those that change only scores."""
 
@@ -49,13 +58,17 @@ class Summary(msgspec.Struct, frozen=True):
 
 
 class Forecast(msgspec.Struct, frozen=True):
-    """One number of the session: as recorded, and in the runs. None: there is no such number."""
+    """One number of the session: as recorded, and in the runs. None: there is no such number.
+
+    ``share``: of the runs from ``low`` to ``high``; more than the `COVERAGE` if the number has few values.
+    """
 
     name: str
     recorded: float | None
     median: float | None
     low: float | None
     high: float | None
+    share: float | None
 
 
 class Forked(msgspec.Struct, frozen=True):
@@ -68,7 +81,7 @@ class Forked(msgspec.Struct, frozen=True):
             are drawn from the model. None if all prompts are those of the record, so that nothing is modelled.
         runs: number of runs; 1 if nothing is modelled.
         seed: of the first run; the others have the numbers after it.
-        coverage: share of runs in the interval.
+        coverage: least share of the runs in each interval.
         model: the model and its fit; None if nothing is modelled.
         numbers: each with its interval.
     """
@@ -203,10 +216,26 @@ def summary(ended: Sequence[AttemptEnded]) -> Summary:
 
 def forecasts(recorded: Summary, runs: Sequence[Summary]) -> tuple[Forecast, ...]:
     """Return each number with its median and its interval over the runs."""
-    tail = (1 - COVERAGE) / 2
-    found = []
-    for name in Summary.__struct_fields__:
-        values = [value for one in runs if (value := getattr(one, name)) is not None]
-        low, median, high = np.quantile(values, [tail, 0.5, 1 - tail]).tolist() if values else (None, None, None)
-        found.append(Forecast(name, getattr(recorded, name), median, low, high))
-    return tuple(found)
+    return tuple(_forecast(name, recorded, runs) for name in Summary.__struct_fields__)
+
+
+def _forecast(name: str, recorded: Summary, runs: Sequence[Summary]) -> Forecast:
+    values = np.sort([value for one in runs if (value := getattr(one, name)) is not None])
+    if not len(values):
+        return Forecast(name, getattr(recorded, name), None, None, None, None)
+    low, high = _shortest_interval(values)
+    share = float(np.mean((values >= low) & (values <= high)))
+    return Forecast(name, getattr(recorded, name), float(np.median(values)), low, high, share)
+
+
+def _shortest_interval(values: Floats) -> tuple[float, float]:
+    """Return the shortest interval with `COVERAGE` of sorted values, and of equally short ones that with most.
+
+    A number with few values, such as a level, gets no more of them than it needs: quantiles would hold too many.
+    """
+    count = math.ceil(COVERAGE * len(values))
+    lows, highs = values[: len(values) - count + 1], values[count - 1 :]
+    shortest = np.flatnonzero(highs - lows <= (highs - lows).min() + 1e-12)
+    held = np.searchsorted(values, highs[shortest], "right") - np.searchsorted(values, lows[shortest], "left")
+    best = shortest[np.argmax(held)]
+    return float(lows[best]), float(highs[best])

@@ -99,7 +99,7 @@ def forked_sentences(forked: Forked) -> tuple[str, list[str]]:
     kept = f"The record ends before attempt {first}. From there on" if first > 1 else "From the first attempt on"
     found = [
         f"With {settings}. {kept}, responses are drawn from a model of this participant, in {forked.runs} runs.",
-        f"The interval holds {forked.coverage:.0%} of the runs.",
+        f"The interval is the shortest that holds {forked.coverage:.0%} of the runs or more.",
         f"The model was fitted to {fit.responses} correct responses of {fit.attempts} attempts: "
         f"{fit.base_ms:.0f} ms and {fit.per_bit_ms:.0f} ms for each bit of choice, {fit.per_attempt_ms:+.1f} ms from "
         f"attempt to attempt, scatter {fit.spread:.0%}, {fit.wrong:.1%} wrong, {fit.missed:.1%} missed.",

@@ -1,0 +1,110 @@
+"""``sar-tui replay --watch``: a recorded session on the participant's screen, at its own pace."""
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from textual.widgets import Static
+
+from sar_tui.app import watch
+from sar_tui.framework.bus import Record
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.messages import AttemptStarted, KeyPressed, Prompt
+from sar_tui.framework.topics import ATTEMPT_STARTED, KEY, PROMPT
+from sar_tui.plugins import Catalogue
+from sar_tui.replay.player import Player
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from sar_tui.widgets.big_prompt import BigPrompt
+from tests.program import Call
+from tests.replay.test_replay import dump
+
+
+def records(*times: int) -> list[Record]:
+    """Return attempts that begin at these times, in seconds."""
+    return [
+        Record(number, at * SECOND, ATTEMPT_STARTED, AttemptStarted(attempt=number, practice=False, level=1, trials=2))
+        for number, at in enumerate(times, 1)
+    ]
+
+
+def test_a_player_keeps_the_recorded_times_at_any_speed() -> None:
+    player = Player(records(10, 14, 20), speed=2)
+    seen: list[tuple[int, int]] = []
+    player.bus.subscribe(ATTEMPT_STARTED, lambda one: seen.append((one.attempt, player.clock.now() // SECOND)))
+    player.advance(1 * SECOND)
+    assert seen == [(1, 10)]
+    player.advance(1 * SECOND)
+    assert seen == [(1, 10), (2, 14)]
+    player.paused = True
+    player.advance(60 * SECOND)
+    player.paused = False
+    player.faster(-1)
+    player.advance(5 * SECOND)
+    assert (player.speed, player.is_over) == (1, False)
+    player.advance(1 * SECOND)
+    assert (seen[-1], player.is_over) == ((3, 20), True)
+
+
+def test_a_player_goes_on_at_once_where_a_session_was_resumed_by_another_clock() -> None:
+    player = Player([*records(500), *records(3)[:1]])
+    player.advance(0)
+    player.advance(1)
+    assert player.is_over
+
+
+def test_nodes_that_show_a_record_can_publish_nothing() -> None:
+    player = Player(records(1))
+    seen: list[KeyPressed] = []
+    player.bus.subscribe(KEY, seen.append)
+    player.bus.publish(KEY, KeyPressed(key="a", at=1))
+    player.bus.post(KEY, KeyPressed(key="a", at=1))
+    player.advance(SECOND)
+    assert seen == []
+
+
+async def test_a_session_is_shown_again_and_nothing_is_stored(
+    call: Call, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)  # only this test lets time pass
+    call("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 3, "-p", "P01")
+    before = dump(data)
+    with closing(connect(data)) as database:
+        app = watch.WatchApp(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
+    prompts: list[Prompt] = []
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+
+        def header() -> str:
+            return str(app.screen.query_one("#replay", Static).render())
+
+        assert header() == "Replay · attempt 0 of 3 · 1 times"
+        await pilot.press("right", "right", "plus")
+        assert header() == "Replay · attempt 2 of 3 · 2 times"
+        app.watched.player.bus.subscribe(PROMPT, prompts.append)
+        while not prompts:
+            app.watched.player.advance(SECOND // 10)
+        await pilot.pause()
+        assert app.screen.query_one(BigPrompt).display
+        await pilot.press("left", "space", "enter", "escape", "a")
+        await pilot.pause()
+        assert header() == "Replay · attempt 1 of 3 · paused"
+        await pilot.press("space", "right", "right", "right")
+        assert header() == "Replay · attempt 3 of 3 · over"
+        await pilot.press("q")
+    assert app.return_code == 0
+    assert dump(data) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--watch",), "This needs a real terminal"),
+        (("--speed", "2"), "--speed is for --watch only"),
+        (("--watch", "--json"), "give neither --what-if nor --json"),
+    ],
+)
+def test_what_cannot_be_watched_is_refused(call: Call, simulated: str, words: tuple[str, ...], said: str) -> None:
+    called = call("replay", simulated, *words)
+    assert (called.code, called.out) == (2, "")
+    assert said in called.err
