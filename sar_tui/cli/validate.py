@@ -151,13 +151,15 @@ def _store_page(
     folder: Path, title: str, reports: "Mapping[str, tuple[str, Report]]", notes: Sequence[str] = ()
 ) -> None:
     """Write one page of all reports."""
-    from sar_tui.reports.html_page import ChartsMissing, write_page
+    from sar_tui.reports.html_page import write_page
     from sar_tui.validation.page import page
 
-    try:
-        write_page(page(title, reports, notes), folder / _WHOLE)
-    except ChartsMissing as error:
-        console(error=True).print(f"! {error} The tables are written.", soft_wrap=True)
+    write_page(page(title, reports, notes), folder / _WHOLE)
+    lacking = any(report.chart and not (folder / f"{name}.svg").exists() for name, (_, report) in reports.items())
+    if lacking:
+        from sar_tui.reports.html_page import NO_PACKAGE
+
+        console(error=True).print(f"! {NO_PACKAGE} Everything but NAME.svg is written.", soft_wrap=True)
 
 
 def _show_session(home: Home, name: str, to: Path | None, as_json: bool) -> None:

@@ -14,7 +14,9 @@ figure { margin: 1rem 0; } figure svg { max-width: 100%; height: auto; } figcapt
 table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem .6rem; text-align: right; }
 th { border-bottom: 1px solid #888; } td:first-child, th:first-child, .text { text-align: left; }
 ul.claims { list-style: none; padding-left: 0; }
-pre { font-size: 1rem; line-height: 1.6; } .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
+pre { font-size: 1rem; line-height: 1.6; }
+.drawing { font-size: .65rem; line-height: 1.2; overflow-x: auto; }
+.foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
 """
 

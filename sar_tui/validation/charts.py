@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from sar_tui.validation.report import Row
 
+RESULT = "reaction time (ms)"
 _INK, _SOFT, _GOAL = "#1f4e79", "#8a4b08", "#777777"
 _FEEDBACK = {
     "positive": ("triangle-up", "#1f6f3a"),
@@ -25,12 +26,12 @@ def _whole(**parts: object) -> Row:
     return {"$schema": "https://vega.github.io/schema/vega-lite/v5.json", "config": _CONFIG, **parts}
 
 
-def _times(rows: Sequence[Row]) -> list[Row]:
-    """Return the layers of reaction times over attempts, and of the goal."""
+def _times(rows: Sequence[Row], label: str) -> list[Row]:
+    """Return the layers of results over attempts, and of the goal."""
     times: Row = {
         "field": "reaction_time_ms",
         "type": "quantitative",
-        "title": "reaction time, ms",
+        "title": label,
         "scale": {"zero": False},
     }
     goal: Row = {"field": "goal_ms", "type": "quantitative"}
@@ -40,8 +41,8 @@ def _times(rows: Sequence[Row]) -> list[Row]:
     ]
 
 
-def adaptation(rows: Sequence[Row]) -> Row:
-    """Chart reaction times over the attempts of a session, and the level below them."""
+def adaptation(rows: Sequence[Row], label: str = RESULT) -> Row:
+    """Chart the results of a session's attempts, and the level below them. ``label``: name and unit of the result."""
     level: Row = {"field": "level", "type": "quantitative", "title": "level", "axis": {"tickMinStep": 1}}
     steps = {
         "mark": {"type": "line", "color": _SOFT, "interpolate": "step", "point": {"color": _SOFT}},
@@ -49,12 +50,12 @@ def adaptation(rows: Sequence[Row]) -> Row:
         "width": _WIDTH,
         "height": 110,
     }
-    above = {"layer": _times(rows), "width": _WIDTH, "height": 170}
+    above = {"layer": _times(rows, label), "width": _WIDTH, "height": 170}
     return _whole(data={"values": list(rows)}, vconcat=[above, steps])
 
 
-def feedback(groups: Sequence[tuple[str, Sequence[Row]]]) -> Row:
-    """Chart reaction times over attempts with a mark for the feedback on each: one below the other, with titles."""
+def feedback(groups: Sequence[tuple[str, Sequence[Row]]], label: str = RESULT) -> Row:
+    """Chart results over attempts with a mark for the feedback on each: one below the other, with titles."""
     names = list(_FEEDBACK)
     scale = {"domain": names, "range": [_FEEDBACK[name][0] for name in names]}
     colours = {"domain": names, "range": [_FEEDBACK[name][1] for name in names]}
@@ -72,7 +73,7 @@ def feedback(groups: Sequence[tuple[str, Sequence[Row]]]) -> Row:
         {
             "title": title,
             "data": {"values": list(rows)},
-            "layer": [*_times(rows), marks],
+            "layer": [*_times(rows, label), marks],
             "width": _WIDTH,
             "height": 180,
         }
@@ -104,7 +105,7 @@ def parts(rows: Sequence[Row]) -> Row:
         "y": {"field": "part", "type": "nominal", "title": None, "sort": None, "axis": {"minExtent": 120}},
     }
     shown = [
-        {"part": row["part"], "task": task, "state": row["state"] if row[task] else ""}
+        {"part": row["part"], "task": task, "state": row["state"]}
         for row in rows
         for task in ("keyboard", "reaching")
         if row[task]
@@ -113,14 +114,29 @@ def parts(rows: Sequence[Row]) -> Row:
         "field": "state",
         "type": "nominal",
         "title": None,
-        "scale": {"domain": ["the same", "added"], "range": ["#b9c7d6", "#1f6f3a"]},
+        "scale": {
+            "domain": ["the same", "changed", "added", "removed"],
+            "range": ["#b9c7d6", "#8a4b08", "#1f6f3a", "#a01010"],
+        },
     }
     return _whole(
         data={"values": shown},
-        mark={"type": "rect", "stroke": "#ffffff"},
-        encoding={**marks, "color": colour},
+        layer=[
+            {
+                "mark": {"type": "rect", "stroke": "#ffffff"},
+                "encoding": {**marks, "color": {**colour, "legend": None}},
+            },
+            {
+                "mark": {"type": "text", "fontSize": 11},
+                "encoding": {
+                    **marks,
+                    "text": {"field": "state", "type": "nominal"},
+                    "color": {"condition": {"test": "datum.state == 'the same'", "value": "#111"}, "value": "#fff"},
+                },
+            },
+        ],
         width=260,
-        height={"step": 18},
+        height={"step": 22},
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
+from sar_tui.validation.charts import RESULT
 from sar_tui.validation.report import Row
 
 MARKS = {"positive": "▲", "neutral": "■", "negative": "▼", "none": "·"}
@@ -13,12 +14,13 @@ _STEP_MS = 200
 _WIDTH, _HEIGHT = 78, 16
 
 
-def draw(rows: Sequence[Row], title: str) -> str:
+def draw(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
     """Draw reaction times over attempts, with a mark for the feedback on each, and the goal as a line.
 
     Args:
         rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``, ``feedback``.
         title: text above the drawing.
+        label: name and unit of the result.
     """
     import plotext
 
@@ -30,7 +32,7 @@ def draw(rows: Sequence[Row], title: str) -> str:
     lines = [line.rstrip() for line in body.rstrip("\n").split("\n")]
     seen = {row["feedback"] for row in rows}
     legend = "  ".join(f"{mark} {name}" for name, mark in MARKS.items() if name in seen)
-    return "\n".join([title, f"reaction time (ms)  {legend}  {GOAL} goal", *lines])
+    return "\n".join([title, f"{label}  {legend}  {GOAL} goal", *lines])
 
 
 def _body(plt: Any, rows: Sequence[Row]) -> str:

@@ -3,18 +3,20 @@
 from collections.abc import Sequence
 from typing import Any
 
+from sar_tui.validation.charts import RESULT
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Row
 
 _WIDTH, _HEIGHT, _LEVELS = 78, 14, 9
 
 
-def draw_levels(rows: Sequence[Row], title: str) -> str:
-    """Draw reaction times over attempts with the goal, and the level of each attempt below them.
+def draw_levels(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
+    """Draw results over attempts with the goal, and the level of each attempt below them.
 
     Args:
         rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``, ``level``, ``outcome``.
         title: text above the drawing.
+        label: name and unit of the result.
     """
     marked = [{**row, "feedback": "none"} for row in rows]
     levels = [row["level"] for row in rows]
@@ -30,7 +32,7 @@ def draw_levels(rows: Sequence[Row], title: str) -> str:
         plt.yticks(ticks, [f"{tick:>4}" for tick in ticks])
         plt.xticks(attempts, [str(attempt) for attempt in attempts])
 
-    return f"{draw(marked, title)}\nlevel\n{_plotted(body)}"
+    return f"{draw(marked, title, label)}\nlevel\n{_plotted(body)}"
 
 
 def draw_curve(x: Sequence[float], y: Sequence[float], title: str, axes: str) -> str:

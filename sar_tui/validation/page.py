@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
-from sar_tui.reports.html_page import document, figure, table
+from sar_tui.reports.html_page import ChartsMissing, document, figure, table
 from sar_tui.validation.report import Column, Report
 
 _LISTED = 60
@@ -21,8 +21,7 @@ def page(title: str, reports: Mapping[str, tuple[str, Report]], notes: Sequence[
         reports: with their titles, by name.
         notes: sentences on what is not there.
 
-    Raises:
-        ChartsMissing: the extra ``report`` is not installed.
+    Without the extra ``report``, figures are drawn with characters.
     """
     body = [f"<h1>{escape(title)}</h1>"]
     claims = [claim for _, report in reports.values() for claim in report.claims]
@@ -37,10 +36,7 @@ def page(title: str, reports: Mapping[str, tuple[str, Report]], notes: Sequence[
 
 def _section(name: str, heading: str, report: Report) -> Iterator[str]:
     yield f'<h2 id="{escape(name)}">{escape(heading)}</h2>'
-    if report.chart is not None:
-        yield figure(report.chart, heading, is_captioned=False)
-    elif report.drawings:
-        yield from (f"<pre>{escape(drawing)}</pre>" for drawing in report.drawings)
+    yield from _figure(heading, report)
     for columns in report.tables:
         yield _table(columns, report)
     if report.claims:
@@ -49,6 +45,17 @@ def _section(name: str, heading: str, report: Report) -> Iterator[str]:
             for claim in report.claims
         )
         yield f'<ul class="claims">{lines}</ul>'
+
+
+def _figure(heading: str, report: Report) -> Iterator[str]:
+    if report.chart is not None:
+        try:
+            yield figure(report.chart, heading, is_captioned=False)
+        except ChartsMissing:
+            pass
+        else:
+            return
+    yield from (f'<pre class="drawing">{escape(drawing)}</pre>' for drawing in report.drawings)
 
 
 def _against(against: str) -> str:

@@ -28,6 +28,12 @@ _WHY_NOT = {
     "table-4.1": "no reach was found in it",
 }
 
+_NOT_OF_A_SESSION = (
+    "figure-4.9, figure-4.10: as figure-4.4, of other people. figure-4.12: as figure-4.11.",
+    "figure-4.14: compares two settings; a session has one.",
+    "figure-4.15, table-4.2: are about the program, not about a session.",
+)
+
 
 def reports(database: sqlite3.Connection, row: Mapping[str, Any]) -> tuple[dict[str, Report], list[str]]:
     """Return the figures that a session has, by name, and a sentence on each that it has not.
@@ -44,11 +50,11 @@ def reports(database: sqlite3.Connection, row: Mapping[str, Any]) -> tuple[dict[
         "table-4.1": lambda: _reaches(database, row),
     }
     found = {name: report for name, make in made.items() if (report := make()) is not None}
-    return found, [f"{name}: {_WHY_NOT[name]}." for name in made if name not in found]
+    return found, [*(f"{name}: {_WHY_NOT[name]}." for name in made if name not in found), *_NOT_OF_A_SESSION]
 
 
 def _attempts(database: sqlite3.Connection, row: Mapping[str, Any]) -> list[Row]:
-    """Return a row for each attempt at seat A, practice left out. ``reaction_time_ms`` is the result, in its unit."""
+    """Return a row for each attempt at seat A, practice left out. Drawings know the result as ``reaction_time_ms``."""
     return [
         {
             "attempt": attempt["attempt"],
@@ -71,20 +77,40 @@ def _timed(database: sqlite3.Connection, row: Mapping[str, Any]) -> list[Row]:
 
 
 def _title(row: Mapping[str, Any]) -> str:
-    metric: Metric = provenance.metric(row["software"])
+    metric = _metric(row)
     return f"Session {row['id']}: {row['task']}, {row['participant']}; {metric.name.replace('_', ' ')} ({metric.unit})"
 
 
 def _levels(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:
     if not (rows := _timed(database, row)):
         return None
-    return Report(rows, [], [], [draw_levels(rows, _title(row))], chart=charts.adaptation(rows))
+    label = _metric(row).label
+    return Report(
+        _named(rows, row), [], [], [draw_levels(rows, _title(row), label)], chart=charts.adaptation(rows, label)
+    )
 
 
 def _feedback(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:
     if not (rows := _timed(database, row)):
         return None
-    return Report(rows, [], [], [draw(rows, _title(row))], chart=charts.feedback([(_title(row), rows)]))
+    label, title = _metric(row).label, _title(row)
+    chart = charts.feedback([(title, rows)], label)
+    return Report(_named(rows, row), [], [], [draw(rows, title, label)], chart=chart)
+
+
+def _metric(row: Mapping[str, Any]) -> Metric:
+    found: Metric = provenance.metric(row["software"])
+    return found
+
+
+def _named(rows: list[Row], row: Mapping[str, Any]) -> list[Row]:
+    """Return the rows with the result under the name and unit of the task's metric, as ``reach_time_ms``."""
+    metric = _metric(row)
+    names = {
+        "reaction_time_ms": f"{metric.name}_{metric.unit}".rstrip("_"),
+        "goal_ms": f"goal_{metric.unit}".rstrip("_"),
+    }
+    return [{names.get(name, name): value for name, value in each.items()} for each in rows]
 
 
 def _said(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:

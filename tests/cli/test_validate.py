@@ -196,14 +196,22 @@ def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> 
     assert (again.code, "not overwritten" in again.err) == (2, True)
 
 
-def test_without_the_package_for_figures_the_tables_are_written(
+def test_without_the_package_for_figures_all_else_is_written_and_the_page_draws_with_characters(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
-    called = call("validate", "--only", "figure-4.15", "--to", tmp_path / "report")
+    folder = tmp_path / "report"
+    called = call("validate", "--only", "figure-4.8", "--to", folder)
     assert called.code == 0
-    assert "pip install 'sar-tui[report]'" in called.err
-    assert {path.name for path in (tmp_path / "report").iterdir()} == {"figure-4.15.csv", "figure-4.15.txt"}
+    assert called.err.count("pip install 'sar-tui[report]'") == 1
+    assert {path.name for path in folder.iterdir()} == {"figure-4.8.csv", "figure-4.8.txt", "validation.html"}
+    assert "rad/s about z over s" in (folder / "validation.html").read_text(encoding="utf-8")
+
+
+def test_the_state_of_each_part_is_written_and_not_told_by_colour_alone(call: Call, tmp_path: Path) -> None:
+    assert call("validate", "--only", "figure-4.15", "--to", tmp_path).code == 0
+    drawing = (tmp_path / "figure-4.15.svg").read_text(encoding="utf-8")
+    assert (drawing.count(">added</text>"), drawing.count(">the same</text>") > 5) == (3, True)
 
 
 def test_a_recorded_session_has_the_figures_that_its_data_allow(call: Call, tmp_path: Path) -> None:
@@ -211,11 +219,16 @@ def test_a_recorded_session_has_the_figures_that_its_data_allow(call: Call, tmp_
     found = call("validate", "--session", "last", "--json").json
     assert set(found) == {"figure-4.4", "figure-4.8", "figure-4.11", "figure-4.13", "table-4.1"}
     assert len(found["figure-4.4"]) == 2
+    assert {"reach_time_ms", "goal_ms"} < set(found["figure-4.4"][0]), "named as the task's metric"
+    assert "reaction" not in call("validate", "--session", "last").out
     assert {row["reach_time_s"] > 0 for row in found["table-4.1"]} == {True}
     call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--seed", 1)
     called = call("validate", "--session", "last", "--to", tmp_path / "mine")
     assert called.code == 0
     assert "figure-4.8: it has no samples of a motion sensor." in called.out
+    named = set(re.findall(r"(?:figure|table)-[\d.]+\d", called.out))
+    drawn = {path.stem for path in (tmp_path / "mine").glob("*.csv")}
+    assert {name for name in VALIDATIONS if name.startswith(("figure", "table"))} <= named | drawn
     assert (tmp_path / "mine" / "figure-4.4.svg").exists()
     refused = call("validate", "--session", "last", "--quick")
     assert (refused.code, "leave out" in refused.err) == (2, True)
