@@ -52,7 +52,13 @@ def replay(
     ] = False,
     runs: Annotated[
         int | None,
-        typer.Option(metavar="N", min=20, max=10_000, show_default=False, help="Runs of a fork. Default: 200."),
+        typer.Option(
+            metavar="N",
+            min=20,
+            max=10_000,
+            show_default=False,
+            help="Runs of a fork; few make the interval too narrow. Default: 200.",
+        ),
     ] = None,
     watch: Annotated[
         bool,

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from sar_tui.framework.bus import Bus, M, Record, Topic
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.framework.messages import AttemptStarted, Message, SessionStarted
 
+_OPENING = 5 * SECOND
+"""Time before the first message of a run in which its outputs are opened."""
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
@@ -48,6 +50,7 @@ class Player:
     def __init__(self, records: Sequence[Record], speed: float = 1.0) -> None:
         self._records = records
         self._next = 0
+        self._beginnings = _beginnings(records)
         self.clock = VirtualClock(records[0].at if records else 0)
         self.bus = DisplayBus(self.clock)
         self.speed = speed
@@ -86,11 +89,11 @@ class Player:
         self.speed = SPEEDS[max(0, min(len(SPEEDS) - 1, place + by))]
 
     def _due(self) -> int:
-        """Return the time of the next message. A run on another clock begins at once."""
-        record = self._records[self._next]
-        if isinstance(record.message, SessionStarted) or record.at < self.clock.now():
-            self.clock.set(record.at)
-        return record.at
+        """Return the time of the next message. A run begins at once: it may be hours later, and on another clock."""
+        at = self._records[self._next].at
+        if self._next in self._beginnings:
+            self.clock.set(at)
+        return at
 
     def _show_next(self) -> None:
         record = self._records[self._next]
@@ -99,3 +102,15 @@ class Player:
         if isinstance(message, AttemptStarted):
             self.attempt = message.attempt
         self.bus.show(record)
+
+
+def _beginnings(records: Sequence[Record]) -> set[int]:
+    """Return the places of the first message of each run: outputs are opened shortly before it is announced."""
+    found = set()
+    for announced, record in enumerate(records):
+        if isinstance(record.message, SessionStarted):
+            first = announced
+            while first and 0 <= record.at - records[first - 1].at < _OPENING:
+                first -= 1
+            found.add(first)
+    return found

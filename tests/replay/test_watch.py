@@ -9,8 +9,9 @@ from textual.widgets import Static
 from sar_tui.app import watch
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import AttemptStarted, KeyPressed, Prompt
-from sar_tui.framework.topics import ATTEMPT_STARTED, KEY, PROMPT
+from sar_tui.framework.messages import AttemptStarted, KeyPressed, Prompt, SessionStarted, ThemeApplied
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ATTEMPT_STARTED, KEY, PROMPT, SESSION, THEME
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
 from sar_tui.store import sessions
@@ -46,10 +47,13 @@ def test_a_player_keeps_the_recorded_times_at_any_speed() -> None:
     assert (seen[-1], player.is_over) == ((3, 20), True)
 
 
-def test_a_player_goes_on_at_once_where_a_session_was_resumed_by_another_clock() -> None:
-    player = Player([*records(500), *records(3)[:1]])
-    player.advance(0)
-    player.advance(1)
+@pytest.mark.parametrize("resumed_at", [3, 90_000])
+def test_a_player_goes_on_at_once_where_a_session_was_resumed(resumed_at: int, calm: Theme) -> None:
+    themed = Record(2, resumed_at * SECOND - 1, THEME, ThemeApplied(theme=calm))
+    started = SessionStarted(run=2, task="keyboard", theme="calm", seed=1, best={})
+    player = Player([*records(500), themed, Record(3, resumed_at * SECOND, SESSION, started)])
+    player.advance(2)
+    player.advance(2)
     assert player.is_over
 
 
