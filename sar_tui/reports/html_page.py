@@ -15,6 +15,7 @@ table { border-collapse: collapse; font-size: .85rem; } th, td { padding: .2rem 
 th { border-bottom: 1px solid #888; } td:first-child, th:first-child, .text { text-align: left; }
 ul.claims { list-style: none; padding-left: 0; }
 pre { font-size: 1rem; line-height: 1.6; }
+.wide { overflow-x: auto; } .wide td { vertical-align: top; }
 .drawing { font-size: .65rem; line-height: 1.2; overflow-x: auto; }
 .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }

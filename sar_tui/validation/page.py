@@ -38,7 +38,7 @@ def _section(name: str, heading: str, report: Report) -> Iterator[str]:
     yield f'<h2 id="{escape(name)}">{escape(heading)}</h2>'
     yield from _figure(heading, report)
     for columns in report.tables:
-        yield _table(columns, report)
+        yield f'<div class="wide">{_table(columns, report)}</div>'
     if report.claims:
         lines = "".join(
             f"<li>{'✓' if claim.holds else '✗'} {escape(claim.sentence)}{_against(claim.against)}</li>"

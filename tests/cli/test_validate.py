@@ -190,6 +190,7 @@ def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> 
     }  # fmt: skip
     page = (folder / "validation.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2
+    assert page.count("<table") == page.count('<div class="wide"><table') > 0, "wide tables scroll by themselves"
     assert "claims hold." in page
     assert not re.search("<script|src=|href=", page)
     again = call("validate", "--quick", "--only", "table-4.1", "--to", folder)
