@@ -80,8 +80,8 @@ def _print_repair(done: "Repair") -> None:
         print(f"A backup was made before: {done.backup}")
     if done.kept:
         print(f"All rows that can be read are in a new file. The damaged one is kept: {done.kept}")
-    for table, first, last in done.unread:
-        print(f"! {table}: rows {first} to {last} cannot be read.")
+    for table, first, last, session in done.unread:
+        print(f"! {session or table}: {'events' if session else 'rows'} {first} to {last} cannot be read.")
     for table, rows, reason in done.moved:
         print(f"· {rows} of the rows of {table} moved aside: {reason}.")
     if done.aside:

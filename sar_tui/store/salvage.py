@@ -10,17 +10,23 @@ from typing import NamedTuple
 from sar_tui.store.database import damaged, explain
 
 _MOST_FAILURES = 20_000
-"""Largest number of ranges of a table that fail before the rest of it is given up: its root is damaged."""
+"""Largest number of ranges of a table, or of a session's messages, that fail before the rest of it is given up."""
+_MOST_IN_ALL = 1_000_000
+"""The same for all messages: their root is damaged."""
 _AFTER = 2**16
 """Row numbers that are tried beyond the last one that can be seen."""
 
 
 class Unread(NamedTuple):
-    """A range of rows that could not be read: the table, the first and the last row number."""
+    """A range of rows that could not be read: the table, the first and the last row number.
+
+    ``session``: for messages, the session that they are of; the numbers are those of its events.
+    """
 
     table: str
     first: int
     last: int
+    session: str = ""
 
 
 def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]:
@@ -78,7 +84,10 @@ def _copy_messages(database: sqlite3.Connection, columns: str) -> list[Unread]:
     reader = _Reader(database, "messages", columns, "seq")
     if reader.copy("", (), -(2**63), 2**63 - 1, is_whole=True):
         return []
-    for (number,) in database.execute("SELECT number FROM salvaged.session_numbers ORDER BY number").fetchall():
+    for number, session in database.execute(
+        "SELECT number, id FROM salvaged.session_numbers ORDER BY number"
+    ).fetchall():
+        reader.begin(session)
         if not reader.copy("session_number=? AND ", (number,), 0, 2**31):
             reader.split("session_number=? AND ", (number,), 0, _last_seq(database, number))
     return reader.unread
@@ -92,8 +101,13 @@ class _Reader:
         self._table = table
         self._columns = columns
         self._key = key
-        self.failures = 0
+        self._session = ""
+        self._failures = self._in_all = 0
         self.unread: list[Unread] = []
+
+    def begin(self, session: str) -> None:
+        """Begin with the messages of a session."""
+        self._session, self._failures = session, 0
 
     def copy(self, of: str, values: tuple[int, ...], first: int, last: int, *, is_whole: bool = False) -> bool:
         """Copy a range of rows; return False, and copy none, if one of them cannot be read."""
@@ -114,10 +128,12 @@ class _Reader:
         """Copy the readable rows of a range."""
         if first > last:
             return
-        if self.failures < _MOST_FAILURES and self.copy(of, values, first, last):
+        is_given_up = self._failures >= _MOST_FAILURES or self._in_all >= _MOST_IN_ALL
+        if not is_given_up and self.copy(of, values, first, last):
             return
-        self.failures += 1
-        if first == last or self.failures >= _MOST_FAILURES:
+        self._failures += 1
+        self._in_all += 1
+        if first == last or is_given_up:
             self._note(first, last)
             return
         middle = (first + last) // 2
@@ -125,9 +141,9 @@ class _Reader:
         self.split(of, values, middle + 1, last)
 
     def _note(self, first: int, last: int) -> None:
-        if self.unread and self.unread[-1].last + 1 == first:
+        if self.unread and self.unread[-1].session == self._session and self.unread[-1].last + 1 == first:
             first = self.unread.pop().first
-        self.unread.append(Unread(self._table, first, last))
+        self.unread.append(Unread(self._table, first, last, self._session))
 
 
 def _bounds(database: sqlite3.Connection, table: str) -> tuple[int, int]:

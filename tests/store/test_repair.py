@@ -162,6 +162,7 @@ def test_what_can_be_read_of_damaged_pages_is_saved_into_a_new_file(recorded: Pa
         assert 0.3 * before[table] < after[table] < before[table]
     assert not [flaw for flaw in done.flaws if flaw.kind == "file"]
     assert done.unread or not before[table]
+    assert all(bool(each.session) == (table == "messages") for each in done.unread)
     with closing(connect(recorded)) as database:
         assert not [flaw for flaw in flaws(database) if flaw.kind in ("file", "orphan")]
 
