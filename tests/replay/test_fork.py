@@ -1,17 +1,38 @@
 """``sar-tui replay --what-if … --fork``: a session goes on by other settings, with a model of its participant."""
 
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from random import Random
 from typing import Any
 
+import msgspec
 import pytest
 
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.replay.fork import fork, summary
+from sar_tui.replay.played_again import play, read_responses
 from sar_tui.replay.response_model import Counts, Response, ResponseModel
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE, Person
+from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from tests.program import Call
 
 FEW = ("--fork", "--runs", "20")
+
+
+TWINS: tuple[tuple[Person, dict[str, object]], ...] = (
+    (PEOPLE["poor"], {"threshold": 1250}),
+    (PEOPLE["average"], {"threshold": 900}),
+    (PEOPLE["competent"], {"threshold": 700}),
+    (msgspec.structs.replace(PEOPLE["average"], practice=0.2), {"threshold": 850}),
+    (msgspec.structs.replace(PEOPLE["average"], fatigue=0.015), {"difficulty_policy": "one-up-one-down"}),
+    (PEOPLE["average"], {"start_level": 5}),
+)
+"""People, some with a drift, and the setting that is changed."""
 
 
 def numbers(result: Any) -> dict[str, dict[str, Any]]:
@@ -89,3 +110,34 @@ def test_the_model_finds_what_made_the_responses() -> None:
     assert fit.per_bit_ms == pytest.approx(150, rel=0.1)
     assert fit.per_attempt_ms == pytest.approx(5, abs=2)
     assert fit.spread == pytest.approx(0.2, rel=0.1)
+
+
+def twins(folder: Path, catalogue: Catalogue, count: int, runs: int) -> Iterator[dict[str, bool]]:
+    """Yield for each twin, by number, if the interval holds the truth: the session played by the same person."""
+    kind = catalogue.task("keyboard")
+    for number in range(count):
+        person, changed = TWINS[number % len(TWINS)]
+        settings = {"attempts": 10, "prompts_per_attempt": 12}
+        plan = make_plan(catalogue, kind, ["P01"], settings, seed=number, mode="simulated")
+        name = simulate(plan, person, folder, catalogue)
+        with closing(connect(folder)) as database:
+            row = sessions.find(database, folder, name)
+            forked = fork(database, folder, catalogue, row, changed, runs)
+            responses = read_responses(database, row)
+        if forked.record_ends_at_attempt is None:
+            continue
+        after = build(kind.Parameters, {**row["parameters"], **changed})
+        truth = summary(play(kind, after, responses, number, responses, person, 10**6 + number).ended)
+        yield {
+            one.name: one.low - 1e-9 <= getattr(truth, one.name) <= one.high + 1e-9
+            for one in forked.numbers
+            if one.low is not None and one.high is not None
+        }
+
+
+@pytest.mark.slow
+def test_its_interval_holds_the_truth_as_often_as_it_says(data: Path, catalogue: Catalogue) -> None:
+    held = list(twins(data, catalogue, 24, 100))
+    assert len(held) > 15
+    for name in ("mean_level", "mean_metric", "accuracy", "final_level", "successes", "positive_feedbacks"):
+        assert sum(one[name] for one in held) / len(held) >= 0.75, name
