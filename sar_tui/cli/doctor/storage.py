@@ -24,7 +24,12 @@ def database(home: Home) -> Finding:
         return Finding("Data", "bad", str(error), "Choose another folder with --data or SAR_TUI_DATA.")
     path = home.folder / FILE
     if state != "ok":
-        return Finding("Data", "bad", f"{path} is damaged: {state}.", "Restore a backup.")
+        return Finding(
+            "Data",
+            "bad",
+            f"{path} is damaged: {state}.",
+            "Restore a backup, or save what can be read: `sar-tui check --repair`.",
+        )
     return Finding("Data", "ok", f"{path}, data version {version}, can be written to")
 
 
