@@ -181,7 +181,7 @@ class WatchScreen(SessionScreen):
 
     def _show_state(self) -> None:
         player = self._player
-        state = "over" if player.is_over else "paused" if player.paused else f"{player.speed:g} times"
+        state = "over" if player.is_over else "paused" if player.paused else f"{player.speed:g}× speed"
         text = f"Replay · attempt {player.attempt} of {player.attempts} · {state}"
         self.query_one("#replay", Static).update(text)
 

@@ -82,9 +82,9 @@ async def test_a_session_is_shown_again_and_nothing_is_stored(
         def header() -> str:
             return str(app.screen.query_one("#replay", Static).render())
 
-        assert header() == "Replay · attempt 0 of 3 · 1 times"
+        assert header() == "Replay · attempt 0 of 3 · 1× speed"
         await pilot.press("right", "right", "plus")
-        assert header() == "Replay · attempt 2 of 3 · 2 times"
+        assert header() == "Replay · attempt 2 of 3 · 2× speed"
         app.watched.player.bus.subscribe(PROMPT, prompts.append)
         while not prompts:
             app.watched.player.advance(SECOND // 10)
