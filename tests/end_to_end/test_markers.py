@@ -19,6 +19,7 @@ from tests.end_to_end.participant_terminal import (
 from tests.outputs.markers.receivers import PATIENCE_S, lsl_inlet, udp_receiver
 
 
+@pytest.mark.slow
 def test_markers_over_udp_and_lsl_have_the_stamps_that_are_stored(tmp_path: Path) -> None:
     pytest.importorskip("pylsl")
     data = tmp_path / "data"

@@ -99,6 +99,7 @@ def _no_backups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sar_tui.store.merge.source.flaws", lambda database, *, gaps: ())
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32))
 @examples(20)
 def test_the_order_of_merges_makes_no_difference(seed: int) -> None:
