@@ -1,0 +1,108 @@
+"""Orientations as unit quaternions: arrays of shape (n, 4), the scalar first.
+
+An orientation q takes a vector from the sensor's axes to those of the room: v_room = q v q*. The angular rate of a
+gyroscope is in the sensor's axes, so turning on from q by a small rotation r, seen from the sensor, gives q r.
+"""
+
+import numpy as np
+
+from sar_tui.motion.samples import Floats
+
+_STRETCH = 32
+"""Number of rotations that are composed one after the other; longer products are made of products of stretches."""
+
+
+def multiply(one: Floats, other: Floats) -> Floats:
+    """Return the products of quaternions, shape (..., 4): rotation by ``other``, then by ``one``."""
+    a, b, c, d = np.moveaxis(one, -1, 0)
+    w, x, y, z = np.moveaxis(other, -1, 0)
+    product: Floats = np.stack(
+        (
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ),
+        axis=-1,
+    )
+    return product
+
+
+def conjugate(orientation: Floats) -> Floats:
+    """Return the reverse rotations, shape (..., 4)."""
+    reverse: Floats = orientation * np.array((1.0, -1.0, -1.0, -1.0))
+    return reverse
+
+
+def rotate(orientation: Floats, vector: Floats) -> Floats:
+    """Return vectors, shape (..., 3), turned by orientations, shape (..., 4): from the sensor's axes to the room's."""
+    w, axis = orientation[..., :1], orientation[..., 1:]
+    across = 2.0 * np.cross(axis, vector)
+    turned: Floats = vector + w * across + np.cross(axis, across)
+    return turned
+
+
+def from_rotation(rotation: Floats) -> Floats:
+    """Return the quaternions, shape (..., 4), of rotation vectors, shape (..., 3): about their direction, by their
+    length in rad."""
+    half = np.linalg.norm(rotation, axis=-1, keepdims=True) / 2.0
+    orientation: Floats = np.concatenate((np.cos(half), np.sinc(half / np.pi) / 2.0 * rotation), axis=-1)
+    return orientation
+
+
+def to_rotation(orientation: Floats) -> Floats:
+    """Return the rotation vectors, shape (..., 3), of quaternions, the short way round: of at most π."""
+    sign = np.where(orientation[..., :1] < 0, -1.0, 1.0)
+    axis = sign * orientation[..., 1:]
+    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, sign * orientation[..., :1])
+    rotation: Floats = axis * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
+    return rotation
+
+
+def angle(orientation: Floats) -> Floats:
+    """Return the angle of each rotation, shape (...), 0 to π."""
+    sine = np.linalg.norm(orientation[..., 1:], axis=-1)
+    found: Floats = 2.0 * np.arctan2(sine, np.abs(orientation[..., 0]))
+    return found
+
+
+def integrate(rate: Floats, step_s: float) -> Floats:
+    """Return the orientation at each sample, shape (n, 4), relative to that at the first.
+
+    Between two samples the rate is taken to be constant at their mean (the mid-point rule, exact for a rotation about
+    one axis whose rate changes linearly).
+
+    Args:
+        rate: angular rate without bias, shape (n, 3), rad/s, in the sensor's axes.
+        step_s: time between two samples.
+    """
+    turned = np.empty((len(rate), 4))
+    if not len(rate):
+        return turned
+    turned[0] = 1.0, 0.0, 0.0, 0.0
+    steps = from_rotation((rate[1:] + rate[:-1]) * (step_s / 2.0))
+    turned[1:] = _products(steps)
+    return turned
+
+
+def _products(steps: Floats) -> Floats:
+    """Return the products of the first, the first two, ... of the steps: in the order of time, to the right."""
+    count = len(steps)
+    if count <= _STRETCH:
+        products = steps.copy()
+        for index in range(1, count):
+            products[index] = multiply(products[index - 1], steps[index])
+        return products
+    stretches = -(-count // _STRETCH)
+    padded = np.zeros((stretches * _STRETCH, 4))
+    padded[:, 0] = 1.0
+    padded[:count] = steps
+    within = padded.reshape(stretches, _STRETCH, 4)
+    for index in range(1, _STRETCH):
+        within[:, index] = multiply(within[:, index - 1], within[:, index])
+    before = _products(within[:-1, -1])
+    within[1:] = multiply(before[:, None], within[1:])
+    whole: Floats = within.reshape(-1, 4)[:count]
+    whole /= np.linalg.norm(whole, axis=1, keepdims=True)
+    return whole
