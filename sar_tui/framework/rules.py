@@ -1,6 +1,6 @@
 """Version of the rules that a session is played by."""
 
-RULES = 4
+RULES = 5
 """A session keeps the rules it began with, so that it can be replayed and resumed.
 
 1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
@@ -10,4 +10,5 @@ on that one earlier, and so does a filler; a foreperiod goes on in which the pro
 task has ten levels, some of them far apart.
 3: encouragement says the same after two failures and before a new highest level, and wordings of feedback are chosen
 whatever has just been said.
+4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only.
 """
