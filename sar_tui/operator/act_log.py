@@ -36,9 +36,15 @@ class ActLog:
         acts = [act for act in (*self.acts, *self.others) if act.state != "received" or not is_stop(act.message)]
         return [*(act.line(now) for act in acts), *self._reports]
 
-    def report(self, at: int, text: str) -> None:
-        """Log why something was not done."""
-        self._reports = [*self._reports, Line(at, text, "bad")][-MAX_LINES:]
+    def report(self, at: int, text: str) -> Line:
+        """Log why something was not done; return its line."""
+        line = Line(at, text, "bad")
+        self._reports = [*self._reports, line][-MAX_LINES:]
+        return line
+
+    def withdraw(self, report: Line) -> None:
+        """Remove the line of a report."""
+        self._reports = [line for line in self._reports if line is not report]
 
     def add(self, text: str, topic: Topic[Any], message: Message, when: str = "", typed: str = "") -> None:
         """Log an act that was sent."""

@@ -23,6 +23,7 @@ from sar_tui.link.peer import Peer, PeerEvent, PeerListener, Welcome
 from sar_tui.operator import key_help, keymap, palette, proposal_view, status_view
 from sar_tui.operator.agent_mirror import AgentMirror
 from sar_tui.operator.commands import Commands
+from sar_tui.operator.event_log import Line
 from sar_tui.operator.phrases import addressee
 from sar_tui.operator.proposal_strip import ProposalStrip
 from sar_tui.operator.text_charts import wrap
@@ -42,6 +43,8 @@ _GAP, _LINK_SHARE = 2, 0.6
 """Columns between the session and the link in the header, and the largest share of the link (see `operator.tcss`)."""
 _SHORTEST_ABSENCE_S = 1.0
 """Shorter silences of the terminal are not worth a line in the log."""
+_JUST_NOW_S = 10
+"""An absence told within this time before the panel joins again belongs to it."""
 
 
 class PanelLayout(OrderedScreen[str]):
@@ -91,6 +94,7 @@ class PanelLayout(OrderedScreen[str]):
         self.entry_label = ""
         self.edited: PendingApproval | None = None
         self.is_stale = True
+        self._absence: Line | None = None
         self._drawn_at = 0
 
     # --- beginning and ending ----------------------------------------------------------------------------------
@@ -156,6 +160,7 @@ class PanelLayout(OrderedScreen[str]):
         self.commands.receive(event)
         if isinstance(event, Welcome):
             self._report_absence()
+            self._repeat_absence()
         if self.commands.state.theme is not theme:
             self.phrase_book = palette.PhraseBook.of(self.commands.state, self.file)
             if self.commands.state.theme:
@@ -173,8 +178,15 @@ class PanelLayout(OrderedScreen[str]):
             text = (
                 f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session may have gone on without it."
             )
-            self.commands.log.report(self.commands.peer.now(), text)
+            self._absence = self.commands.log.report(self.commands.peer.now(), text)
             self.is_stale = True
+
+    def _repeat_absence(self) -> None:
+        """Move what was just told of an absence below the lines of joining again: a low log shows only the newest."""
+        peer, absence = self.commands.peer, self._absence
+        if peer and absence and peer.now() - absence.at < _JUST_NOW_S * SECOND:
+            self.commands.log.withdraw(absence)
+            self._absence = self.commands.log.report(peer.now(), absence.text)
 
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")

@@ -38,6 +38,26 @@ async def test_an_operator_who_is_back_reads_how_long_the_terminal_was_away(
         assert "This terminal did not answer for 34 s." in panel.text
 
 
+async def test_an_absence_told_before_the_panel_has_joined_again_stays_in_sight(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
+    now = 1000 * SECOND
+    async with open_panel(catalogue, tmp_path, size=(80, 24)) as panel:
+        probe = panel.app.terminal_probe = TerminalProbe(lambda _: None, lambda: now)
+        probe.answered()
+        await panel.join()
+        now += 34 * SECOND
+        probe.answered()
+        panel.panel._drawn_at = 0
+        panel.panel._tick()
+        await panel.advance(200)
+        await panel.receive(welcome())
+        for state in ("joined", "baton"):
+            joined = m.OperatorChanged(actor=ANNA, state=state, operated=True, holder=ANNA, peers={ANNA: "operator"})
+            await panel.publish(t.PRESENCE, joined)
+        assert panel.text.count("This terminal did not answer for 34 s.") == 1
+
+
 async def test_a_presence_without_proof_is_said(catalogue: Catalogue, tmp_path: Path) -> None:
     async with open_panel(catalogue, tmp_path, size=(110, 30)) as panel:
         doubt = m.OperatorChanged(
