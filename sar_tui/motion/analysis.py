@@ -1,5 +1,7 @@
 """Analysis of one reach in a stretch of samples: both detectors and all measures, for storage beside the raw data."""
 
+from typing import Literal
+
 import msgspec
 import numpy as np
 import numpy.typing as npt
@@ -30,12 +32,16 @@ FEWEST = 10
 
 
 class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters."""
+    """Settings of the analysis: the detector that counts, the hand, and each detector's parameters.
+
+    ``measures_version``: 1 measures as sessions of rules 1 to 4 did, 2 as all others do.
+    """
 
     detector: DetectorName = "single-axis"
     hand: Hand = "right"
     single_axis: SingleAxisParameters = SingleAxisParameters()
     fixed_threshold: FixedThresholdParameters = FixedThresholdParameters()
+    measures_version: Literal[1, 2] = 2
 
     def of(self, detector: DetectorName) -> SingleAxisParameters | FixedThresholdParameters:
         """Return the parameters of a detector."""
@@ -91,6 +97,8 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         "window_to_ns": window.to_ns,
         "samples": len(inside),
     }
+    if parameters.measures_version > 1:
+        known["measures_version"] = parameters.measures_version
     if len(inside) < FEWEST:
         return Finding(details=known, invalid="samples", flags=window.flags)
     whole = recording(inside, window.from_ns, window.flags)

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import Literal
 
+import msgspec
 import numpy as np
 
 from sar_tui.framework.clock import MS, SECOND, STALLED
@@ -15,10 +16,11 @@ from sar_tui.framework.messages import (
     PromptVoided,
     ReachPerceived,
     SensorChanged,
+    SessionStarted,
     TrialEnded,
 )
 from sar_tui.framework.node import TimedNode, on
-from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
+from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, SESSION, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
 from sar_tui.motion.samples import Samples, join, unpack
@@ -88,6 +90,12 @@ class ReachPerception(TimedNode):
     def seat(self) -> str:
         """The participant whose hand it watches."""
         return self._seat
+
+    @on(SESSION)
+    def session_started(self, session: SessionStarted) -> None:
+        """Measure as the rules of the session did when it began."""
+        version = 2 if session.rules >= 5 else 1
+        self._analysis = msgspec.structs.replace(self._analysis, measures_version=version)
 
     # --- the sensor ----------------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ class ReachDetails(Details, frozen=True):
     detector: Annotated[str | None, msgspec.Meta(description="The detector whose reach counts.")] = None
     detector_version: Annotated[str | None, msgspec.Meta(description="Version of the detector.")] = None
     detector_parameters: Annotated[str | None, msgspec.Meta(description="Parameters of the detector, as JSON.")] = None
+    measures_version: Annotated[int | None, msgspec.Meta(description="Version of the measures; none means 1.")] = None
     hand: Annotated[str | None, msgspec.Meta(description="The hand that reached.")] = None
     window_from_ns: Annotated[int | None, msgspec.Meta(description="First time stamp of the samples analysed.")] = None
     window_started_ns: Annotated[
