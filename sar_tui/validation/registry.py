@@ -12,6 +12,7 @@ from sar_tui.validation import (
     modularity,
     policies,
     progress,
+    quiet,
     reach,
     requirements,
     table_4_1,
@@ -45,6 +46,7 @@ VALIDATIONS: dict[str, Validation] = {
         "The thesis' Table 4.2: the four requirements, and systems that must fail them", requirements.run
     ),
     "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
+    "quiet": Validation("False reaches in simulated daily life, by each detector", quiet.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),
     "difficulty": Validation("Success and fitting challenge under each difficulty policy", difficulty.run),
