@@ -4,10 +4,10 @@ import math
 from bisect import bisect_left
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from sar_tui.motion.imperfections import Imperfections, Vector
 from sar_tui.motion.samples import SAMPLE, Floats, Recording, Samples, recording
 from sar_tui.motion.shapes import ReachShape, Waveform, waveform
 
@@ -20,30 +20,16 @@ TREMOR_ACROSS, BIAS, RATE_NOISE, ACCELERATION_NOISE = slice(3, 6), slice(6, 9), 
 COLUMNS = 15
 """Columns of the imperfections of samples: seconds since the first, the draw of the loss, rad/s, m/s²."""
 
-Vector = tuple[float, float, float]
 
-
-class Profile(msgspec.Struct, frozen=True, kw_only=True):
-    """Imperfections of a sensor and of the hand it is on.
+class Profile(Imperfections, frozen=True, kw_only=True):
+    """Imperfections of a sensor and of a hand that turns about one axis. The tremor's main axis is that of the reach.
 
     Args:
-        noise_rad_s: standard deviation of the noise of each axis, rad/s.
-        bias_rad_s: output of each axis at rest, rad/s.
-        drift_rad_s_per_s: growth of the bias of every axis, rad/s per second.
-        tremor_hz: frequency of the hand's tremor, Hz.
-        tremor_rad_s: its amplitude about the reach's axis, rad/s; half of that across it. At rest and in movement.
         axis: the axis of the reach in the sensor's axes; of any length. z points out of the back of the hand.
-        lost: share of samples that never arrive, 0 to 1.
         saturation_rad_s: a sample with any axis beyond this is not delivered, as with a Phidget.
     """
 
-    noise_rad_s: float = 0.0
-    bias_rad_s: Vector = (0.0, 0.0, 0.0)
-    drift_rad_s_per_s: float = 0.0
-    tremor_hz: float = 5.0
-    tremor_rad_s: float = 0.0
     axis: Vector = (0.0, 0.0, 1.0)
-    lost: float = 0.0
     saturation_rad_s: float = math.inf
 
 
