@@ -1,6 +1,6 @@
-"""Seeded reaches under each difficulty of ``motion.scenarios``, detected by both detectors."""
+"""Seeded reaches about one axis under each difficulty, and of each kind about many axes, found by every detector."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -8,7 +8,11 @@ import numpy as np
 
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.reach_bounds import Hand
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.samples import Recording
 from sar_tui.motion.scenarios import Scenario, scenarios
+from sar_tui.motion.trajectories import PLACEMENTS, simulate_reaches
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 NEVER_ENDED = frozenset({"endless", "timed_out", "cut"})
@@ -17,48 +21,106 @@ LEAST_PERCENT = 99.0
 MEDIAN_MS = 50.0
 
 
+class Trial(NamedTuple):
+    """A recording of one reach: its onset and end, s, and the hand with the sensor."""
+
+    recording: Recording
+    onset_s: float
+    end_s: float
+    hand: Hand = "right"
+
+
+class Group(NamedTuple):
+    """Reaches that belong together. ``axes``: the number that the hand turns about, ``one`` or ``many``."""
+
+    name: str
+    axes: str
+    make: Callable[[int], Trial]
+
+
 class DetectorResult(NamedTuple):
-    """A detector's result for a recording of one reach. ``error_ms``: the duration's, if just that reach was found."""
+    """A detector's result for a recording of one reach. Errors, found minus true: if just that reach was found."""
 
     endless: bool
-    error_ms: float | None
+    onset_ms: float | None = None
+    duration_ms: float | None = None
+
+
+def groups() -> list[Group]:
+    """Return the difficulties, then the kinds."""
+    return [
+        *(Group(scenario.name, "one", partial(_under_difficulty, scenario)) for scenario in scenarios()),
+        *(Group(kind, "many", partial(_of_kind, kind)) for kind in KINDS),
+    ]
+
+
+def _under_difficulty(scenario: Scenario, seed: int) -> Trial:
+    made = scenario.make(seed)
+    ((onset_s, end_s),) = made.truth
+    return Trial(made.recording, onset_s, end_s)
+
+
+def _of_kind(kind: str, seed: int) -> Trial:
+    """Return the reach of another person for each seed, with either arm, every placement, and either kind of sensor."""
+    hand: Hand = "left" if seed % 2 else "right"
+    placement, accelerometer = seed // 2 % len(PLACEMENTS), seed // (2 * len(PLACEMENTS)) % 2 == 0
+    made = simulate_reaches(kind, seed, arm=hand, placement=placement, accelerometer=accelerometer)
+    ((onset_s, end_s),) = made.truth
+    return Trial(made.recording, onset_s, end_s, hand)
 
 
 def run(conditions: Conditions) -> Report:
-    """Return one row per difficulty."""
-    every = scenarios()
+    """Return one row for each difficulty and for each kind."""
+    every = groups()
     rows = []
-    for number, scenario in enumerate(every):
-        conditions.progress(f"reach: {scenario.name}", number, len(every))
-        rows.append(_row(scenario, conditions.reaches))
-    return Report(rows, [_columns()], _claims(rows))
+    for number, group in enumerate(every):
+        conditions.progress(f"reach: {group.name}", number, len(every))
+        rows.append(row_of(group, conditions.reaches))
+    return Report(rows, list(_tables()), _claims(rows))
 
 
-def _row(scenario: Scenario, reaches: int) -> Row:
+def row_of(group: Group, reaches: int) -> Row:
+    """Return the figures of a number of reaches."""
     results_of: dict[DetectorName, list[DetectorResult]] = {name: [] for name in STORED_NAMES}
     for seed in range(reaches):
-        made = scenario.make(seed)
-        ((onset, end),) = made.truth
+        trial = group.make(seed)
         for detector, results in results_of.items():
-            found = detect(made.recording, detector)
-            endless = any(NEVER_ENDED & set(reach.flags) for reach in found)
-            right = len(found) == 1 and not endless
-            results.append(DetectorResult(endless, (found[0].reach_time_s - (end - onset)) * 1000 if right else None))
-    row: Row = {"scenario": scenario.name, "reaches": reaches}
+            results.append(_result(trial, detector))
+    row: Row = {"scenario": group.name, "axes": group.axes, "reaches": reaches}
     for detector, results in results_of.items():
         name = STORED_NAMES[detector]
-        errors = [result.error_ms for result in results if result.error_ms is not None]
-        quartiles = np.percentile(errors, (25, 50, 75)).tolist() if errors else None
-        row[f"{name}_exactly_one_percent"] = 100 * len(errors) / reaches
+        durations = [result.duration_ms for result in results if result.duration_ms is not None]
+        onsets = [result.onset_ms for result in results if result.onset_ms is not None]
+        row[f"{name}_exactly_one_percent"] = 100 * len(durations) / reaches
         row[f"{name}_endless_percent"] = 100 * sum(result.endless for result in results) / reaches
-        row[f"{name}_error_median_ms"] = quartiles[1] if quartiles else None
-        row[f"{name}_error_iqr_ms"] = quartiles[2] - quartiles[0] if quartiles else None
+        row[f"{name}_error_median_ms"], row[f"{name}_error_iqr_ms"] = _median_iqr(durations)
+        row[f"{name}_onset_error_median_ms"], row[f"{name}_onset_error_iqr_ms"] = _median_iqr(onsets)
     return row
+
+
+def _result(trial: Trial, detector: DetectorName) -> DetectorResult:
+    found = detect(trial.recording, detector, hand=trial.hand)
+    endless = any(NEVER_ENDED & set(reach.flags) for reach in found)
+    if endless or len(found) != 1:
+        return DetectorResult(endless)
+    (reach,) = found
+    return DetectorResult(
+        endless,
+        onset_ms=(reach.onset_s - trial.onset_s) * 1000,
+        duration_ms=(reach.reach_time_s - (trial.end_s - trial.onset_s)) * 1000,
+    )
+
+
+def _median_iqr(errors: Sequence[float]) -> tuple[float | None, float | None]:
+    if not errors:
+        return None, None
+    lower, median, upper = np.percentile(errors, (25, 50, 75)).tolist()
+    return median, upper - lower
 
 
 def _claims(rows: list[Row]) -> list[Claim]:
     def claim(sentence: str, holds: Callable[[Row], bool], name: str, form: str) -> Claim:
-        wrong = [row for row in rows if not holds(row)]
+        wrong = [row for row in rows if row["axes"] == "one" and not holds(row)]
         return Claim(sentence, ", ".join(f"{row['scenario']}: {_number(row[name], form)}" for row in wrong))
 
     one, median, endless = "robust_exactly_one_percent", "robust_error_median_ms", "robust_endless_percent"
@@ -79,21 +141,23 @@ def _number(value: float | None, form: str) -> str:
     return "none" if value is None else format(value, form)
 
 
-def _columns() -> list[Column]:
-    columns = [Column("difficulty", lambda row: str(row["scenario"]), is_number=False)]
-    for detector, name in STORED_NAMES.items():
-        columns += [
-            Column(f"{detector}:\none, %", partial(_percent, f"{name}_exactly_one_percent")),
-            Column("error (IQR),\nms", partial(_error, name)),
-            Column("endless,\n%", partial(_percent, f"{name}_endless_percent")),
+def _tables() -> Iterator[list[Column]]:
+    """Yield a table for each figure, with a column for each detector."""
+    for title, show in (
+        ("exactly one\nreach found, %", _percent),
+        ("error of the\nonset (IQR), ms", partial(_error, "onset_error")),
+        ("error of the\nduration (IQR), ms", partial(_error, "error")),
+    ):
+        yield [
+            Column(title, lambda row: str(row["scenario"]), is_number=False),
+            *(Column(detector, partial(show, name)) for detector, name in STORED_NAMES.items()),
         ]
-    return columns
 
 
 def _percent(name: str, row: Row) -> str:
-    return f"{row[name]:.1f}"
+    return f"{row[f'{name}_exactly_one_percent']:.1f}"
 
 
-def _error(name: str, row: Row) -> str | None:
-    median, spread = row[f"{name}_error_median_ms"], row[f"{name}_error_iqr_ms"]
+def _error(figure: str, name: str, row: Row) -> str | None:
+    median, spread = row[f"{name}_{figure}_median_ms"], row[f"{name}_{figure}_iqr_ms"]
     return None if median is None else f"{median:+.0f} ({spread:.0f})"

@@ -45,7 +45,7 @@ VALIDATIONS: dict[str, Validation] = {
     "table-4.2": Validation(
         "The thesis' Table 4.2: the four requirements, and systems that must fail them", requirements.run
     ),
-    "reach": Validation("Reaches under difficulties, by both detectors", reach.run),
+    "reach": Validation("Reaches under difficulties, and of ten kinds about many axes, by each detector", reach.run),
     "quiet": Validation("False reaches in simulated daily life, by each detector", quiet.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),

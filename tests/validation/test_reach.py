@@ -1,0 +1,65 @@
+"""Simulated reaches are put to every detector, and counted where exactly one is found."""
+
+import pytest
+
+from sar_tui.motion.detector_names import STORED_NAMES
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.plugins import Catalogue
+from sar_tui.validation import reach
+from sar_tui.validation.report import Conditions, Report
+
+SEEDS = 16
+
+
+@pytest.fixture(scope="module")
+def kinds() -> dict[str, reach.Group]:
+    return {group.name: group for group in reach.groups() if group.axes == "many"}
+
+
+@pytest.fixture
+def one_of_each(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, kinds: dict[str, reach.Group]) -> Report:
+    clean = next(group for group in reach.groups() if group.name == "clean")
+    monkeypatch.setattr(reach, "groups", lambda: [clean, *kinds.values()])
+    return reach.run(Conditions(catalogue, reaches=2))
+
+
+def test_every_kind_is_made_with_either_arm_each_placement_and_either_sensor(kinds: dict[str, reach.Group]) -> None:
+    assert tuple(kinds) == KINDS
+    trials = [kinds["cross-arm"].make(seed) for seed in range(SEEDS)]
+    assert {trial.hand for trial in trials} == {"left", "right"}
+    assert sum(trial.recording.acceleration is None for trial in trials) == SEEDS / 2
+    for first, second in ((0, 1), (2, 5)):
+        assert trials[first].recording.rate.tobytes() != trials[second].recording.rate.tobytes()
+    way_out = [
+        trial.recording.rate[(trial.recording.time_s > trial.onset_s) & (trial.recording.time_s < trial.onset_s + 0.3)]
+        for trial in trials
+    ]
+    signs = [1.0 if turning.mean(axis=0)[2] > 0 else -1.0 for turning in way_out]
+    assert signs[:2] == [1.0, -1.0], "a left hand swipes the other way"
+    assert signs[4:6] == [-1.0, 1.0], "a sensor on the palm sees it the other way again"
+
+
+def test_every_detector_has_its_share_and_its_errors_of_every_group(one_of_each: Report) -> None:
+    rows = one_of_each.rows
+    assert [row["scenario"] for row in rows] == ["clean", *KINDS]
+    for row in rows:
+        for name in STORED_NAMES.values():
+            found = row[f"{name}_exactly_one_percent"]
+            assert found in {0.0, 50.0, 100.0}
+            for figure in ("error", "onset_error"):
+                assert (row[f"{name}_{figure}_median_ms"] is None) == (found == 0.0)
+    printed = {column.head: column.show(rows[0]) for table in one_of_each.tables for column in table}
+    assert printed["exactly one\nreach found, %"] == "clean"
+
+
+def test_errors_are_those_of_a_reach_that_is_found_alone() -> None:
+    def late(seed: int) -> reach.Trial:
+        trial = swipe.make(seed)
+        return trial._replace(onset_s=trial.onset_s - 1.0)
+
+    swipe = next(group for group in reach.groups() if group.name == "cross-arm")
+    right, wrong = (reach.row_of(group, 2) for group in (swipe, swipe._replace(make=late)))
+    assert right["robust_exactly_one_percent"] == 100.0
+    for figure, by_ms in (("error", -1000.0), ("onset_error", 1000.0)):
+        difference = wrong[f"robust_{figure}_median_ms"] - right[f"robust_{figure}_median_ms"]
+        assert difference == pytest.approx(by_ms)
