@@ -7,6 +7,7 @@ import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -133,3 +134,11 @@ def fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 def data(tmp_path: Path) -> Path:
     """A data folder that does not exist yet."""
     return tmp_path / "data"
+
+
+@pytest.fixture(scope="session")
+def stats() -> Any:
+    """``scipy.stats``, the judge of statistics: imported only by a process that needs it, as it takes a second."""
+    from scipy import stats
+
+    return stats

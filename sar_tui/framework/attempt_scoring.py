@@ -1,6 +1,7 @@
 """Scores an attempt for each seat: the row to store, and the feedback on it. Pure."""
 
 import math
+import statistics
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
@@ -8,7 +9,7 @@ import msgspec
 from msgspec.structs import replace
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import AttemptEnded, Feedback, FeedbackChoice, Outcome
+from sar_tui.framework.messages import AttemptEnded, Feedback, FeedbackChoice, Outcome, Spread
 from sar_tui.framework.policies import feedback_choice
 from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.policies.judgement import (
@@ -174,6 +175,7 @@ def _score_seat(
         outcome=judgement.outcome,
         feedback=message.valence if choice.due else "none",
         qualities=message.qualities,
+        spreads=_spreads(task, judged.score, results),
         choice=message.choice,
         started=attempt.started,
         ended=attempt.ended,
@@ -231,10 +233,27 @@ def _is_unanswered(judgement: Judgement, results: Sequence[Result]) -> bool:
 
 def _mean_qualities(task: Task, results: Sequence[Result]) -> dict[str, float]:
     """Return the mean of each of the task's qualities over the correct trials that have it."""
-    means = {}
+    return {field: sum(values) / len(values) for field, values in _qualities(task, results).items()}
+
+
+def _qualities(task: Task, results: Sequence[Result]) -> dict[str, list[float]]:
+    """Return the values of each of the task's qualities in the correct trials; only those that were measured."""
+    measured = {}
     for quality in task.qualities:
         found = [result.details.get(quality.field) for result in results if result.correct]
-        values = [float(value) for value in found if isinstance(value, int | float)]
-        if values:
-            means[quality.field] = sum(values) / len(values)
-    return means
+        if values := [float(value) for value in found if isinstance(value, int | float)]:
+            measured[quality.field] = values
+    return measured
+
+
+def _spreads(task: Task, score: Score, results: Sequence[Result]) -> dict[str, Spread]:
+    """Return the spread of the trials behind the metric, if it is their mean, and behind each quality."""
+    if task.rules < 5:
+        return {}
+    measured = _qualities(task, results)
+    values = [result.value for result in results if result.counts and result.value is not None]
+    if values and score.metric is not None and math.isclose(score.metric, statistics.fmean(values)):
+        measured[task.metric.name] = values
+    return {
+        name: Spread(len(values), statistics.stdev(values) if values[1:] else 0.0) for name, values in measured.items()
+    }

@@ -1,17 +1,22 @@
 """Text of feedback on an attempt: results and performance, in words and in figures."""
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
+from sar_tui.framework.feedback_comparison import (
+    ALIKE,
+    attempts_before,
+    comparable_attempts,
+    judge_result,
+    measured_qualities,
+    quality_changes,
+)
 from sar_tui.framework.messages import AttemptEnded, Degree, Feedback, Form, RecalledAttempts, Valence
 from sar_tui.framework.policies.judgement import RACED
 from sar_tui.framework.results_for_people import decimals_for, difference_text, goal_text, result_text
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Quality
 
-ALIKE = 0.2
-"""Largest relative difference of results whose performance is compared."""
 _VOCABULARY = {
     "last attempt": "last_attempt",
     "best attempt": "best_attempt",
@@ -112,7 +117,7 @@ class FeedbackText:
         return _Pair(self._word.beside(beside, situation), figures)
 
     def _figures(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
-        """Compare with the chosen reference; without one, give the result and the goal."""
+        """Compare with the chosen reference; without one, or if the change may be chance, give result and goal."""
         if feedback.reason in RACED:
             return self._word("race_figures", reached=str(feedback.won), trials=str(feedback.trials))
         if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
@@ -128,6 +133,8 @@ class FeedbackText:
         difference = difference_text(metric, feedback.metric, before, tr, decimals)
         if not difference:
             return self._word(f"{feedback.valence}_same", value=value, goal=goal, reference=reference)
+        if not self._is_real(feedback, recalled, before):
+            return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         improved = metric.is_better(feedback.metric, before)
         return self._word(
             f"{feedback.valence}_{'improved' if improved else 'worsened'}",
@@ -137,6 +144,13 @@ class FeedbackText:
             change=tr(metric.improved if improved else metric.worsened),
             reference=reference,
         )
+
+    def _is_real(self, feedback: Feedback, recalled: RecalledAttempts, before: float) -> bool:
+        """Return True if a difference may be reported: from the goal always, from other attempts if it is no chance."""
+        if self._task.rules < 5 or feedback.choice.compared_with == "goal":
+            return True
+        change = judge_result(self._task, feedback, recalled, before)
+        return change is not None and change.verdict != "chance"
 
     def _reference_name(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
         """Return the name of the reference: "last at this level" if the last attempt was at another level."""
@@ -151,7 +165,7 @@ class FeedbackText:
         """Return the value that the result is compared with: from the same level, or the goal."""
         if feedback.choice.compared_with == "goal":
             return feedback.goal
-        earlier = [attempt for attempt in _before(feedback, recalled) if attempt.metric is not None]
+        earlier = [attempt for attempt in attempts_before(feedback, recalled) if attempt.metric is not None]
         before = [attempt.metric for attempt in earlier if attempt.metric is not None]
         if feedback.choice.compared_with == "best attempt":
             enough = self._task.parameters.min_accuracy
@@ -186,31 +200,29 @@ class FeedbackText:
 
         Comparable attempts have the same level and nearly the same result: the qualities depend on speed.
         """
-        measured = [quality for quality in self._task.qualities if quality.field in feedback.qualities]
+        measured = measured_qualities(self._task, feedback)
         if not measured or feedback.metric is None:
             return None
         tr, aim = self._task.tr, self._word.choose([quality.aim for quality in measured])
-        before = _comparable(feedback, recalled)
-        changes = [
-            (quality.change(feedback.qualities[quality.field], before.qualities[quality.field]), quality)
-            for quality in measured
-            if before and quality.field in before.qualities
-        ]
+        before = next(reversed(comparable_attempts(feedback, recalled)), None)
+        changes = quality_changes(self._task, feedback, recalled, before) if before else []
         if not changes or before is None:
             return self._performance_text(feedback, "neutral", "performance_first", {"aim": tr(aim)})
         latest = before.attempt == feedback.attempt - 1
         reference = {"reference": self._word.vocabulary("last_attempt" if latest else "last_at_level")}
-        best, worst = max(changes, key=lambda change: change[0]), min(changes, key=lambda change: change[0])
-        if best[0] >= 1:
-            words = {"change": tr(best[1].improved), **reference}
-            share = _share(best[1], feedback, before)
+        real = [change for change in changes if change.is_real]
+        best = max(real, key=lambda change: change.size, default=None)
+        if best and best.size > 0:
+            words = {"change": tr(best.quality.improved), **reference}
+            share = _share(best.quality, feedback, before)
             return self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aim))
-        if worst[0] <= -1:
-            words = {"aim": tr(worst[1].aim), **reference}
-            share = _share(worst[1], feedback, before)
+        worst = min(real or changes, key=lambda change: change.size)
+        if worst.is_real:
+            words = {"aim": tr(worst.quality.aim), **reference}
+            share = _share(worst.quality, feedback, before)
             return self._performance_text(feedback, "negative", "performance_worsened", words, share)
         words = {"aim": tr(aim), **reference}
-        share = _share(worst[1], feedback, before)
+        share = _share(worst.quality, feedback, before)
         return self._performance_text(
             feedback, "neutral", "performance_same", words, share if share is not None and share <= ALIKE else None
         )
@@ -241,23 +253,6 @@ def _graded(feedback: Feedback) -> str:
     """Return the situation of a result, by its distance from the goal."""
     degree = feedback.choice.degree
     return feedback.valence if feedback.valence == "neutral" or degree == "clear" else f"{feedback.valence}_{degree}"
-
-
-def _before(feedback: Feedback, recalled: RecalledAttempts) -> list[AttemptEnded]:
-    return [attempt for attempt in recalled.attempts if attempt.attempt < feedback.attempt]
-
-
-def _comparable(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | None:
-    """Return the last attempt with nearly the same result; None if there is none."""
-    tolerance = math.inf if feedback.metric is None else ALIKE * abs(feedback.metric)
-    return next(
-        (
-            attempt
-            for attempt in reversed(_before(feedback, recalled))
-            if attempt.metric is not None and abs(attempt.metric - (feedback.metric or 0.0)) <= tolerance
-        ),
-        None,
-    )
 
 
 def _share(quality: Quality, feedback: Feedback, before: AttemptEnded) -> float | None:

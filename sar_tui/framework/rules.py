@@ -10,5 +10,6 @@ on that one earlier, and so does a filler; a foreperiod goes on in which the pro
 task has ten levels, some of them far apart.
 3: encouragement says the same after two failures and before a new highest level, and wordings of feedback are chosen
 whatever has just been said.
-4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only.
+4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only,
+that of the time to peak, too, and each change of a result is reported.
 """

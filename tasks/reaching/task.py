@@ -56,7 +56,7 @@ class ReachingTask(Task):
     qualities = (
         Quality("sparc", "higher", "smoother", "as smoothly as you can", 0.1),
         Quality("tremor_index", "lower", "steadier", "with a steady hand", 0.02),
-        Quality("time_to_peak_share", "lower", "quicker to its peak", "with a quick start", 0.05),
+        Quality("time_to_peak_share", "lower", "quicker to its peak", "with a quick start", 0.05, praised_until=4),
         Quality("movement_units", "lower", "more direct", "without stopping on the way", 1.0),
     )
     marks = (

@@ -25,6 +25,7 @@ __all__ = [
     "Recall",
     "RecalledAttempts",
     "SessionEnded",
+    "Spread",
     "Timing",
     "TrialEnded",
     "TrialMarked",
@@ -251,11 +252,18 @@ class FeedbackChoice(msgspec.Struct, frozen=True):
     attempts: int = 1
 
 
+class Spread(msgspec.Struct, frozen=True):
+    """The trials behind a mean: ``n``, their number, and ``sd``, the SD between them; 0 for one trial."""
+
+    n: int
+    sd: float
+
+
 class AttemptEnded(Message, frozen=True, kw_only=True):
     """A scored attempt. ``feedback`` is ``none`` if none was due; ``choice`` says why, and how it is given.
 
     ``goal``: the value the metric was compared with. ``qualities``: means of the task's qualities (knowledge of
-    performance), by name.
+    performance), by name. ``spreads``: of the trials behind the metric and the qualities, by name; none before rules 5.
     """
 
     attempt: int
@@ -270,6 +278,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
     outcome: Outcome
     feedback: Literal["positive", "neutral", "negative", "none"]
     qualities: dict[str, float] = {}
+    spreads: dict[str, Spread] = {}
     choice: FeedbackChoice | None = None
     started: int
     ended: int

@@ -7,7 +7,7 @@ import msgspec
 
 from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import AttemptEnded, Feedback, Message, Proposal, SessionStarted
+from sar_tui.framework.messages import AttemptEnded, Feedback, Message, Proposal, SessionStarted, Spread
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.nodes.action_center import ActionCenter
 from sar_tui.framework.nodes.memory import Memory
@@ -15,6 +15,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.phrase_keys import PHRASE_KEYS
 from sar_tui.framework.policies import feedback_choice, judgement
 from sar_tui.framework.policies.feedback.policy import History
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, FEEDBACK, PROPOSED, SESSION
@@ -31,6 +32,7 @@ class Done(Message, frozen=True, kw_only=True):
     trials: int = 20
     practice: bool = False
     qualities: dict[str, float] = {}
+    spreads: dict[str, Spread] = {}
     remark: str = ""
     advice: str = ""
     sums_up: int = 1
@@ -75,6 +77,7 @@ class Judge(Node):
             AttemptEnded(
                 **facts,
                 practice=done.practice,
+                spreads=done.spreads,
                 metric_unit=self.task.metric.unit,
                 outcome=verdict.outcome,
                 feedback=verdict.valence,
@@ -100,6 +103,7 @@ class Agent:
         task, theme, seed: whose words are said, and which of them.
         form: of the answers.
         best: of earlier sessions, by level.
+        rules: of the session.
         parameters: of the task.
     """
 
@@ -110,9 +114,11 @@ class Agent:
         form: str = "quantitative",
         seed: int = 1,
         best: dict[str, float] | None = None,
+        rules: int = RULES,
         **parameters: object,
     ) -> None:
         self.task = task(build(task.Parameters, {"feedback_form": form, "language": theme.language, **parameters}))
+        self.task.rules = rules
         self.bus = Bus(VirtualClock())
         self.count = 0
         self.said: list[Proposal] = []

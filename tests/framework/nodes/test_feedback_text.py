@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from sar_tui.framework.parameters import TaskParameters, build
 from sar_tui.framework.phrase_keys import QUALITATIVE, QUANTITATIVE, holds_number
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.trial_types import Metric
@@ -44,6 +45,8 @@ LIFTS = st.fixed_dictionaries(
     },
     optional={"sway": st.floats(0, 50), "grip": st.floats(0, 99)},
 )
+ANY_CHANGE = 4
+"""The last rules by which feedback reports each change; test_feedback_on_change.py has those that follow."""
 SESSIONS = st.lists(LIFTS, min_size=1, max_size=12)
 
 
@@ -62,6 +65,7 @@ def lift(**fields: object) -> dict[str, Any]:
     st.sampled_from(CONTENTS),
     st.sampled_from([{}, {"1": 700.0, "2": 400.0}]),
     st.integers(0, 1000),
+    st.sampled_from([ANY_CHANGE, RULES]),
 )
 def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
     attempts: list[dict[str, Any]],
@@ -70,9 +74,11 @@ def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
     about: str,
     best: dict[str, float],
     seed: int,
+    rules: int,
 ) -> None:
     agents = {
-        form: Agent(Lift, theme, form, seed, best, about=about, feedback_compared_with=reference) for form in FORMS
+        form: Agent(Lift, theme, form, seed, best, rules, about=about, feedback_compared_with=reference)
+        for form in FORMS
     }
     for attempt in attempts:
         said = {form: agent.feedback_on(**attempt) for form, agent in agents.items()}
@@ -82,13 +88,15 @@ def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
         assert all(text and "{" not in text for text in said.values())
 
 
-@example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both").via(
+@example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both", ANY_CHANGE).via(
     "no previous value to compute a percentage from"
 )
-@given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS))
-def test_the_form_both_gives_words_then_figures(attempts: list[dict[str, Any]], reference: str, about: str) -> None:
-    theme = spelling(VOICES[0])
-    agents = {form: Agent(Lift, theme, form, about=about, feedback_compared_with=reference) for form in FORMS}
+@given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS), st.sampled_from([ANY_CHANGE, RULES]))
+def test_the_form_both_gives_words_then_figures(
+    attempts: list[dict[str, Any]], reference: str, about: str, rules: int
+) -> None:
+    theme, compared = spelling(VOICES[0]), {"feedback_compared_with": reference}
+    agents = {form: Agent(Lift, theme, form, rules=rules, about=about, **compared) for form in FORMS}
     for attempt in attempts:
         said = {
             form: [part.situation for part in spelled(agent.feedback_on(**attempt))] for form, agent in agents.items()
@@ -112,7 +120,8 @@ def figures(
     **parameters: object,
 ) -> list[Spelled]:
     """Return the figures in the feedback on each of successive attempts."""
-    agent = Agent(task, spelling(VOICES[0]), "quantitative", 1, best, feedback_compared_with=reference, **parameters)
+    voice, compared = spelling(VOICES[0]), {"feedback_compared_with": reference, **parameters}
+    agent = Agent(task, voice, "quantitative", 1, best, ANY_CHANGE, **compared)
     return [spelled(agent.feedback_on(metric, level))[0] for metric, level in attempts]
 
 
@@ -191,7 +200,7 @@ def test_practice_is_compared_with_the_goal_only() -> None:
 
 
 def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
-    agent = Agent(Lift, spelling(VOICES[0]))
+    agent = Agent(Lift, spelling(VOICES[0]), rules=ANY_CHANGE)
     agent.feedback_on(800)
     agent.feedback_on(None)
     assert spelled(agent.feedback_on(700))[0].slots["difference"] == "0.10 seconds"
@@ -293,7 +302,7 @@ def how(agent: Agent, **attempt: Any) -> Spelled:
 
 def watcher(form: str = "qualitative", about: str = "performance") -> Agent:
     """Return an agent with feedback on performance: sway in steps of 2, grip in steps of 5."""
-    return Agent(Lift, spelling(VOICES[0]), form, about=about)
+    return Agent(Lift, spelling(VOICES[0]), form, about=about, rules=ANY_CHANGE)
 
 
 STEADY, FIRM = "with a steady arm", "with a firm grip"

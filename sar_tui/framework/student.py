@@ -1,10 +1,12 @@
-"""Student's t distribution, as far as 95 % bands need it."""
+"""Student's t distribution, as far as bands and detectable changes need it."""
 
 import math
 from functools import cache
 
 _STEPS = 60
 """Bisections; each halves the error."""
+_HIGHEST = 64.0
+"""More than any value between which 99 % lie."""
 
 
 def within(t: float, df: int) -> float:
@@ -23,10 +25,15 @@ def within(t: float, df: int) -> float:
 
 
 @cache
-def t95(df: int) -> float:
-    """Return the value that is exceeded, on either side, with a probability of 5 %."""
-    low, high = 1.0, 13.0
+def quantile(df: int, share: float) -> float:
+    """Return the value t that leaves a share of the distribution, at least a half, between -t and t."""
+    low, high = 0.5, _HIGHEST
     for _ in range(_STEPS):
         middle = (low + high) / 2
-        low, high = (middle, high) if within(middle, df) < 0.95 else (low, middle)
+        low, high = (middle, high) if within(middle, df) < share else (low, middle)
     return (low + high) / 2
+
+
+def t95(df: int) -> float:
+    """Return the value that is exceeded, on either side, with a probability of 5 %."""
+    return quantile(df, 0.95)
