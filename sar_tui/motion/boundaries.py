@@ -17,10 +17,10 @@ TAIL = 0.02
 """Share of the peak speed below which a movement is over."""
 
 
-def first_peak(speed: Floats) -> int:
-    """Return the peak of a phase's first submovement: before a fall to 60 %, and at least 20 % of the phase's peak."""
+def first_peak(speed: Floats, prominent: float = PROMINENT) -> int:
+    """Return the peak of a phase's first submovement: before a fall to 60 %, and at least a share of the phase's."""
     highest = np.maximum.accumulate(speed)
-    fallen = np.flatnonzero((speed < FALL * highest) & (highest >= PROMINENT * highest[-1]))
+    fallen = np.flatnonzero((speed < FALL * highest) & (highest >= prominent * highest[-1]))
     return int(speed[: fallen[0] if len(fallen) else len(speed)].argmax())
 
 

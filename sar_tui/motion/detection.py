@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.motion import fixed_threshold, single_axis
+from sar_tui.motion import fixed_threshold, orientation, single_axis
 from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.grid import Grid
 from sar_tui.motion.measures import measure
@@ -23,6 +23,7 @@ class Detector(NamedTuple):
 
 
 DETECTORS: dict[str, Detector] = {
+    "orientation": Detector("1", orientation.OrientationParameters, orientation.find),
     "single-axis": Detector("1", single_axis.SingleAxisParameters, single_axis.find),
     "fixed-threshold": Detector("1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find),
 }
@@ -30,7 +31,7 @@ DETECTORS: dict[str, Detector] = {
 
 def detect(
     recording: Recording,
-    detector: str = "single-axis",
+    detector: str = "orientation",
     parameters: msgspec.Struct | None = None,
     hand: Hand = "right",
 ) -> tuple[Reach, ...]:
@@ -54,7 +55,7 @@ def measure_all(found: Detected, recording: Recording) -> tuple[Reach, ...]:
 
 def find(
     recording: Recording,
-    detector: str = "single-axis",
+    detector: str = "orientation",
     parameters: msgspec.Struct | None = None,
     hand: Hand = "right",
     grid: Grid | None = None,

@@ -2,10 +2,14 @@
 
 from typing import Literal
 
-DetectorName = Literal["single-axis", "fixed-threshold"]
+DetectorName = Literal["orientation", "single-axis", "fixed-threshold"]
 
-STORED_NAMES: dict[DetectorName, str] = {"single-axis": "robust", "fixed-threshold": "thesis"}
-"""Each detector's name in stored trials and in the names of columns: the one that earlier versions used."""
+STORED_NAMES: dict[DetectorName, str] = {
+    "orientation": "orientation",
+    "single-axis": "robust",
+    "fixed-threshold": "thesis",
+}
+"""Each detector's name in stored trials and in the names of columns: the first that it had."""
 
 RENAMED: dict[str, DetectorName] = {stored: name for name, stored in STORED_NAMES.items()}
 """The present name for each earlier one. Earlier names are still accepted."""

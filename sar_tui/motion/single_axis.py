@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import msgspec
 import numpy as np
-import numpy.typing as npt
 
 from sar_tui.motion.boundaries import edges
-from sar_tui.motion.filters import LOW_RATE, Spectrum, smooth, usable_cutoff
+from sar_tui.motion.filters import Spectrum, smooth, usable_cutoff
 from sar_tui.motion.grid import Grid, even
+from sar_tui.motion.movement import checked, percentile, stretches
 from sar_tui.motion.phases import pairs, phases, principal_axis
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
-from sar_tui.motion.rest import SLOW_HZ, find_rest
+from sar_tui.motion.rest import SLOW_HZ, Rest, find_rest
 from sar_tui.motion.samples import Floats, Recording
 
 CALM_HZ = 5.0
@@ -56,8 +56,7 @@ class _Motion(NamedTuple):
     grid: Grid
     slow: Floats
     light: Floats
-    still: npt.NDArray[np.bool_]
-    rested: bool
+    rest: Rest
     begin: float
     end: float
 
@@ -90,30 +89,21 @@ def find(
     spectrum = Spectrum(rate, grid.rate_hz)
     slow = spectrum.below(SLOW_HZ, rest.tremor_hz)
     speed = np.linalg.norm(slow, axis=1)
-    floor = _percentile(speed[rest.still], 99)
+    floor = percentile(speed[rest.still], 99)
     motion = _Motion(
         grid=grid,
         slow=slow,
         light=spectrum.below(cutoff, rest.tremor_hz),
-        still=rest.still,
-        rested=rest.whole,
+        rest=rest,
         begin=max(parameters.begin_rad_s, 2.0 * floor),
         end=max(parameters.end_rad_s, 1.2 * floor),
     )
     reaches = tuple(
         reach
-        for group in _groups(speed > motion.begin, parameters.dwell_s * grid.rate_hz)
+        for group in stretches(speed > motion.begin, parameters.dwell_s * grid.rate_hz)
         for reach in _reaches(motion, group, parameters, hand)
     )
     return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz)
-
-
-def _groups(moving: npt.NDArray[np.bool_], longest: float) -> Iterator[slice]:
-    """Yield stretches of movement that are not divided by a rest longer than ``longest`` samples."""
-    index = np.flatnonzero(moving)
-    for part in np.split(index, np.flatnonzero(np.diff(index) > longest) + 1):
-        if len(part):
-            yield slice(int(part[0]), int(part[-1]) + 1)
 
 
 def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, hand: Hand) -> Iterator[Bounds]:
@@ -127,7 +117,7 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
     around = slice(max(0, group.start - margin), group.stop + margin)
     time, slow, light = motion.grid.time_s[around], motion.slow[around] @ axis, motion.light[around] @ axis
     calm = smooth(light[:, None], rate_hz, CALM_HZ)[:, 0]
-    floor = _percentile(np.abs(motion.light[motion.still] @ axis), 95)
+    floor = percentile(np.abs(motion.light[motion.rest.still] @ axis), 95)
     found = phases(
         slow,
         rate_hz,
@@ -152,34 +142,12 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
             axis=(x, y, z),
             flags=("reversed",) if sided and sign < 0 else (),
         )
-        yield _checked(bounds, motion, out.first + around.start, back.last + around.start, parameters)
-
-
-def _checked(bounds: Bounds, motion: _Motion, first: int, last: int, parameters: SingleAxisParameters) -> Bounds:
-    """Return the reach between two samples with its flags, cut off if it is too long."""
-    grid = motion.grid
-    end_s = max(bounds.onset_s, bounds.end_s)
-    flags = list(bounds.flags)
-    if not motion.rested or not (motion.still & (grid.time_s < bounds.onset_s)).any():
-        flags.append("no_rest")
-    if first == 0 or last == len(grid.time_s):
-        flags.append("cut")
-    if end_s - bounds.onset_s > parameters.longest_s:
-        flags.append("timed_out")
-        end_s = bounds.onset_s + parameters.longest_s
-    if grid.has_hole(bounds.onset_s, end_s):
-        flags.append("gap")
-    if grid.rate_hz < LOW_RATE * parameters.cutoff_hz:
-        flags.append("low_rate")
-    return msgspec.structs.replace(
-        bounds,
-        end_s=end_s,
-        arrival_s=min(max(bounds.arrival_s, bounds.onset_s), end_s),
-        departure_s=min(max(bounds.departure_s, bounds.onset_s), end_s),
-        flags=tuple(flags),
-    )
-
-
-def _percentile(x: Floats, share: float) -> float:
-    """Return a percentile; 0 for an empty array."""
-    return float(np.percentile(x, share)) if len(x) else 0.0
+        is_cut = out.first + around.start == 0 or back.last + around.start == len(motion.grid.time_s)
+        yield checked(
+            bounds,
+            motion.grid,
+            motion.rest,
+            is_cut=is_cut,
+            longest_s=parameters.longest_s,
+            cutoff_hz=parameters.cutoff_hz,
+        )

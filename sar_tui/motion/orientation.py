@@ -1,0 +1,289 @@
+"""The orientation detector: a reach turns the hand away from its orientation at rest, and back, about whatever axes."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from sar_tui.motion import quaternions
+from sar_tui.motion.boundaries import first_peak, onset
+from sar_tui.motion.filters import Spectrum, usable_cutoff
+from sar_tui.motion.grid import Grid, even
+from sar_tui.motion.movement import checked, percentile, stretches
+from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
+from sar_tui.motion.rest import SLOW_HZ, Rest, find_rest
+from sar_tui.motion.samples import Floats, Recording
+
+CALM_HZ = 5.0
+"""Cutoff of the smoothing in which submovements are told apart."""
+MARGIN_S = 0.5
+"""Time around a stretch of movement in which a reach may begin and end."""
+NEAR = 0.15
+"""Share of the excursion within which the hand counts as not having left yet, or as back already."""
+FAR = 0.8
+"""Share of the excursion beyond which the hand counts as at its target."""
+SUBMOVEMENT = 0.05
+"""Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
+TURNING = 0.3
+"""Share of the largest speed below which a hand near its start turns around, and does not just pass."""
+JUST_BEFORE_S = 0.1
+"""Time before the end of a rest at which its orientation is taken."""
+SIDED = math.cos(math.radians(45))
+"""An excursion whose axis is nearer than this to z shows which way the hand turns."""
+
+
+class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """Definitions of movement and of a reach.
+
+    Args:
+        cutoff_hz: cutoff of the low-pass (second-order Butterworth).
+        rest_s: duration of stillness that counts as rest; it gives the sensor's bias and noise.
+        begin_rad_s: a movement exceeds this; the limit is higher if the hand is not quiet at rest.
+        end_rad_s: a movement lasts while it is faster than this.
+        least_rad: smallest angle between the orientations at rest and at the target.
+        return_share: the hand is back when this share of the largest angle, or less, is left.
+        shortest_s: shortest duration of the way out and of the way back.
+        pause_s: a shorter pause does not end a movement.
+        dwell_s: the longest rest at the target within a reach.
+        longest_s: longest reach; a longer one is cut off.
+    """
+
+    cutoff_hz: float = 8.0
+    rest_s: float = 1.0
+    begin_rad_s: float = 0.1
+    end_rad_s: float = 0.05
+    least_rad: float = 0.1
+    return_share: float = 0.4
+    shortest_s: float = 0.15
+    pause_s: float = 0.4
+    dwell_s: float = 2.0
+    longest_s: float = 15.0
+
+
+class _Motion(NamedTuple):
+    """A recording without its bias: norms of its rate, smoothed strongly (slow), less (calm) and lightly (light)."""
+
+    grid: Grid
+    rate: Floats
+    slow: Floats
+    calm: Floats
+    light: Floats
+    rest: Rest
+    begin: float
+    end: float
+    floor: float
+
+
+class _Excursion(NamedTuple):
+    """A turn away from the orientation at sample ``first`` and back at ``last``, farthest at ``top``.
+
+    ``stop``: where the hand leaves again, or the end of the stretch. ``angle``: shape (stop - first,), rad, from the
+    orientation at ``first``. ``axis``: that of the largest angle.
+    """
+
+    first: int
+    top: int
+    last: int
+    stop: int
+    angle: Floats
+    axis: tuple[float, float, float]
+
+    def later(self, samples: int) -> "_Excursion":
+        """Return it with its samples counted from further back."""
+        first, top, last, stop = (sample + samples for sample in self[:4])
+        return self._replace(first=first, top=top, last=last, stop=stop)
+
+
+def find(
+    recording: Recording,
+    parameters: OrientationParameters | None = None,
+    hand: Hand = "right",
+    grid: Grid | None = None,
+) -> Detected:
+    """Find the reaches in a whole recording.
+
+    The angular rate without the bias at rest is integrated to the hand's orientation. From each rest, the angle between
+    the orientation there and now is followed: a reach is a rise of that angle and its fall to a small share, about
+    whatever axes the hand turns. Onset, end and the rest at the target come from the norm of the rate.
+
+    Flags, ``grid`` and errors are as in ``single_axis.find``.
+    """
+    parameters = parameters or OrientationParameters()
+    grid = grid or even(recording)
+    if len(grid.time_s) < 2:
+        return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
+    cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
+    rest = find_rest(grid.rate, grid.rate_hz, parameters.rest_s)
+    rate = grid.rate - rest.bias
+    spectrum = Spectrum(rate, grid.rate_hz)
+    slow = np.linalg.norm(spectrum.below(SLOW_HZ, rest.tremor_hz), axis=1)
+    light = np.linalg.norm(spectrum.below(cutoff, rest.tremor_hz), axis=1)
+    calm = np.linalg.norm(spectrum.below(min(CALM_HZ, cutoff), rest.tremor_hz), axis=1)
+    floor = percentile(slow[rest.still], 99)
+    motion = _Motion(
+        grid=grid,
+        rate=rate,
+        slow=slow,
+        calm=calm,
+        light=light,
+        rest=rest,
+        begin=max(parameters.begin_rad_s, 2.0 * floor),
+        end=max(parameters.end_rad_s, 1.2 * floor),
+        floor=percentile(light[rest.still], 95),
+    )
+    reaches = tuple(
+        reach
+        for group in stretches(slow > motion.begin, parameters.dwell_s * grid.rate_hz)
+        for reach in _reaches(motion, group, parameters, hand)
+    )
+    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz)
+
+
+def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, hand: Hand) -> Iterator[Bounds]:
+    """Yield the reaches in one stretch of movement."""
+    grid = motion.grid
+    margin = round(MARGIN_S * grid.rate_hz)
+    first, last = max(0, group.start - margin), min(len(motion.slow), group.stop + margin)
+    orientation = quaternions.integrate(motion.rate[first:last], 1.0 / grid.rate_hz)
+    earliest = first
+    for excursion in _excursions(orientation, motion.slow[first:last], motion.end, parameters, grid.rate_hz):
+        bounds = _bounds(motion, excursion.later(first), earliest, parameters, hand)
+        if bounds is None:
+            continue
+        yield checked(
+            bounds,
+            grid,
+            motion.rest,
+            is_cut=bounds.onset_s <= grid.time_s[0] or bounds.end_s >= grid.time_s[-1],
+            longest_s=parameters.longest_s,
+            cutoff_hz=parameters.cutoff_hz,
+        )
+        earliest = int(np.searchsorted(grid.time_s, bounds.end_s))
+
+
+def _excursions(
+    orientation: Floats, slow: Floats, end: float, parameters: OrientationParameters, rate_hz: float
+) -> Iterator[_Excursion]:
+    """Yield the turns away from an orientation at rest and back, in order of time.
+
+    A rest from which the hand does not come back was not the start of a reach: the next one is tried.
+    """
+    at = 0
+    for home in _homes(slow <= end, round(JUST_BEFORE_S * rate_hz)):
+        start = home
+        while start >= at and (found := _excursion_from(orientation[start:], slow[start:], end, parameters)):
+            yield found.later(start)
+            at = start = start + found.last
+
+
+def _homes(resting: npt.NDArray[np.bool_], before: int) -> list[int]:
+    """Return the samples at which a reach may start: the first, and the end of each rest, ``before`` it if it lasts."""
+    edges = np.flatnonzero(np.diff(resting.astype(np.int8), prepend=0, append=0))
+    rests = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    homes = [max(first, last - 1 - before) for first, last in rests]
+    return homes if resting[0] else [0, *homes]
+
+
+def _excursion_from(
+    orientation: Floats, slow: Floats, end: float, parameters: OrientationParameters
+) -> _Excursion | None:
+    """Return the first turn away from the orientation at the first sample and back; None without a way back."""
+    turned = quaternions.multiply(quaternions.conjugate(orientation[0]), orientation)
+    angle = quaternions.angle(turned)
+    highest = np.maximum.accumulate(angle)
+    back = np.flatnonzero((highest >= parameters.least_rad) & (angle <= parameters.return_share * highest))
+    at = 0
+    while (index := int(np.searchsorted(back, at))) < len(back):
+        came = int(back[index])
+        largest = float(highest[came])
+        leaves = _leaves(angle, came, parameters.return_share * largest)
+        if _is_back(angle[came:leaves], slow[came:leaves], end, largest, float(slow.max())):
+            rests = np.flatnonzero(slow[came:leaves] <= end)
+            last = came + int(rests[0] if len(rests) else angle[came:leaves].argmin())
+            stop = min(leaves, _leaves(angle, last, NEAR * largest)) if len(rests) else last + 1
+            top = int(angle[:came].argmax())
+            x, y, z = (quaternions.to_rotation(turned[top]) / angle[top]).tolist()
+            return _Excursion(0, top, last, stop, angle[:stop], (x, y, z))
+        at = leaves
+    return None
+
+
+def _leaves(angle: Floats, since: int, by: float) -> int:
+    """Return where an angle has risen by so much above its lowest since a sample; the number of samples if nowhere."""
+    lowest = np.minimum.accumulate(angle[since:])
+    leaves = np.flatnonzero(angle[since:] > lowest + by)
+    return since + int(leaves[0]) if len(leaves) else len(angle)
+
+
+def _is_back(angle: Floats, slow: Floats, end: float, largest: float, fastest: float) -> bool:
+    """Return True if the hand stops near its start, or turns around there, instead of passing on its way."""
+    speed = float(slow.min())
+    return speed <= end or (float(angle.min()) <= NEAR * largest and speed <= TURNING * fastest)
+
+
+def _bounds(
+    motion: _Motion, excursion: _Excursion, earliest: int, parameters: OrientationParameters, hand: Hand
+) -> Bounds | None:
+    """Return the reach of an excursion, which begins at sample ``earliest`` or later; None for a twitch."""
+    grid, slow, angle = motion.grid, motion.slow, excursion.angle
+    first, top, last = excursion.first, excursion.top, excursion.last
+    largest = float(angle[top - first])
+    far = first + np.flatnonzero(angle[: last - first + 1] > FAR * largest)
+    arrives, departs = _dwell(motion, int(far[0]), int(far[-1]))
+    if arrives <= first or departs >= last:
+        return None
+    left = first + int(np.flatnonzero(angle[: top - first + 1] <= NEAR * largest)[-1])
+    near = max(NEAR * largest, float(angle[last - first]))
+    came = top + int(np.flatnonzero(angle[top - first :] <= near)[0])
+    moving = slow > max(SUBMOVEMENT * float(slow[first : last + 1].max()), motion.end)
+    pause = round(parameters.pause_s * grid.rate_hz)
+    begins = earliest + _begins(moving[earliest : left + 1], pause)
+    ends = excursion.stop - 1 - _begins(moving[came : excursion.stop][::-1], pause)
+    onset_s, arrival_s = _edges(motion, earliest, begins, arrives, excursion.stop)
+    departure_s, end_s = _edges(motion, earliest, departs, ends, excursion.stop)
+    if arrives == departs:
+        arrival_s = departure_s = float(grid.time_s[arrives])
+    if min(arrival_s - onset_s, end_s - departure_s) < parameters.shortest_s:
+        return None
+    is_reversed = abs(excursion.axis[2]) > SIDED and excursion.axis[2] * OUTWARDS[hand] < 0
+    return Bounds(
+        onset_s=onset_s,
+        arrival_s=arrival_s,
+        departure_s=max(arrival_s, departure_s),
+        end_s=end_s,
+        axis=excursion.axis,
+        flags=("reversed",) if is_reversed else (),
+    )
+
+
+def _dwell(motion: _Motion, first: int, last: int) -> tuple[int, int]:
+    """Return the first and last sample at rest between two; without a rest, where the hand is slowest."""
+    slow = motion.slow[first : last + 1]
+    still = np.flatnonzero(slow <= motion.end)
+    if len(still):
+        return first + int(still[0]), first + int(still[-1])
+    slowest = first + int(slow.argmin())
+    return slowest, slowest
+
+
+def _begins(moving: npt.NDArray[np.bool_], pause: int) -> int:
+    """Return the first sample of the movement that goes on at the last one, across pauses up to ``pause`` samples."""
+    index = np.flatnonzero(moving)
+    if not len(index) or len(moving) - 1 - index[-1] > pause:
+        return len(moving) - 1
+    apart = np.flatnonzero(np.diff(index) > pause)
+    return int(index[apart[-1] + 1] if len(apart) else index[0])
+
+
+def _edges(motion: _Motion, earliest: int, first: int, last: int, stop: int) -> tuple[float, float]:
+    """Return beginning and end, in s, of the movement between two samples; it may extend to the outer two."""
+    time, light, calm = motion.grid.time_s, motion.light, motion.calm[first : last + 1]
+    way_in = slice(earliest, first + first_peak(calm, SUBMOVEMENT) + 1)
+    way_out = slice(last - first_peak(calm[::-1], SUBMOVEMENT), stop)
+    return (
+        max(onset(time[way_in], light[way_in], motion.floor), float(time[earliest])),
+        min(onset(time[way_out][::-1], light[way_out][::-1], motion.floor), float(time[stop - 1])),
+    )
