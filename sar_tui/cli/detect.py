@@ -34,6 +34,7 @@ _FLAGS = {
     "error": "the sensor reported an error",
     "samples": "too few samples to find anything in",
     "rate": "too few samples a second to find anything in",
+    "disagree": "two detectors differ in its time by more than 20 %, so it is doubtful",
     "several": "there was more than one reach, and this is the largest",
 }
 
@@ -49,8 +50,8 @@ def read_detector(text: str) -> DetectorName:
     for name in STORED_NAMES:
         if name == current_name(text):
             return name
-    names = " and ".join(STORED_NAMES)
-    raise typer.BadParameter(f"There is no detector {text!r}; there are {names}.")
+    *others, last = STORED_NAMES
+    raise typer.BadParameter(f"There is no detector {text!r}; there are {', '.join(others)} and {last}.")
 
 
 def detector_option(help: str, *, show_default: bool = True) -> Any:
@@ -92,7 +93,7 @@ def detect(
             parser=named_path, metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False
         ),
     ],
-    detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "single-axis",
+    detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "orientation",
     hand: Annotated[Hand, typer.Option(help="The hand with the sensor.")] = Hand.right,
     repetitions: Annotated[
         bool, typer.Option("--repetitions", help="Count the repetitions of one exercise instead of finding reaches.")

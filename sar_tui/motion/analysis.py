@@ -1,4 +1,4 @@
-"""Analysis of one reach in a stretch of samples: both detectors and all measures, for storage beside the raw data."""
+"""Analysis of one reach in a stretch of samples: all detectors and all measures, for storage beside the raw data."""
 
 from typing import Literal
 
@@ -10,6 +10,7 @@ from sar_tui.motion.detection import DETECTORS, find, measure_all
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.grid import even
+from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
 from sar_tui.motion.samples import Recording, Samples, recording
@@ -27,6 +28,8 @@ BESIDE_NS = 200_000_000
 SATURATED_NS = 300_000_000
 """Longest hole that is attributed to saturation, if the sensor reported saturation."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
+DISAGREEMENT = 0.2
+"""Difference of two detectors' times, as a share of the longer one, from which a reach's time is doubtful."""
 FEWEST = 10
 """Smallest number of samples that is analysed."""
 
@@ -37,15 +40,21 @@ class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
     ``measures_version``: 1 measures as sessions of rules 1 to 4 did, 2 as all others do.
     """
 
-    detector: DetectorName = "single-axis"
+    detector: DetectorName = "orientation"
     hand: Hand = "right"
+    orientation: OrientationParameters = OrientationParameters()
     single_axis: SingleAxisParameters = SingleAxisParameters()
     fixed_threshold: FixedThresholdParameters = FixedThresholdParameters()
     measures_version: Literal[1, 2] = 2
 
-    def of(self, detector: DetectorName) -> SingleAxisParameters | FixedThresholdParameters:
-        """Return the parameters of a detector."""
-        return self.single_axis if detector == "single-axis" else self.fixed_threshold
+    @property
+    def each(self) -> dict[DetectorName, msgspec.Struct]:
+        """The parameters of every detector whose time is stored."""
+        older: dict[DetectorName, msgspec.Struct] = {
+            "single-axis": self.single_axis,
+            "fixed-threshold": self.fixed_threshold,
+        }
+        return older if self.measures_version == 1 else {"orientation": self.orientation, **older}
 
 
 class Window(msgspec.Struct, frozen=True, kw_only=True):
@@ -76,9 +85,10 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) -> Finding:
-    """Find the reach of a window by both detectors, and measure it.
+    """Find the reach of a window by each detector, and measure it.
 
-    If there are several, the largest is taken and ``several`` is flagged. Quantities that the sensor could not measure
+    If there are several, the largest is taken and ``several`` is flagged; ``disagree`` if the time is doubtful, as the
+    detectors of single axes and of orientations differ by more than 20 %. Quantities that the sensor could not measure
     are None.
 
     Args:
@@ -90,7 +100,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     known: Measured = {
         "detector": STORED_NAMES[parameters.detector],
         "detector_version": DETECTORS[parameters.detector].version,
-        "detector_parameters": msgspec.json.encode(parameters.of(parameters.detector)).decode(),
+        "detector_parameters": msgspec.json.encode(parameters.each[parameters.detector]).decode(),
         "hand": parameters.hand,
         "window_from_ns": window.from_ns,
         "window_started_ns": window.started_ns,
@@ -105,21 +115,26 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     known["rate_hz"] = round(whole.rate_hz, 3)
     grid = even(whole)
     reaches: tuple[Reach, ...] = ()
-    for name, stored_name in STORED_NAMES.items():
+    times_ms: dict[DetectorName, float | None] = {}
+    for name, its_parameters in parameters.each.items():
         try:
-            found = find(whole, name, parameters.of(name), parameters.hand, grid)
+            found = find(whole, name, its_parameters, parameters.hand, grid)
         except ValueError:
             return Finding(details=known, invalid="rate", flags=window.flags)
         found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))
         if name == parameters.detector:
             reaches = measure_all(found, whole)
-        known[f"{stored_name}_reach_time_ms"] = _reach_time_ms(found, whole)
+        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole)
     reach = _largest(reaches)
     known["reaches"] = len(reaches)
     holes = _holes(inside["at"], window)
     if reach is None:
         return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
-    flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(["several"] if known["reaches"] != 1 else []))))
+    warnings = {
+        "several": known["reaches"] != 1,
+        "disagree": parameters.measures_version > 1 and _disagree(times_ms, parameters.detector),
+    }
+    flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(name for name, holds in warnings.items() if holds))))
     onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)
     has_hole = any(first < end_ns + BESIDE_NS and last > onset_ns - BESIDE_NS for first, last in holes)
     return Finding(
@@ -171,6 +186,17 @@ def _reach_time_ms(found: Detected, recording: Recording) -> float | None:
         largest = _largest(measure_all(found, recording))
         return round(largest.reach_time_s * 1000, 3) if largest else None
     return next((round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None)
+
+
+def _disagree(times_ms: dict[DetectorName, float | None], detector: DetectorName) -> bool:
+    """Return True if the orientation and the single-axis detector differ by much in a reach that one of them scores.
+
+    The fixed-threshold detector differs as it is defined, so it is not asked.
+    """
+    one, other = times_ms["orientation"], times_ms["single-axis"]
+    if detector == "fixed-threshold" or one is None or other is None:
+        return False
+    return abs(one - other) > DISAGREEMENT * max(one, other)
 
 
 def _largest(reaches: tuple[Reach, ...]) -> Reach | None:

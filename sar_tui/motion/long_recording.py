@@ -40,7 +40,7 @@ class LongDetection(NamedTuple):
 
 
 def detect_long(
-    blocks: Iterable[Samples], detector: str = "single-axis", hand: Hand = "right", window: int = WINDOW
+    blocks: Iterable[Samples], detector: str = "orientation", hand: Hand = "right", window: int = WINDOW
 ) -> LongDetection:
     """Find and measure the reaches in samples that come in blocks.
 

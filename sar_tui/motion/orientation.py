@@ -29,6 +29,12 @@ SUBMOVEMENT = 0.05
 """Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
 TURNING = 0.3
 """Share of the largest speed below which a hand near its start turns around, and does not just pass."""
+TOO_LONG = 2.0
+"""Multiple of the longest reach within which a hand must be back, or it was no reach."""
+TURN_S = 0.1
+"""A shorter rest at the target is a turn."""
+HOME_S = 0.3
+"""Shortest rest from which a reach starts, if it is not the one that ended the reach before."""
 JUST_BEFORE_S = 0.1
 """Time before the end of a rest at which its orientation is taken."""
 SIDED = math.cos(math.radians(45))
@@ -45,7 +51,7 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
         end_rad_s: a movement lasts while it is faster than this.
         least_rad: smallest angle between the orientations at rest and at the target.
         return_share: the hand is back when this share of the largest angle, or less, is left.
-        shortest_s: shortest duration of the way out and of the way back.
+        shortest_s: shortest duration of a reach without the rest at the target.
         pause_s: a shorter pause does not end a movement.
         dwell_s: the longest rest at the target within a reach.
         longest_s: longest reach; a longer one is cut off.
@@ -57,7 +63,7 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     end_rad_s: float = 0.05
     least_rad: float = 0.1
     return_share: float = 0.4
-    shortest_s: float = 0.15
+    shortest_s: float = 0.4
     pause_s: float = 0.4
     dwell_s: float = 2.0
     longest_s: float = 15.0
@@ -169,22 +175,46 @@ def _excursions(
 ) -> Iterator[_Excursion]:
     """Yield the turns away from an orientation at rest and back, in order of time.
 
+    A stretch that begins in movement may begin on a way back, so its first home is found from its end, backwards.
+    """
+    homes = _homes(slow <= end, rate_hz)
+    if slow[0] > end >= slow[-1]:
+        backwards = list(_chains(orientation[::-1], slow[::-1], end, [0], parameters, rate_hz))
+        first = len(slow) - 1 - (backwards[-1].last if backwards else 0)
+        homes = [first, *(home for home in homes if home > first)]
+    yield from _chains(orientation, slow, end, homes, parameters, rate_hz)
+
+
+def _chains(
+    orientation: Floats,
+    slow: Floats,
+    end: float,
+    homes: list[int],
+    parameters: OrientationParameters,
+    rate_hz: float,
+) -> Iterator[_Excursion]:
+    """Yield the turns away from a home and back, and from there again.
+
     A rest from which the hand does not come back was not the start of a reach: the next one is tried.
     """
-    at = 0
-    for home in _homes(slow <= end, round(JUST_BEFORE_S * rate_hz)):
+    at, farthest = 0, round(TOO_LONG * parameters.longest_s * rate_hz)
+    for home in homes:
         start = home
-        while start >= at and (found := _excursion_from(orientation[start:], slow[start:], end, parameters)):
+        while start >= at:
+            ahead = slice(start, start + farthest)
+            found = _excursion_from(orientation[ahead], slow[ahead], end, parameters)
+            if found is None:
+                break
             yield found.later(start)
             at = start = start + found.last
 
 
-def _homes(resting: npt.NDArray[np.bool_], before: int) -> list[int]:
-    """Return the samples at which a reach may start: the first, and the end of each rest, ``before`` it if it lasts."""
+def _homes(resting: npt.NDArray[np.bool_], rate_hz: float) -> list[int]:
+    """Return the samples at which a reach may start: just before the end of each rest that is no mere turn."""
     edges = np.flatnonzero(np.diff(resting.astype(np.int8), prepend=0, append=0))
     rests = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    homes = [max(first, last - 1 - before) for first, last in rests]
-    return homes if resting[0] else [0, *homes]
+    shortest, before = HOME_S * rate_hz, round(JUST_BEFORE_S * rate_hz)
+    return [max(first, last - 1 - before) for first, last in rests if last - first >= shortest] or [0]
 
 
 def _excursion_from(
@@ -200,7 +230,7 @@ def _excursion_from(
         came = int(back[index])
         largest = float(highest[came])
         leaves = _leaves(angle, came, parameters.return_share * largest)
-        if _is_back(angle[came:leaves], slow[came:leaves], end, largest, float(slow.max())):
+        if _is_back(angle[came:leaves], slow[came:leaves], end, largest, float(slow[:leaves].max())):
             rests = np.flatnonzero(slow[came:leaves] <= end)
             last = came + int(rests[0] if len(rests) else angle[came:leaves].argmin())
             stop = min(leaves, _leaves(angle, last, NEAR * largest)) if len(rests) else last + 1
@@ -244,15 +274,16 @@ def _bounds(
     ends = excursion.stop - 1 - _begins(moving[came : excursion.stop][::-1], pause)
     onset_s, arrival_s = _edges(motion, earliest, begins, arrives, excursion.stop)
     departure_s, end_s = _edges(motion, earliest, departs, ends, excursion.stop)
-    if arrives == departs:
-        arrival_s = departure_s = float(grid.time_s[arrives])
-    if min(arrival_s - onset_s, end_s - departure_s) < parameters.shortest_s:
+    if departs - arrives < TURN_S * grid.rate_hz:
+        arrival_s = departure_s = float(grid.time_s[arrives + int(slow[arrives : departs + 1].argmin())])
+    departure_s = max(arrival_s, departure_s)
+    if (arrival_s - onset_s) + (end_s - departure_s) < parameters.shortest_s:
         return None
     is_reversed = abs(excursion.axis[2]) > SIDED and excursion.axis[2] * OUTWARDS[hand] < 0
     return Bounds(
         onset_s=onset_s,
         arrival_s=arrival_s,
-        departure_s=max(arrival_s, departure_s),
+        departure_s=departure_s,
         end_s=end_s,
         axis=excursion.axis,
         flags=("reversed",) if is_reversed else (),

@@ -94,8 +94,9 @@ class ReachPerception(TimedNode):
     @on(SESSION)
     def session_started(self, session: SessionStarted) -> None:
         """Measure as the rules of the session did when it began."""
-        version = 2 if session.rules >= 5 else 1
-        self._analysis = msgspec.structs.replace(self._analysis, measures_version=version)
+        if session.rules < 5:
+            detector = "single-axis" if self._analysis.detector == "orientation" else self._analysis.detector
+            self._analysis = msgspec.structs.replace(self._analysis, measures_version=1, detector=detector)
 
     # --- the sensor ----------------------------------------------------------------------------------------
 

@@ -26,6 +26,7 @@ class ReachDetails(Details, frozen=True):
     samples: Annotated[int | None, msgspec.Meta(description="Number of samples analysed.")] = None
     rate_hz: Annotated[float | None, msgspec.Meta(description="Rate of the samples, from the median step.")] = None
     reaches: Annotated[int | None, msgspec.Meta(description="Number of reaches found; the largest counts.")] = None
+    orientation_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the orientation detector.")] = None
     robust_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the single-axis detector.")] = None
     thesis_reach_time_ms: Annotated[float | None, msgspec.Meta(description="By the fixed-threshold detector.")] = None
     reach_time_ms: Annotated[float | None, msgspec.Meta(description="From movement onset to its end.")] = None

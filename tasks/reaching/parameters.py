@@ -50,8 +50,8 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "results"
     detector: Annotated[
         DetectorName,
-        meta("Detector", help="Finds the reach that counts. Results of both detectors are stored.", renamed=RENAMED),
-    ] = "single-axis"
+        meta("Detector", help="Finds the reach that counts. Results of all detectors are stored.", renamed=RENAMED),
+    ] = "orientation"
     go_signal: Annotated[
         bool,
         meta("Go signal", help="After Space a random wait, then a go signal. Measures reaction times."),

@@ -97,16 +97,16 @@ class ReachingTask(Task):
         """Return the parameters of the analysis of reaches."""
         from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
         from sar_tui.motion.fixed_threshold import FixedThresholdParameters
+        from sar_tui.motion.orientation import OrientationParameters
         from sar_tui.motion.single_axis import SingleAxisParameters
 
+        least_rad = math.radians(self.parameters.least_turn_deg)
+        longest_s = self.parameters.response_timeout_ms / 1000
         return AnalysisParameters(
             detector=self.parameters.detector,
             hand=self.parameters.hand,
-            single_axis=SingleAxisParameters(
-                least_rad=math.radians(self.parameters.least_turn_deg),
-                dwell_s=LONGEST_DWELL_S,
-                longest_s=self.parameters.response_timeout_ms / 1000,
-            ),
+            orientation=OrientationParameters(least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s),
+            single_axis=SingleAxisParameters(least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s),
             fixed_threshold=FixedThresholdParameters(
                 threshold_rad_s=self.parameters.thesis_threshold_rad_s, still_ms=self.parameters.thesis_still_ms
             ),

@@ -50,7 +50,7 @@ def write(tmp_path: Path) -> Write:
 def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Call) -> None:
     printed = call("detect", SAMPLE, "--json").json
     assert set(printed) == {"detector", "rate_hz", "reaches"}
-    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == ("single-axis", 125.0, 8)
+    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == ("orientation", 125.0, 8)
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
         assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
         assert reach["reach_time_s"] == pytest.approx(line.reach_time_s, abs=0.04)
@@ -73,7 +73,7 @@ def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write
     assert "SPARC" in called.out
     assert "no_rest: the hand was not still before it, so the sensor's bias is a guess\n" in called.out
     assert called.out.endswith(
-        "2 reaches in 6.3 s at 125 samples a second, by the single-axis detector: 1.362 to 1.424 s, median 1.393 s.\n"
+        "2 reaches in 6.3 s at 125 samples a second, by the orientation detector: 1.362 to 1.424 s, median 1.393 s.\n"
     )
 
 
@@ -97,7 +97,7 @@ def test_every_flag_is_described_even_an_unknown_one() -> None:
 def test_a_recording_without_a_reach_is_no_error(call: Call, write: Write, recorded: list[Row]) -> None:
     path = write(recorded[:150])
     assert call("detect", path, "--json").json["reaches"] == []
-    assert call("detect", path).out == "No reach in 1.2 s at 125 samples a second, by the single-axis detector.\n"
+    assert call("detect", path).out == "No reach in 1.2 s at 125 samples a second, by the orientation detector.\n"
 
 
 @pytest.mark.parametrize("begin", [5, -20, 1_700_000_000])
@@ -239,7 +239,7 @@ def test_a_missing_file_exits_with_2(call: Call, tmp_path: Path) -> None:
 def test_an_unknown_detector_is_bad_usage(call: Call) -> None:
     called = call("detect", SAMPLE, "--detector", "best")
     assert (called.code, called.out) == (2, "")
-    assert "There is no detector 'best'; there are single-axis and fixed-threshold." in called.err
+    assert "There is no detector 'best'; there are orientation, single-axis and fixed-threshold." in called.err
 
 
 def test_the_choices_are_the_available_detectors() -> None:

@@ -49,7 +49,7 @@ def recorded(call: Call, session: str) -> list[dict[str, Any]]:
 def test_the_same_detector_gives_exactly_what_was_recorded(call: Call, reached: str) -> None:
     printed = call("reanalyse", reached, "--json").json
     assert set(printed) == {"session", "detector", "trials"}
-    assert (printed["session"], printed["detector"]) == (reached, "single-axis")
+    assert (printed["session"], printed["detector"]) == (reached, "orientation")
     trials = recorded(call, reached)
     assert [(row["attempt"], row["trial"]) for row in printed["trials"]] == [(1, 1), (2, 1), (3, 1)]
     for row, trial in zip(printed["trials"], trials, strict=True):
@@ -92,8 +92,9 @@ def test_another_detector_can_be_asked_for(call: Call) -> None:
 
 
 def test_a_reach_is_measured_by_the_version_it_was_recorded_with(call: Call, tmp_path: Path, reached: str) -> None:
+    call("simulate", "reaching", "--seed", 5, "--attempts", 2, "--set", "detector=single-axis")
     change(tmp_path, "UPDATE trials SET details = json_remove(details, '$.measures_version') WHERE attempt = 2")
-    first, second, _ = call("reanalyse", reached, "--json").json["trials"]
+    first, second = call("reanalyse", "last", "--json").json["trials"]
     assert first["details"]["measures_version"] == 2
     assert "measures_version" not in second["details"]
 
@@ -104,7 +105,7 @@ def test_people_read_a_table_and_a_sentence(call: Call, reached: str) -> None:
     assert "difference, ms" in called.out
     assert called.out.endswith(
         "3 of 3 trials are exactly as recorded. "
-        "Recorded: single-axis (version 1) detector. Now: single-axis (version 1) detector.\n"
+        "Recorded: orientation (version 1) detector. Now: orientation (version 1) detector.\n"
     )
 
 

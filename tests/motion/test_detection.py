@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from sar_tui.motion.detection import DETECTORS, detect
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
+from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.samples import Recording
 from sar_tui.motion.shapes import ReachShape
@@ -18,11 +19,11 @@ from sar_tui.motion.single_axis import SingleAxisParameters
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, simulate, table_4_1_recording
 from tests.examples import examples
 
-NAMES = ["single-axis", "fixed-threshold"]
+NAMES = ["orientation", "single-axis", "fixed-threshold"]
 REACH = ReachShape(out_s=0.6, back_s=0.5, dwell_s=0.3, peak_out=2.0, peak_back=-2.4)
 
 
-def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "single-axis") -> Reach:
+def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "orientation") -> Reach:
     (reach,) = detect(simulate([shape], profile).recording, detector)
     return reach
 
@@ -137,6 +138,7 @@ def test_every_measure_of_a_random_walk_is_finite_and_in_range(
 
 def test_each_detector_has_a_version_and_its_own_parameters() -> None:
     assert {name: detector.parameters for name, detector in DETECTORS.items()} == {
+        "orientation": OrientationParameters,
         "single-axis": SingleAxisParameters,
         "fixed-threshold": FixedThresholdParameters,
     }
@@ -149,7 +151,9 @@ def test_each_detector_has_a_version_and_its_own_parameters() -> None:
 
 
 def test_an_unknown_detector_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(ValueError, match="no detector named 'best'; there are: single-axis, fixed-threshold"):
+    with pytest.raises(
+        ValueError, match="no detector named 'best'; there are: orientation, single-axis, fixed-threshold"
+    ):
         detect(simulate([REACH]).recording, "best")
 
 

@@ -57,7 +57,7 @@ def test_a_recording_that_fits_is_analysed_as_a_whole(detector: str) -> None:
 @pytest.mark.parametrize("profile", first(1, ["patient", "steady"]))
 @pytest.mark.parametrize("detector", DETECTORS)
 def test_in_windows_the_same_reaches_are_found(detector: str, profile: str) -> None:
-    profile = profile if detector == "single-axis" else "clean"
+    profile = "clean" if detector == "fixed-threshold" else profile
     whole = detect_long(reaches(150, profile), detector)
     found = detect_long(reaches(150, profile), detector, window=SMALL)
     assert len(whole.reaches) == 150

@@ -41,7 +41,7 @@ def make(**parameters: object) -> Task:
         ({"still_ms": 999}, "still_ms", "1000 to 60000"),
         ({"threshold": 99}, "threshold", "100 to 60000"),
         ({"hand": "both"}, "hand", "right, left"),
-        ({"detector": "best"}, "detector", "single-axis, fixed-threshold"),
+        ({"detector": "best"}, "detector", "orientation, fixed-threshold, single-axis"),
         ({"feedback_on": "nothing"}, "feedback_on", "results"),
         ({"imu": ""}, "imu", ""),
         ({"markers": [15]}, "markers", "no parameter markers"),
