@@ -8,7 +8,7 @@ import numpy as np
 
 from sar_tui.motion.samples import Floats
 
-_STRETCH = 32
+_STRETCH = 8
 """Number of rotations that are composed one after the other; longer products are made of products of stretches."""
 
 
