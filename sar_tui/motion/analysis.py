@@ -1,15 +1,14 @@
 """Analysis of one reach in a stretch of samples: all detectors and all measures, for storage beside the raw data."""
 
-from typing import Literal
-
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.motion.detection import DETECTORS, find, measure_all
+from sar_tui.motion.detection import DETECTORS, find
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.grid import even
+from sar_tui.motion.measures import Version, measure
 from sar_tui.motion.orientation import OrientationParameters
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
@@ -28,6 +27,10 @@ BESIDE_NS = 200_000_000
 SATURATED_NS = 300_000_000
 """Longest hole that is attributed to saturation, if the sensor reported saturation."""
 _TIMES = {"reach_time_ms", "out_ms", "back_ms", "dwell_ms", "turn_after_ms"}
+_OF_VERSION_2 = (
+    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg", "inclination_target_deg",
+    "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
+)  # fmt: skip
 DISAGREEMENT = 0.2
 """Difference of two detectors' times, as a share of the longer one, from which a reach's time is doubtful."""
 FEWEST = 10
@@ -45,7 +48,7 @@ class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
     orientation: OrientationParameters = OrientationParameters()
     single_axis: SingleAxisParameters = SingleAxisParameters()
     fixed_threshold: FixedThresholdParameters = FixedThresholdParameters()
-    measures_version: Literal[1, 2] = 2
+    measures_version: Version = 2
 
     @property
     def each(self) -> dict[DetectorName, msgspec.Struct]:
@@ -107,8 +110,9 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         "window_to_ns": window.to_ns,
         "samples": len(inside),
     }
-    if parameters.measures_version > 1:
-        known["measures_version"] = parameters.measures_version
+    version = parameters.measures_version
+    if version > 1:
+        known["measures_version"] = version
     if len(inside) < FEWEST:
         return Finding(details=known, invalid="samples", flags=window.flags)
     whole = recording(inside, window.from_ns, window.flags)
@@ -123,8 +127,8 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
             return Finding(details=known, invalid="rate", flags=window.flags)
         found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))
         if name == parameters.detector:
-            reaches = measure_all(found, whole)
-        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole)
+            reaches = measure(found, whole, version)
+        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole, version)
     reach = _largest(reaches)
     known["reaches"] = len(reaches)
     holes = _holes(inside["at"], window)
@@ -132,7 +136,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
     warnings = {
         "several": known["reaches"] != 1,
-        "disagree": parameters.measures_version > 1 and _disagree(times_ms, parameters.detector),
+        "disagree": version > 1 and _disagree(times_ms, parameters.detector),
     }
     flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(name for name, holds in warnings.items() if holds))))
     onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)
@@ -141,13 +145,13 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         onset_ns=onset_ns,
         turn_ns=_stamp(reach.turn_s, window),
         end_ns=end_ns,
-        details=known | measures(reach),
+        details=known | measures(reach, version),
         flags=flags,
         invalid="gap" if has_hole else "",
     )
 
 
-def measures(reach: Reach) -> Measured:
+def measures(reach: Reach, version: Version = 2) -> Measured:
     """Return a reach as flat fields, times in ms. If the sensor was beyond its range, only the times are valid."""
     measured: Measured = {
         "reach_time_ms": round(reach.reach_time_s * 1000, 3),
@@ -169,6 +173,8 @@ def measures(reach: Reach) -> Measured:
         "ldlj_back": reach.ldlj_back,
         "tremor_index": reach.tremor_index,
     }
+    if version > 1:
+        measured |= {name: getattr(reach, name) for name in _OF_VERSION_2}
     if "saturated" in reach.flags:
         measured |= dict.fromkeys(measured.keys() - _TIMES)
     return measured
@@ -180,10 +186,10 @@ def _is_expected(bounds: Bounds, window: Window) -> bool:
     return bounds.onset_s >= earliest_s and bounds.end_s > started_s
 
 
-def _reach_time_ms(found: Detected, recording: Recording) -> float | None:
+def _reach_time_ms(found: Detected, recording: Recording, version: Version) -> float | None:
     """Return the duration of the largest reach; which one that is needs measuring only if there are several."""
     if len(found.reaches) > 1:
-        largest = _largest(measure_all(found, recording))
+        largest = _largest(measure(found, recording, version))
         return round(largest.reach_time_s * 1000, 3) if largest else None
     return next((round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None)
 

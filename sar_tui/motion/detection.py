@@ -45,12 +45,7 @@ def detect(
 
     Raises ValueError for an unknown detector, another detector's parameters, or too low a sample rate.
     """
-    return measure_all(find(recording, detector, parameters, hand), recording)
-
-
-def measure_all(found: Detected, recording: Recording) -> tuple[Reach, ...]:
-    """Measure reaches that `find` found in a recording. Its flags are added to each, except that of gaps."""
-    return measure(found, tuple(flag for flag in recording.flags if flag != "gap"))
+    return measure(find(recording, detector, parameters, hand), recording)
 
 
 def find(

@@ -1,62 +1,121 @@
 """Measures of a reach with known boundaries."""
 
+from typing import Literal, NamedTuple
+
+import msgspec
 import numpy as np
 
 from sar_tui.motion.filters import Spectrum
+from sar_tui.motion.orientation_measures import turned
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected
-from sar_tui.motion.samples import Floats
-from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
+from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.smoothness import ldlj, movement_units, sparc
+from sar_tui.motion.tremor import ACTION_HZ, REST_HZ, tremor_amplitude, tremor_index
+
+Version = Literal[1, 2]
+"""1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4 stored."""
 
 PEAKS_HZ = 15.0
 """Cutoff of the smoothing for peaks and smoothness."""
+SHORTEST_WAY_S = 0.18
+"""A shorter way out or back has no smoothness: the spectrum of even a minimum-jerk movement reaches beyond the 10 Hz of
+SPARC, which would call it smoother than one that takes longer."""
+REST_S = (1.2, 0.1)
+"""From when to when before the onset the hand's rest is measured."""
+SHORTEST_REST_S = 0.25
+STILL_RAD = 0.05
+"""Largest turn of a hand at rest."""
 
 
-def measure(found: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:
-    """Measure every reach that was found. ``flags`` of the recording are added to each reach's own.
+class _Rates(NamedTuple):
+    """The angular rate of a whole recording, shape (n, 3), rad/s, and for ``Detected.by_norm`` its norm, shape (n,)."""
 
-    Peaks and smoothness use the rate about the reach's axis, smoothed lightly (15 Hz, zero phase: a fast reach's
-    peak loses less than 1 %). Movement units are counted without the tremor found at rest.
+    rate: Floats
+    norm: Floats | None
+
+    @classmethod
+    def of(cls, rate: Floats, by_norm: bool) -> "_Rates":
+        return cls(rate, np.linalg.norm(rate, axis=1) if by_norm else None)
+
+    def about(self, axis: Floats) -> tuple[Floats, Floats]:
+        """Return the rate of a reach, positive on the way out and negative on the way back, to be used on each way."""
+        if self.norm is not None:
+            return self.norm, -self.norm
+        turning = self.rate @ axis
+        return turning, turning
+
+
+def measure(found: Detected, recording: Recording, version: Version = 2) -> tuple[Reach, ...]:
+    """Measure every reach that was found. The recording's flags, except that of gaps, are added to each reach's own.
+
+    Peaks and smoothness use the rate about the reach's axis, or its norm (``Detected.by_norm``), smoothed lightly (15
+    Hz, zero phase: a fast reach's peak loses less than 1 %). Movement units and the path of the orientation are without
+    the tremor found at rest.
     """
     if not found.reaches:
         return ()
     cutoff = min(PEAKS_HZ, found.rate_hz / 4)
     spectrum = Spectrum(found.rate, found.rate_hz)
-    light = spectrum.below(cutoff)
-    calm = light if found.tremor_hz is None else spectrum.below(cutoff, found.tremor_hz)
-    return tuple(
-        _measured(found, light @ np.asarray(bounds.axis), calm @ np.asarray(bounds.axis), bounds, flags)
-        for bounds in found.reaches
-    )
+    light = _Rates.of(spectrum.below(cutoff), found.by_norm)
+    calm = light
+    if found.tremor_hz is not None:
+        calm = _Rates.of(spectrum.below(cutoff, found.tremor_hz), found.by_norm)
+    flags = tuple(flag for flag in recording.flags if flag != "gap")
+    if version == 1:
+        return tuple(_measured(found, light, calm, bounds, flags, version) for bounds in found.reaches)
+    reaches = []
+    for bounds in found.reaches:
+        reach = _measured(found, light, calm, _ordered(bounds), flags, version)
+        reaches.append(_extended(reach, found, calm.rate, recording))
+    return tuple(reaches)
 
 
-def _measured(found: Detected, turning: Floats, calm: Floats, bounds: Bounds, flags: tuple[str, ...]) -> Reach:
-    time, rate_hz = found.time_s, found.rate_hz
-    turn_s = _turn(time, turning, bounds)
+def _ordered(bounds: Bounds) -> Bounds:
+    """Return the boundaries such that the reach ends after its onset, and all others lie between."""
+    end_s = max(bounds.onset_s, bounds.end_s)
+    arrival_s, departure_s = (min(max(at_s, bounds.onset_s), end_s) for at_s in (bounds.arrival_s, bounds.departure_s))
+    return msgspec.structs.replace(bounds, end_s=end_s, arrival_s=arrival_s, departure_s=departure_s)
+
+
+def _measured(
+    found: Detected, light: _Rates, calm: _Rates, bounds: Bounds, flags: tuple[str, ...], version: Version
+) -> Reach:
+    time, rate_hz, axis = found.time_s, found.rate_hz, np.asarray(bounds.axis)
+    turn_s = _turn(time, light.rate @ axis, bounds)
     arrival_s, departure_s = min(bounds.arrival_s, turn_s), max(bounds.departure_s, turn_s)
-    out = turning[(time >= bounds.onset_s) & (time <= turn_s)]
-    back = turning[(time > turn_s) & (time <= bounds.end_s)]
     leaves = (time >= bounds.onset_s) & (time <= arrival_s)
     returns = (time >= departure_s) & (time <= bounds.end_s)
-    way_out, way_back = np.maximum(turning[leaves], 0.0), np.maximum(-turning[returns], 0.0)
     whole = (time >= bounds.onset_s) & (time <= bounds.end_s)
+    (leaving, returning), (calm_leaving, calm_returning) = light.about(axis), calm.about(axis)
+    way_out, way_back = np.maximum(leaving[leaves], 0.0), np.maximum(-returning[returns], 0.0)
+    out_s, back_s = arrival_s - bounds.onset_s, bounds.end_s - departure_s
+    if version == 1:
+        out = leaving[(time >= bounds.onset_s) & (time <= turn_s)]
+        back = returning[(time > turn_s) & (time <= bounds.end_s)]
+        time_to_peak_s = float(out.argmax()) / rate_hz if len(out) else 0.0
+        is_out_long = is_back_long = True
+    else:
+        out, back = leaving[leaves], returning[returns]
+        time_to_peak_s = min(out_s, float(time[leaves][out.argmax()]) - bounds.onset_s) if len(out) else 0.0
+        is_out_long, is_back_long = out_s >= SHORTEST_WAY_S, back_s >= SHORTEST_WAY_S
     return Reach(
         onset_s=bounds.onset_s,
         turn_s=turn_s,
         end_s=bounds.end_s,
         reach_time_s=bounds.end_s - bounds.onset_s,
-        out_s=arrival_s - bounds.onset_s,
-        back_s=bounds.end_s - departure_s,
+        out_s=out_s,
+        back_s=back_s,
         dwell_s=departure_s - arrival_s,
         peak_extension_rad_s=max(0.0, float(out.max(initial=0.0))),
         peak_return_rad_s=min(0.0, float(back.min(initial=0.0))),
-        time_to_peak_s=float(out.argmax()) / rate_hz if len(out) else 0.0,
-        movement_units_out=movement_units(np.maximum(calm[leaves], 0.0), rate_hz),
-        movement_units_back=movement_units(np.maximum(-calm[returns], 0.0), rate_hz),
-        sparc_out=sparc(way_out, rate_hz),
-        sparc_back=sparc(way_back, rate_hz),
-        ldlj_out=ldlj(way_out, rate_hz),
-        ldlj_back=ldlj(way_back, rate_hz),
+        time_to_peak_s=time_to_peak_s,
+        movement_units_out=movement_units(np.maximum(calm_leaving[leaves], 0.0), rate_hz),
+        movement_units_back=movement_units(np.maximum(-calm_returning[returns], 0.0), rate_hz),
+        sparc_out=sparc(way_out, rate_hz) if is_out_long else None,
+        sparc_back=sparc(way_back, rate_hz) if is_back_long else None,
+        ldlj_out=ldlj(way_out, rate_hz) if is_out_long else None,
+        ldlj_back=ldlj(way_back, rate_hz) if is_back_long else None,
         tremor_index=tremor_index(found.rate[whole], rate_hz),
         flags=tuple(dict.fromkeys((*bounds.flags, *flags))),
     )
@@ -70,3 +129,45 @@ def _turn(time: Floats, turning: Floats, bounds: Bounds) -> float:
     inside = np.flatnonzero((time >= bounds.onset_s) & (time <= bounds.end_s))
     falls = inside[:-1][(turning[inside[:-1]] > 0) & (turning[inside[1:]] <= 0)]
     return float(time[falls[np.abs(time[falls] - middle).argmin()]]) if len(falls) else middle
+
+
+def _extended(reach: Reach, found: Detected, calm: Floats, recording: Recording) -> Reach:
+    """Return a reach with its measures of orientation and of tremor."""
+    time, rate_hz = found.time_s, found.rate_hz
+    first, arrival, target, departure, last = np.searchsorted(
+        time, (reach.onset_s, reach.onset_s + reach.out_s, reach.turn_s, reach.end_s - reach.back_s, reach.end_s)
+    ).tolist()
+    inside = slice(first, last + 1)
+    if first >= len(time):
+        return reach
+    most = len(time[inside]) - 1
+    arrival, target, departure = (min(index - first, most) for index in (arrival, target, departure))
+    rest = _rest(found, reach.onset_s)
+    up = None if rest is None else _up(recording, *rest)
+    before = found.rate[:0] if rest is None else found.rate[(time >= rest[0]) & (time <= rest[1])]
+    return msgspec.structs.replace(
+        reach,
+        **turned(calm[inside], rate_hz, arrival, target, departure, up)._asdict(),
+        tremor_rest_hz=found.tremor_hz,
+        tremor_rest_rad_s=tremor_amplitude(before, rate_hz, REST_HZ),
+        tremor_action_rad_s=tremor_amplitude(found.rate[inside], rate_hz, ACTION_HZ),
+    )
+
+
+def _rest(found: Detected, onset_s: float) -> tuple[float, float] | None:
+    """Return from when to when the hand rested right before the onset; None if it did not, or nothing was recorded."""
+    from_s, to_s = (onset_s - before_s for before_s in REST_S)
+    rate = found.rate[(found.time_s >= from_s) & (found.time_s <= to_s)]
+    if len(rate) < SHORTEST_REST_S * found.rate_hz:
+        return None
+    course = np.cumsum(rate, axis=0) / found.rate_hz
+    return (from_s, to_s) if np.ptp(course, axis=0).max() < STILL_RAD else None
+
+
+def _up(recording: Recording, from_s: float, to_s: float) -> Floats | None:
+    """Return the mean acceleration of a rest, which points upwards; None if it was not measured."""
+    if recording.acceleration is None:
+        return None
+    felt = recording.acceleration[(recording.time_s >= from_s) & (recording.time_s <= to_s)]
+    mean: Floats = felt[np.isfinite(felt).all(axis=1)].sum(axis=0)
+    return mean if np.linalg.norm(mean) > 0 else None

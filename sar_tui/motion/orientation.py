@@ -120,7 +120,7 @@ def find(
     parameters = parameters or OrientationParameters()
     grid = grid or even(recording)
     if len(grid.time_s) < 2:
-        return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
+        return Detected(grid.time_s, grid.rate, grid.rate_hz, (), by_norm=True)
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
     rest = find_rest(grid.rate, grid.rate_hz, parameters.rest_s)
     rate = grid.rate - rest.bias
@@ -145,7 +145,7 @@ def find(
         for group in stretches(slow > motion.begin, parameters.dwell_s * grid.rate_hz)
         for reach in _reaches(motion, group, parameters, hand)
     )
-    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz)
+    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, by_norm=True)
 
 
 def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, hand: Hand) -> Iterator[Bounds]:

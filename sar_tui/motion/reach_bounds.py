@@ -34,6 +34,7 @@ class Detected(NamedTuple):
 
     ``time_s``: shape (n,), evenly spaced. ``rate``: shape (n, 3), rad/s, without the bias if the detector removes it.
     ``tremor_hz``: the tremor's frequency at rest; None without tremor, or if the detector does not look for it.
+    ``by_norm``: the reaches turn about several axes, so peaks and smoothness are those of the norm of the rate.
     """
 
     time_s: Floats
@@ -41,3 +42,4 @@ class Detected(NamedTuple):
     rate_hz: float
     reaches: tuple[Bounds, ...]
     tremor_hz: float | None = None
+    by_norm: bool = False

@@ -1,4 +1,4 @@
-"""Smoothness of a movement, from its speed profile, and its share of tremor.
+"""Smoothness of a movement, from its speed profile.
 
 Each function takes one phase of a movement (out, or back), never both: the rest between them would count as jerk.
 None means that there is no result: the phase is too short, holds no movement, or a sample is not finite.
@@ -24,10 +24,6 @@ _JERK_HZ = 100.0
 
 _UNIT_RISE = 0.1
 _UNIT_APART_S = 0.15
-
-_TREMOR_HZ = (3.0, 12.0)
-_TREMOR_SHORTEST_S = 1.0
-_TREMOR_PADDING = 4
 
 
 def sparc(speed: Floats, rate_hz: float) -> float | None:
@@ -104,36 +100,6 @@ def movement_units(speed: Floats, rate_hz: float) -> int:
         if profile[peak] > profile[start] and peak - counted_at >= apart:
             units, counted_at = units + 1, peak
     return units
-
-
-def tremor_index(rate: Floats, rate_hz: float) -> float | None:
-    """Return the share of 3-12 Hz in the power of movement up to 12 Hz, 0 to 1, all three axes together.
-
-    Parkinsonian tremor lies at 3-8 Hz and essential tremor at 4-12 Hz (Luft et al. 2019, Sensors 19:4301), voluntary
-    movement mostly below; power in the band against power below it separates persons with essential tremor from others
-    (Ali et al. 2022, Sci Rep 12:5242, of acceleration). The mean of each axis (the gyroscope's bias) is removed, and
-    a Hann window keeps a movement that was cut off from leaking into the band. A fast movement has power of its own
-    there: compare like with like. Needs a second of samples, at 24 per second or more.
-
-    Args:
-        rate: angular rate, shape (n, 3), rad/s.
-            rate_hz: samples per second.
-    """
-    low, high = _TREMOR_HZ
-    if rate_hz < 2 * high or len(rate) < _TREMOR_SHORTEST_S * rate_hz or not np.isfinite(rate).all():
-        return None
-    moving = rate - rate.mean(axis=0)
-    largest = np.abs(moving).max()
-    if largest <= 1e-12 * np.abs(rate).max():
-        return None
-    size = len(rate) * _TREMOR_PADDING
-    windowed = moving / largest * np.hanning(len(rate))[:, np.newaxis]
-    power = np.sum(np.abs(np.fft.rfft(windowed, size, axis=0)) ** 2, axis=1)
-    frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
-    all_power = float(power[frequency <= high].sum())
-    if not all_power > 0:
-        return None
-    return float(power[(frequency >= low) & (frequency <= high)].sum()) / all_power
 
 
 def _measurable(speed: Floats, rate_hz: float, shortest_s: float) -> Floats | None:

@@ -47,6 +47,24 @@ class ReachDetails(Details, frozen=True):
     ldlj_out: Annotated[float | None, msgspec.Meta(description="Smoothness, log dimensionless jerk; way out.")] = None
     ldlj_back: Annotated[float | None, msgspec.Meta(description="Smoothness, log dimensionless jerk; way back.")] = None
     tremor_index: Annotated[float | None, msgspec.Meta(description="The share of 3-12 Hz in the movement.")] = None
+    excursion_deg: Annotated[
+        float | None, msgspec.Meta(description="Largest angle from the orientation at the onset.")
+    ] = None
+    straightness: Annotated[
+        float | None, msgspec.Meta(description="Way out: angle between its ends as a share of its path, 0 to 1.")
+    ] = None
+    return_error_deg: Annotated[
+        float | None, msgspec.Meta(description="Angle between the orientations at onset and end.")
+    ] = None
+    inclination_rest_deg: Annotated[
+        float | None, msgspec.Meta(description="Fingers above the horizontal before the reach.")
+    ] = None
+    inclination_target_deg: Annotated[float | None, msgspec.Meta(description="The same at the marker.")] = None
+    tremor_rest_hz: Annotated[float | None, msgspec.Meta(description="Frequency of the tremor found at rest.")] = None
+    tremor_rest_rad_s: Annotated[
+        float | None, msgspec.Meta(description="Amplitude at 3-7 Hz in the second before the reach.")
+    ] = None
+    tremor_action_rad_s: Annotated[float | None, msgspec.Meta(description="Amplitude at 6-12 Hz in the reach.")] = None
     mark: Annotated[str | None, msgspec.Meta(description="The therapist's mark: missed, compensated or assisted.")] = (
         None
     )

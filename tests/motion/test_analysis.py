@@ -2,11 +2,13 @@
 
 import pytest
 
-from sar_tui.motion import detection
+from sar_tui.motion import analysis
 from sar_tui.motion.analysis import AnalysisParameters, Window, analyse
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.measures import Version
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Detected
+from sar_tui.motion.samples import Recording
 from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, SimulatedHand
 
 SECOND = 1_000_000_000
@@ -18,12 +20,12 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[Detected]:
     """Return a list to which every set of reaches is added that is measured."""
     found: list[Detected] = []
 
-    def measure(detected: Detected, flags: tuple[str, ...] = ()) -> tuple[Reach, ...]:
+    def measure(detected: Detected, whole: Recording, version: Version) -> tuple[Reach, ...]:
         found.append(detected)
-        return really(detected, flags)
+        return really(detected, whole, version)
 
-    really = detection.measure
-    monkeypatch.setattr(detection, "measure", measure)
+    really = analysis.measure
+    monkeypatch.setattr(analysis, "measure", measure)
     return found
 
 

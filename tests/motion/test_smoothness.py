@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.motion.samples import Floats
-from sar_tui.motion.smoothness import ldlj, movement_units, sparc, tremor_index
+from sar_tui.motion.smoothness import ldlj, movement_units, sparc
 
 
 def minimum_jerk(duration_s: float, rate_hz: float) -> Floats:
@@ -89,20 +89,6 @@ def test_a_movement_that_only_slows_down_has_no_movement_unit() -> None:
     assert movement_units(np.linspace(1, 0, 100), 100) == 0
 
 
-def test_the_stronger_the_tremor_the_larger_its_share() -> None:
-    reach = np.concatenate([minimum_jerk(1.2, 250), -minimum_jerk(1.2, 250)])
-    tremor = np.sin(2 * np.pi * 5 * np.arange(len(reach)) / 250)
-    shares = [measured(tremor_index(about_one_axis(reach + size * tremor), 250)) for size in (0.0, 0.1, 0.5, 50.0)]
-    assert shares == sorted(shares)
-    assert shares[0] < 0.01
-    assert shares[-1] > 0.99
-
-
-def test_the_bias_of_a_gyroscope_is_not_movement() -> None:
-    reach = about_one_axis(np.concatenate([minimum_jerk(1.2, 250), -minimum_jerk(1.2, 250)]))
-    assert tremor_index(reach + np.array([0.1, -0.2, 0.3]), 250) == pytest.approx(tremor_index(reach, 250))
-
-
 @pytest.mark.parametrize(
     "speed",
     [np.array([]), np.ones(4), np.zeros(200), np.full(200, np.nan), np.append(np.ones(200), np.inf)],
@@ -112,12 +98,10 @@ def test_smoothness_is_none_if_it_cannot_be_measured(speed: Floats) -> None:
     assert sparc(speed, 250) is None
     assert ldlj(speed, 250) is None
     assert movement_units(speed, 250) == 0
-    assert tremor_index(about_one_axis(speed), 250) is None
 
 
 def test_a_steady_speed_has_no_jerk_to_measure() -> None:
     assert ldlj(np.ones(200), 250) is None
-    assert tremor_index(np.ones((300, 3)), 250) is None
 
 
 @given(
@@ -126,6 +110,6 @@ def test_a_steady_speed_has_no_jerk_to_measure() -> None:
 )
 def test_every_measure_is_finite(values: list[float], rate_hz: float) -> None:
     speed = np.array(values)
-    for value in (sparc(speed, rate_hz), ldlj(speed, rate_hz), tremor_index(about_one_axis(speed), rate_hz)):
+    for value in (sparc(speed, rate_hz), ldlj(speed, rate_hz)):
         assert value is None or math.isfinite(value)
     assert movement_units(speed, rate_hz) >= 0

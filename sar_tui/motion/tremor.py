@@ -1,0 +1,76 @@
+"""Tremor in an angular rate: its share of a movement, and its amplitude.
+
+None means that there is no result: the stretch is too short, or a sample is not finite.
+"""
+
+import math
+
+import numpy as np
+
+from sar_tui.motion.samples import Floats
+
+Band = tuple[float, float]
+
+REST_HZ: Band = (3.0, 7.0)
+"""Tremor at rest: Parkinsonian tremor lies at 4 to 6 Hz (Deuschl et al. 1998, Mov Disord 13 suppl 3:2-23)."""
+ACTION_HZ: Band = (6.0, 12.0)
+"""Tremor in movement, above most of the movement itself."""
+
+MOVEMENT_HZ: Band = (3.0, 12.0)
+_SHORTEST_S = 1.0
+_PADDING = 4
+
+
+def tremor_index(rate: Floats, rate_hz: float) -> float | None:
+    """Return the share of 3-12 Hz in the power of movement up to 12 Hz, 0 to 1, all three axes together.
+
+    Parkinsonian tremor lies at 3-8 Hz and essential tremor at 4-12 Hz (Luft et al. 2019, Sensors 19:4301), voluntary
+    movement mostly below; power in the band against power below it separates persons with essential tremor from others
+    (Ali et al. 2022, Sci Rep 12:5242, of acceleration). The mean of each axis (the gyroscope's bias) is removed, and
+    a Hann window keeps a movement that was cut off from leaking into the band. A fast movement has power of its own
+    there: compare like with like. Needs a second of samples, at 24 per second or more.
+
+    Args:
+        rate: angular rate, shape (n, 3), rad/s.
+        rate_hz: samples per second.
+    """
+    low, high = MOVEMENT_HZ
+    if rate_hz < 2 * high or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
+        return None
+    moving = rate - rate.mean(axis=0)
+    largest = np.abs(moving).max()
+    if largest <= 1e-12 * np.abs(rate).max():
+        return None
+    size = len(rate) * _PADDING
+    windowed = moving / largest * np.hanning(len(rate))[:, np.newaxis]
+    power = np.sum(np.abs(np.fft.rfft(windowed, size, axis=0)) ** 2, axis=1)
+    frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
+    all_power = float(power[frequency <= high].sum())
+    if not all_power > 0:
+        return None
+    return float(power[(frequency >= low) & (frequency <= high)].sum()) / all_power
+
+
+def tremor_amplitude(rate: Floats, rate_hz: float, band_hz: Band) -> float | None:
+    """Return the amplitude in rad/s of the oscillation in a band of frequencies: A for A sin(2πft) about one axis.
+
+    It is that of all three axes together, under a Hann window and without each axis' mean. A fast movement has some in
+    the band itself. Needs a second of samples, two or more per period of the highest frequency.
+
+    Args:
+        rate: angular rate, shape (n, 3), rad/s.
+        rate_hz: samples per second.
+        band_hz: lowest and highest frequency.
+    """
+    low, high = band_hz
+    if rate_hz < 2 * high or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
+        return None
+    moving = rate - rate.mean(axis=0)
+    largest = float(np.abs(moving).max())
+    if not largest:
+        return 0.0
+    window = np.hanning(len(rate))[:, np.newaxis]
+    power = np.sum(np.abs(np.fft.rfft(moving / largest * window, axis=0)) ** 2, axis=1)
+    frequency = np.fft.rfftfreq(len(rate), 1.0 / rate_hz)
+    inside = float(power[(frequency >= low) & (frequency <= high)].sum())
+    return 2.0 * largest * math.sqrt(inside / (len(rate) * float(np.sum(window**2))))

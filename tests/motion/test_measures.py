@@ -1,0 +1,230 @@
+"""Measures of a reach: about several axes, against the truth of simulated trajectories; phases; tremor; versions."""
+
+import math
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.motion.grid import even
+from sar_tui.motion.imperfections import PERFECT, StrappedSensor
+from sar_tui.motion.measures import Version, measure
+from sar_tui.motion.quaternions import angle, conjugate, multiply, rotate
+from sar_tui.motion.reach import Reach
+from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.rest import find_rest
+from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import PROFILES, Profile, simulate
+from sar_tui.motion.trajectories import SimulatedReaches, simulate_reaches
+from tests.examples import examples, first
+
+ONE_AXIS = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
+Z = (0.0, 0.0, 1.0)
+EXTENDED = {
+    "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg", "inclination_target_deg",
+    "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
+}  # fmt: skip
+
+
+def bounds_of(shape: ReachShape, onset_s: float = 2.0) -> Bounds:
+    """The true boundaries of a reach about z."""
+    arrival_s, end_s = onset_s + shape.out_s, onset_s + shape.duration_s
+    return Bounds(onset_s=onset_s, arrival_s=arrival_s, departure_s=arrival_s + shape.dwell_s, end_s=end_s, axis=Z)
+
+
+def found_at(recording: Recording, bounds: Bounds, *, by_norm: bool = True) -> Detected:
+    """A detector's result with these boundaries, with bias and tremor from the rest."""
+    grid = even(recording)
+    rest = find_rest(grid.rate, grid.rate_hz, 1.0)
+    return Detected(grid.time_s, grid.rate - rest.bias, grid.rate_hz, (bounds,), rest.tremor_hz, by_norm)
+
+
+def measured(
+    recording: Recording, bounds: Bounds | None = None, *, by_norm: bool = True, version: Version = 2
+) -> Reach:
+    (reach,) = measure(found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm), recording, version)
+    return reach
+
+
+def at_true_times(simulated: SimulatedReaches) -> Reach:
+    (times,) = simulated.times
+    return measured(simulated.recording, Bounds(**times._asdict(), axis=Z))
+
+
+@dataclass
+class Truth:
+    """The true angles of a reach, in degrees, from the orientation of the trajectory."""
+
+    excursion: float
+    straightness: float
+    return_error: float
+    rest: float
+    target: float
+
+    @classmethod
+    def of(cls, simulated: SimulatedReaches) -> "Truth":
+        (times,) = simulated.times
+        time_s = np.arange(times.onset_s, times.end_s, 0.002)
+        pose = simulated.movement.pose(simulated.site, time_s).orientation
+        turned = np.degrees(angle(multiply(conjugate(pose[0]), pose)))
+        arrival, departure = np.searchsorted(time_s, (times.arrival_s, times.departure_s)).tolist()
+        steps = np.degrees(angle(multiply(conjugate(pose[:arrival]), pose[1 : arrival + 1])))
+        fingers = rotate(pose[[0, (arrival + departure) // 2]], np.array((0.0, 1.0, 0.0)))
+        rest, target = np.degrees(np.arcsin(fingers[:, 2])).tolist()
+        straight = float(turned[arrival] / steps.sum())
+        return cls(float(turned[:departure].max()), straight, float(turned[-1]), rest, target)
+
+
+@pytest.mark.parametrize("kind", first(3, list(KINDS)))
+@pytest.mark.parametrize("seed", [1, 2])
+def test_angles_of_any_reach_are_those_of_its_trajectory(kind: str, seed: int) -> None:
+    simulated = simulate_reaches(kind, seed, placement=seed, arm="left" if seed == 2 else "right", rate_hz=100.0)
+    reach, truth = at_true_times(simulated), Truth.of(simulated)
+    assert reach.excursion_deg == pytest.approx(truth.excursion, abs=0.5)
+    assert reach.straightness == pytest.approx(truth.straightness, abs=0.06)
+    assert reach.return_error_deg == pytest.approx(truth.return_error, abs=0.5)
+    assert reach.inclination_rest_deg == pytest.approx(truth.rest, abs=1.2)
+    assert reach.inclination_target_deg == pytest.approx(truth.target, abs=1.2)
+
+
+@pytest.mark.parametrize("kind", first(2, [kind for kind in KINDS if kind != "point-and-hold"]))
+def test_smoothness_of_the_norm_does_not_depend_on_noise_or_on_the_sensor_s_place(kind: str) -> None:
+    ideal = at_true_times(simulate_reaches(kind, 3, rate_hz=100.0, imperfections=PERFECT))
+    worn = StrappedSensor(noise_rad_s=math.radians(0.3), bias_rad_s=(0.03, -0.03, 0.02))
+    other = at_true_times(simulate_reaches(kind, 3, rate_hz=100.0, placement=2, imperfections=worn))
+    for way in ("sparc_out", "sparc_back"):
+        assert getattr(other, way) == pytest.approx(getattr(ideal, way), abs=0.05)
+    assert other.peak_extension_rad_s == pytest.approx(ideal.peak_extension_rad_s, rel=0.03)
+    assert other.peak_return_rad_s == pytest.approx(ideal.peak_return_rad_s, rel=0.03)
+
+
+def test_about_one_axis_the_norm_measures_what_the_axis_does() -> None:
+    recording = simulate([ONE_AXIS]).recording
+    by_norm, by_axis = measured(recording), measured(recording, by_norm=False)
+    for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back", "time_to_peak_s"):
+        assert getattr(by_norm, name) == pytest.approx(getattr(by_axis, name), rel=1e-3)
+    assert by_norm.movement_units_out == by_norm.movement_units_back == 1
+
+
+def test_a_turn_about_one_axis_is_straight() -> None:
+    reach = measured(simulate([ONE_AXIS], PROFILES["biased"]).recording)
+    assert reach.straightness == pytest.approx(1.0, abs=1e-3)
+    assert reach.excursion_deg == pytest.approx(math.degrees(1.5 * 8 / 15), abs=0.2)
+    assert reach.return_error_deg == pytest.approx(0.0, abs=0.2)
+
+
+def test_without_a_way_back_there_is_no_error_of_return() -> None:
+    one_way = msgspec.structs.replace(bounds_of(ONE_AXIS), departure_s=3.0, end_s=3.0)
+    reach = measured(simulate([ONE_AXIS]).recording, one_way)
+    assert (reach.return_error_deg, reach.sparc_back, reach.ldlj_back) == (None, None, None)
+    assert reach.excursion_deg == pytest.approx(math.degrees(0.8), abs=0.3)
+
+
+def test_inclination_needs_an_accelerometer_and_a_rest_before_the_reach() -> None:
+    recording = simulate([ONE_AXIS]).recording
+    assert measured(recording).inclination_rest_deg == pytest.approx(0.0, abs=0.3)
+    without = msgspec.structs.replace(recording, acceleration=None)
+    restless = measured(recording, bounds_of(ONE_AXIS, onset_s=2.6))
+    for reach in (measured(without), restless):
+        assert (reach.inclination_rest_deg, reach.inclination_target_deg) == (None, None)
+        assert reach.excursion_deg is not None
+
+
+# --- phases --------------------------------------------------------------------------------------------------------
+
+
+@given(times=st.lists(st.floats(-0.5, 6.5), min_size=4, max_size=4), by_norm=st.booleans())
+@examples(60)
+def test_phases_never_overlap_and_a_peak_lies_in_its_way_out(times: list[float], by_norm: bool) -> None:
+    onset_s, arrival_s, departure_s, end_s = times
+    bounds = Bounds(onset_s=onset_s, arrival_s=arrival_s, departure_s=departure_s, end_s=end_s, axis=Z)
+    reach = measured(simulate([ONE_AXIS], PROFILES["steady"], rate_hz=50).recording, bounds, by_norm=by_norm)
+    arrival_s, departure_s = reach.onset_s + reach.out_s, reach.end_s - reach.back_s
+    assert reach.onset_s <= arrival_s <= reach.turn_s + 1e-9
+    assert reach.turn_s <= departure_s + 1e-9 <= reach.end_s + 2e-9
+    assert 0 <= reach.time_to_peak_s <= reach.out_s
+    assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(reach.reach_time_s)
+
+
+def test_a_peak_after_the_arrival_is_sought_by_version_1_only() -> None:
+    early = msgspec.structs.replace(bounds_of(ONE_AXIS), arrival_s=2.3)
+    recording = simulate([ONE_AXIS]).recording
+    shares = [
+        reach.time_to_peak_s / reach.out_s
+        for reach in (measured(recording, early, by_norm=False, version=version) for version in (1, 2))
+    ]
+    assert shares == [pytest.approx(0.5 / 0.3, abs=0.02), pytest.approx(1.0, abs=0.02)]
+
+
+def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
+    short = ReachShape(out_s=0.12, back_s=0.5, peak_out=8.0, peak_back=-2.0)
+    recording = simulate([short]).recording
+    then, now = (measured(recording, bounds_of(short), by_norm=False, version=version) for version in (1, 2))
+    assert then.sparc_out == pytest.approx(-1.25, abs=0.03), "smoother than a minimum-jerk movement"
+    assert (now.sparc_out, now.ldlj_out) == (None, None)
+    assert now.sparc_back == then.sparc_back
+
+
+# --- tremor --------------------------------------------------------------------------------------------------------
+
+
+def with_tremor(hz: float) -> Reach:
+    return measured(simulate([ONE_AXIS], Profile(tremor_hz=hz, tremor_rad_s=0.2), seed=2).recording)
+
+
+def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path() -> None:
+    reach = with_tremor(5.0)
+    assert reach.tremor_rest_hz == pytest.approx(5.0, abs=0.3)
+    assert reach.tremor_rest_rad_s == pytest.approx(0.22, abs=0.02)
+    assert reach.movement_units_out == reach.movement_units_back == 1
+    assert reach.straightness == pytest.approx(1.0, abs=0.01)
+
+
+def test_tremor_in_movement_alone_is_measured_and_not_removed() -> None:
+    shaking = StrappedSensor(action_tremor_hz=8.0, action_tremor_rad_s=0.4)
+    simulated = (simulate_reaches("trunk-lean", 3, imperfections=sensor) for sensor in (PERFECT, shaking))
+    steady, shaky = (at_true_times(one) for one in simulated)
+    assert (shaky.tremor_rest_hz, steady.tremor_rest_hz) == (None, None)
+    assert shaky.tremor_rest_rad_s == pytest.approx(0.0, abs=0.01)
+    assert steady.tremor_action_rad_s == pytest.approx(0.0, abs=0.01)
+    assert shaky.tremor_action_rad_s == pytest.approx(0.42, abs=0.08)
+    assert shaky.movement_units_out > steady.movement_units_out
+
+
+# --- smoothness and the sensor -------------------------------------------------------------------------------------
+
+
+def smoothness(rate_hz: float, noise_deg_s: float) -> tuple[float, float]:
+    """SPARC and LDLJ of the same slow way out, mean of five recordings that begin between two samples."""
+    profile = Profile(noise_rad_s=math.radians(noise_deg_s))
+    ways = []
+    for seed in range(5):
+        onset_s = 2.0 + (seed + 0.5) / 5 / rate_hz
+        recording = simulate([ONE_AXIS], profile, rate_hz=rate_hz, rest_s=onset_s, seed=seed).recording
+        reach = measured(recording, bounds_of(ONE_AXIS, onset_s))
+        ways.append((reach.sparc_out, reach.ldlj_out))
+    means: Floats = np.array(ways, dtype=float).mean(axis=0)
+    return float(means[0]), float(means[1])
+
+
+def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
+    clean = {rate_hz: smoothness(rate_hz, 0.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}
+    noisy = {rate_hz: smoothness(rate_hz, 1.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}
+    for sparc, _ in (*clean.values(), *noisy.values()):
+        assert sparc == pytest.approx(-1.405, abs=0.01)
+    assert [ldlj for _, ldlj in clean.values()] == pytest.approx([-5.13, -5.21, -5.25, -5.27], abs=0.03)
+    assert [ldlj for _, ldlj in noisy.values()] == pytest.approx([-6.7, -6.8, -6.2, -5.6], abs=0.3)
+
+
+# --- versions ------------------------------------------------------------------------------------------------------
+
+
+def test_version_1_has_only_its_own_measures() -> None:
+    recording = simulate([ONE_AXIS]).recording
+    assert {name for name in EXTENDED if getattr(measured(recording, version=1), name) is not None} == set()
+    assert {name for name in EXTENDED if getattr(measured(recording), name) is None} == {"tremor_rest_hz"}
