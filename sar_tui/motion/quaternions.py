@@ -14,17 +14,13 @@ _STRETCH = 8
 
 def multiply(one: Floats, other: Floats) -> Floats:
     """Return the products of quaternions, shape (..., 4): rotation by ``other``, then by ``one``."""
-    a, b, c, d = np.moveaxis(one, -1, 0)
-    w, x, y, z = np.moveaxis(other, -1, 0)
-    product: Floats = np.stack(
-        (
-            a * w - b * x - c * y - d * z,
-            a * x + b * w + c * z - d * y,
-            a * y - b * z + c * w + d * x,
-            a * z + b * y - c * x + d * w,
-        ),
-        axis=-1,
-    )
+    a, b, c, d = one[..., 0], one[..., 1], one[..., 2], one[..., 3]
+    w, x, y, z = other[..., 0], other[..., 1], other[..., 2], other[..., 3]
+    product: Floats = np.empty(np.broadcast_shapes(one.shape, other.shape))
+    product[..., 0] = a * w - b * x - c * y - d * z
+    product[..., 1] = a * x + b * w + c * z - d * y
+    product[..., 2] = a * y - b * z + c * w + d * x
+    product[..., 3] = a * z + b * y - c * x + d * w
     return product
 
 
