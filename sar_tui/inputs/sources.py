@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 GROUP = "sar_tui.inputs"
 SIMULATED_RATE_HZ = 250.0
+_KIND = "kind="
 
 
 def source_names() -> list[str]:
@@ -30,6 +31,7 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
 
     - ``phidget``, ``phidget:SERIAL``, ``phidget://HOST:PORT``: a PhidgetSpatial, `phidget.PhidgetSource`;
     - ``simulated``, ``simulated:PROFILE``: a simulated hand, with one of `motion.synthesis.PROFILES`;
+    - ``simulated:kind=KIND``: one whose reaches turn it about many axes, of one of `motion.reach_kinds.KINDS`;
     - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a recording;
     - ``ros://HOST[:PORT]/TOPIC[?rate=HZ]``: a sensor on a ROS system, over rosbridge;
     - any other: the entry point of that name, called with the text after the colon.
@@ -73,9 +75,20 @@ def _phidget(address: str, _seed: int, _clock: Clock | None) -> ImuSource:
 
 
 def simulated_hand(profile: str, seed: int) -> "SimulatedHand":
-    """Make a simulated hand by the name of its profile. Raises SourceError if there is none of that name."""
+    """Make a simulated hand by the name of its profile, or by ``kind=`` and a kind of reach about many axes.
+
+    Raises SourceError if there is none of that name.
+    """
     from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 
+    if profile.startswith(_KIND):
+        from sar_tui.motion.reach_kinds import KINDS
+        from sar_tui.motion.simulated_arm import SimulatedArm
+
+        kind = profile.removeprefix(_KIND)
+        if kind not in KINDS:
+            raise SourceError(f'There is no kind of reach "{kind}". Choose one of: {", ".join(KINDS)}.')
+        return SimulatedArm(kind, PROFILES["steady"], SIMULATED_RATE_HZ, seed)
     if (profile or "clean") not in PROFILES:
         raise SourceError(f'There is no simulated hand "{profile}". Choose one of: {", ".join(PROFILES)}.')
     return SimulatedHand(PROFILES[profile or "clean"], SIMULATED_RATE_HZ, seed)

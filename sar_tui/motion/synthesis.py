@@ -117,14 +117,15 @@ class SimulatedHand:
         index = np.arange(first, last, dtype=np.int64)
         at = start + index * self._period_ns
         imperfections = self._imperfections(first, last)
-        turning, angle, acceleration = self._reaches(at)
+        rate, acceleration = self._motion(at, imperfections[:, TREMOR])
+        rate += imperfections[:, TREMOR_ACROSS]
+        rate += imperfections[:, BIAS]
+        rate += imperfections[:, RATE_NOISE]
         samples = np.zeros(len(index), dtype=SAMPLE)
         samples["at"] = samples["host"] = at
         samples["device_ms"] = imperfections[:, SINCE] * 1e3
-        samples["rate"] = rate = self._measured_rate(turning, imperfections)
-        samples["acceleration"] = (
-            self._acceleration(turning, angle, acceleration) + imperfections[:, ACCELERATION_NOISE]
-        )
+        samples["rate"] = rate
+        samples["acceleration"] = acceleration + imperfections[:, ACCELERATION_NOISE]
         samples["field"] = np.nan
         kept = imperfections[:, LUCK] >= self.profile.lost
         if math.isfinite(self.profile.saturation_rad_s):
@@ -184,13 +185,10 @@ class SimulatedHand:
             acceleration += np.interp(time_s, form.time_s, form.acceleration, left=0.0, right=0.0)
         return rate, angle, acceleration
 
-    def _measured_rate(self, turning: Floats, imperfections: Floats) -> Floats:
-        """Return the gyroscope's output, shape (n, 3)."""
-        rate = (turning + imperfections[:, TREMOR])[:, None] * self._along
-        rate += imperfections[:, TREMOR_ACROSS]
-        rate += imperfections[:, BIAS]
-        rate += imperfections[:, RATE_NOISE]
-        return rate
+    def _motion(self, at: npt.NDArray[np.int64], tremor: Floats) -> tuple[Floats, Floats]:
+        """Return the hand's angular rate, with its tremor (rad/s, shape (n,)), and its acceleration, shape (n, 3)."""
+        turning, angle, acceleration = self._reaches(at)
+        return (turning + tremor)[:, None] * self._along, self._acceleration(turning, angle, acceleration)
 
     def _acceleration(self, turning: Floats, angle: Floats, acceleration: Floats) -> Floats:
         """Return the acceleration at the sensor, shape (n, 3): gravity as the hand turns, and the hand's own."""

@@ -18,6 +18,8 @@ from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.inputs.sources import open_source, source_names
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.simulated_arm import SimulatedArm
 from sar_tui.motion.synthesis import PROFILES
 
 
@@ -68,6 +70,14 @@ def test_a_simulated_hand_is_opened_by_its_profile(profile: str) -> None:
     assert source.hand.profile == PROFILES[profile]
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_simulated_hand_is_opened_by_its_kind_of_reach(kind: str) -> None:
+    source = open_source(f"simulated:kind={kind}")
+    assert isinstance(source, SimulatedSource)
+    assert isinstance(source.hand, SimulatedArm)
+    assert source.hand.kind == kind
+
+
 def test_a_simulated_hand_is_calm_by_default_and_seeded() -> None:
     source = open_source("simulated")
     assert isinstance(source, SimulatedSource)
@@ -115,6 +125,7 @@ def test_an_unknown_option_is_reported_with_the_known_ones(walk: Path, query: st
         ("recorded", "Name a recording"),
         ("recorded:", "Name a recording"),
         ("recorded:none.csv", "There is no file none.csv"),
+        ("simulated:kind=jump", 'There is no kind of reach "jump". Choose one of: lift-extend-touch, from-the-side'),
         ("simulated:wild", 'There is no simulated hand "wild". Choose one of: clean, steady, noisy'),
         ("phidget:first", "phidget:SERIAL"),
         ("telepathy", 'There is no sensor "telepathy". Choose one of: '),
