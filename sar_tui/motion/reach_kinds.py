@@ -183,10 +183,10 @@ def _button_press(draw: Draw) -> ReachPlan:
             "shoulder_rotation": draw.side(draw.degrees(6, 20)),
         },
     )
-    angle, press_s = draw.degrees(15, 35), draw.between(0.15, 0.25)
+    angle, press_s = draw.degrees(10, 24), draw.between(0.18, 0.3)
     press = Stroke("wrist_extension", -angle, end_of(reach) - draw.between(-0.15, 0.1), press_s)
     out = (*reach, press)
-    letting_go = Stroke("wrist_extension", angle, end_of(out) + draw.between(0.03, 0.2), draw.between(0.15, 0.3))
+    letting_go = Stroke("wrist_extension", angle, end_of(out) + draw.between(0.03, 0.2), draw.between(0.18, 0.35))
     back = draw.reverse(reach, letting_go.end_s - draw.between(-0.15, 0.1), draw.between(0.7, 1.1))
     return ReachPlan({**draw.table(), "wrist_extension": draw.degrees(5, 20)}, out, (letting_go, *back))
 
