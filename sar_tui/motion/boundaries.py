@@ -1,5 +1,7 @@
 """Onset and end of a movement, to a few milliseconds: the rise or fall of its speed extrapolated to zero."""
 
+import math
+
 import numpy as np
 
 from sar_tui.motion.samples import Floats
@@ -24,7 +26,7 @@ def first_peak(speed: Floats, prominent: float = PROMINENT) -> int:
     return int(speed[: fallen[0] if len(fallen) else len(speed)].argmax())
 
 
-def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
+def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0) -> float:
     """Return the onset of a movement that is fastest at the end of ``speed``. For an end, reverse both arrays.
 
     After Botzer & Karniel (2009), Front Neurosci 3:320-329: the square root of the speed grows linearly from the onset,
@@ -40,6 +42,7 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
         time_s: shape (n,), rising or falling.
         speed: shape (n,), at least 0, its largest value last.
         floor: noise at rest; the fit begins above it.
+        level: the movement counts from this speed on, instead of from 0; and twice of it is where it trails off.
     """
     if len(speed) < 3 or speed[-1] <= 0:
         return float(time_s[0])
@@ -55,8 +58,11 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0) -> float:
     share = (1.0 - np.sqrt(np.maximum(1.0 - root, 0.0))) / 2.0
     centred = share - share.mean()
     slope = float(centred @ when / (centred @ centred))
-    start = float(when.mean()) - slope * float(share.mean())
-    over = np.flatnonzero(relative < max(TAIL, 3.0 * floor / float(speed[-1])))
+    peak = float(speed[-1])
+    begins = (1.0 - math.sqrt(1.0 - math.sqrt(min(level / peak, 1.0)))) / 2.0
+    start = float(when.mean()) - slope * (float(share.mean()) - begins)
+    tail = 2.0 * level / peak if level else TAIL
+    over = np.flatnonzero(relative < max(tail, 3.0 * floor / peak))
     trail = float(time_s[over[-1]]) if len(over) else float(time_s[0])
     return min(start, trail) if slope > 0 else max(start, trail)
 

@@ -25,12 +25,16 @@ NEAR = 0.15
 """Share of the excursion within which the hand counts as not having left yet, or as back already."""
 FAR = 0.8
 """Share of the excursion beyond which the hand counts as at its target."""
+MOVING = 0.01
+"""A way lasts while the hand turns at this share of the way's largest rate, or more."""
 SUBMOVEMENT = 0.05
 """Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
 TURNING = 0.3
 """Share of the largest speed below which a hand near its start turns around, and does not just pass."""
 TOO_LONG = 2.0
 """Multiple of the longest reach within which a hand must be back, or it was no reach."""
+NOISE = 1.8
+"""95th percentile of the norm of three axes of normal noise, as a multiple of its median, on which slow ends weigh less."""
 TURN_S = 0.1
 """A shorter rest at the target is a turn."""
 HOME_S = 0.3
@@ -65,7 +69,7 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     return_share: float = 0.4
     shortest_s: float = 0.4
     pause_s: float = 0.4
-    dwell_s: float = 2.0
+    dwell_s: float = 5.0
     longest_s: float = 15.0
 
 
@@ -138,7 +142,7 @@ def find(
         rest=rest,
         begin=max(parameters.begin_rad_s, 2.0 * floor),
         end=max(parameters.end_rad_s, 1.2 * floor),
-        floor=percentile(light[rest.still], 95),
+        floor=NOISE * percentile(light[rest.still], 50),
     )
     reaches = tuple(
         reach
@@ -312,9 +316,10 @@ def _begins(moving: npt.NDArray[np.bool_], pause: int) -> int:
 def _edges(motion: _Motion, earliest: int, first: int, last: int, stop: int) -> tuple[float, float]:
     """Return beginning and end, in s, of the movement between two samples; it may extend to the outer two."""
     time, light, calm = motion.grid.time_s, motion.light, motion.calm[first : last + 1]
+    level = MOVING * float(calm.max())
     way_in = slice(earliest, first + first_peak(calm, SUBMOVEMENT) + 1)
     way_out = slice(last - first_peak(calm[::-1], SUBMOVEMENT), stop)
     return (
-        max(onset(time[way_in], light[way_in], motion.floor), float(time[earliest])),
-        min(onset(time[way_out][::-1], light[way_out][::-1], motion.floor), float(time[stop - 1])),
+        max(onset(time[way_in], light[way_in], motion.floor, level), float(time[earliest])),
+        min(onset(time[way_out][::-1], light[way_out][::-1], motion.floor, level), float(time[stop - 1])),
     )
