@@ -34,7 +34,7 @@ TURNING = 0.3
 TOO_LONG = 2.0
 """Multiple of the longest reach within which a hand must be back, or it was no reach."""
 NOISE = 1.8
-"""95th percentile of the norm of three axes of normal noise, as a multiple of its median, on which slow ends weigh less."""
+"""95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends change it less)."""
 TURN_S = 0.1
 """A shorter rest at the target is a turn."""
 HOME_S = 0.3

@@ -51,7 +51,7 @@ def test_a_reach_before_the_window_s_start_is_not_measured(measured: list[Detect
     window = Window(from_ns=0, started_ns=6 * SECOND, to_ns=10 * SECOND)
     found = analyse(hand.samples(0, 10 * SECOND), window, AnalysisParameters())
     assert [len(detected.reaches) for detected in measured] == [1]
-    assert found.onset_ns == pytest.approx(7 * SECOND, abs=SECOND / 50)
+    assert found.onset_ns == pytest.approx(7 * SECOND, abs=SECOND / 25)
 
 
 @pytest.mark.parametrize("detector", STORED_NAMES)

@@ -40,14 +40,14 @@ def test_the_eight_reaches_of_the_table_have_its_amplitudes(detector: str) -> No
 
 def test_every_time_of_a_reach_is_measured() -> None:
     reach = the_reach(REACH)
-    assert reach.onset_s == pytest.approx(2.0, abs=0.01)
-    assert reach.end_s == pytest.approx(3.4, abs=0.01)
+    assert reach.onset_s == pytest.approx(2.0, abs=0.02)
+    assert reach.end_s == pytest.approx(3.4, abs=0.02)
     assert reach.reach_time_s == reach.end_s - reach.onset_s
-    assert reach.out_s == pytest.approx(0.6, abs=0.01)
-    assert reach.dwell_s == pytest.approx(0.3, abs=0.02)
-    assert reach.back_s == pytest.approx(0.5, abs=0.01)
+    assert reach.out_s == pytest.approx(0.6, abs=0.04)
+    assert reach.dwell_s == pytest.approx(0.3, abs=0.04)
+    assert reach.back_s == pytest.approx(0.5, abs=0.04)
     assert reach.turn_s == pytest.approx(2.75, abs=0.01)
-    assert reach.time_to_peak_s == pytest.approx(0.3, abs=0.01)
+    assert reach.time_to_peak_s == pytest.approx(0.3, abs=0.02)
 
 
 @pytest.mark.parametrize("detector", NAMES)

@@ -10,7 +10,7 @@ from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, PROMPT, REACH
 from sar_tui.plugins import Catalogue
 from tests.tasks.pairs.pairs_reaching_driver import SLOW, TWITCH, PairsReachingDriver
 
-NEAR = 15
+NEAR = 30
 """Within so many ms of the truth the detector finds the onset of a clean movement."""
 KIND: Any = Catalogue().task("pairs")
 

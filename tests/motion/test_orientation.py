@@ -1,0 +1,116 @@
+"""The orientation detector: reaches about several axes, out and back from the orientation at rest."""
+
+import numpy as np
+import pytest
+
+from sar_tui.motion.orientation import OrientationParameters, find
+from sar_tui.motion.quaternions import from_rotation, multiply, rotate
+from sar_tui.motion.reach_bounds import Bounds
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.synthesis import simulate
+from sar_tui.motion.trajectories import simulate_reaches
+from tests.examples import fewer
+
+
+def reaches_in(recording: Recording, **parameters: float) -> tuple[Bounds, ...]:
+    return find(recording, OrientationParameters(**parameters)).reaches
+
+
+def turning(angles: Floats, axes: Floats, rate_hz: float = 100.0) -> Recording:
+    """Return the recording of rotations one after the other: their angles, shape (n, k), about axes of shape (k, 3)."""
+    rate, step_s = np.zeros((len(angles), 3)), 1.0 / rate_hz
+    for k in range(angles.shape[1]):
+        rate = rotate(from_rotation(-angles[:, k, None] * axes[k]), rate)
+        rate = rate + np.gradient(angles[:, k], step_s)[:, None] * axes[k]
+    return Recording(np.arange(len(angles)) * step_s, rate)
+
+
+def stroke(time_s: Floats, begin_s: float, lasts_s: float) -> Floats:
+    u = np.clip((time_s - begin_s) / lasts_s, 0.0, 1.0)
+    course: Floats = u**3 * (10.0 + u * (6.0 * u - 15.0))
+    return course
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_reach_about_many_axes_is_found_once_and_timed(kind: str) -> None:
+    errors = []
+    for seed in range(fewer(40)):
+        made = simulate_reaches(kind, seed, arm=("right", "left")[seed % 2], placement=seed // 2 % 4)
+        ((onset_s, end_s),) = made.truth
+        (found,) = reaches_in(made.recording)
+        errors.append((found.onset_s - onset_s, found.end_s - found.onset_s - (end_s - onset_s)))
+    onset, duration = np.median(errors, axis=0)
+    assert abs(onset) < 0.03
+    assert abs(duration) < 0.06
+
+
+@pytest.mark.parametrize("rest_s", [0.5, 1.0, 4.0])
+def test_a_return_never_becomes_the_way_out_of_the_next_reach(rest_s: float) -> None:
+    made = simulate_reaches("point-and-hold", 3, count=5, rest_s=rest_s)
+    found = reaches_in(made.recording)
+    assert [one.onset_s for one in found] == pytest.approx([onset_s for onset_s, _ in made.truth], abs=0.15)
+
+
+def test_a_recording_that_begins_at_the_target_begins_with_a_return() -> None:
+    made = simulate_reaches("lift-extend-touch", 5, count=3, rest_s=1.0)
+    begins_s = (made.times[0].arrival_s + made.times[0].departure_s) / 2
+    after = made.recording.time_s > begins_s
+    rest = Recording(made.recording.time_s[after], made.recording.rate[after])
+    found = reaches_in(rest)
+    assert [one.onset_s for one in found] == pytest.approx([onset for onset, _ in made.truth[1:]], abs=0.1)
+
+
+def test_the_onset_is_that_of_the_axis_that_moves_first() -> None:
+    """The forearm is lifted for 0.3 s before it extends about another axis, four times as far."""
+    time_s = np.arange(0.0, 6.0, 0.01)
+    lift = 0.3 * (stroke(time_s, 2.0, 0.4) - stroke(time_s, 3.5, 0.4))
+    extension = 1.2 * (stroke(time_s, 2.3, 0.7) - stroke(time_s, 3.2, 0.7))
+    (found,) = reaches_in(turning(np.column_stack((lift, extension)), np.eye(3)[[0, 2]]))
+    assert found.onset_s == pytest.approx(2.0, abs=0.03)
+    assert found.end_s == pytest.approx(3.9, abs=0.03)
+
+
+def test_a_movement_to_another_posture_is_no_reach() -> None:
+    time_s = np.arange(0.0, 20.0, 0.01)
+    shifted = 0.8 * stroke(time_s, 2.0, 0.8) + 0.5 * stroke(time_s, 9.0, 0.8)
+    reach = 0.7 * (stroke(time_s, 14.0, 0.6) - stroke(time_s, 14.7, 0.6))
+    found = reaches_in(turning(np.column_stack((shifted, reach)), np.eye(3)[[1, 2]]))
+    assert [one.onset_s for one in found] == pytest.approx([14.0], abs=0.03)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6])
+def test_a_hand_is_back_when_little_of_the_turn_is_left(share: float) -> None:
+    time_s = np.arange(0.0, 10.0, 0.01)
+    angle = 0.8 * (stroke(time_s, 2.0, 0.6) - (1 - share) * stroke(time_s, 2.8, 0.6))
+    found = reaches_in(turning(angle[:, None], np.array([[0.0, 0.0, 1.0]])))
+    assert len(found) == (1 if share < OrientationParameters().return_share else 0)
+
+
+def test_the_axis_is_that_of_the_whole_turn_seen_from_the_sensor_at_rest() -> None:
+    time_s = np.arange(0.0, 6.0, 0.01)
+    course = stroke(time_s, 2.0, 0.7) - stroke(time_s, 3.2, 0.7)
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    (found,) = reaches_in(turning(np.column_stack((0.4 * course, 0.9 * course)), axes))
+    whole = multiply(from_rotation(0.4 * axes[0]), from_rotation(0.9 * axes[1]))
+    assert found.axis == pytest.approx(tuple(whole[1:] / np.linalg.norm(whole[1:])), abs=0.01)
+
+
+def test_a_reach_about_one_axis_is_timed_as_the_single_axis_detector_does_but_for_its_slowest_moments() -> None:
+    shape = ReachShape(out_s=0.6, back_s=0.5, dwell_s=0.3, peak_out=1.5, peak_back=-1.8)
+    (found,) = reaches_in(simulate([shape]).recording)
+    assert found.onset_s == pytest.approx(2.0 + 0.0256 * 0.6, abs=0.01), "a minimum-jerk way reaches 1 % after 2.6 %"
+    assert found.end_s == pytest.approx(3.4 - 0.0256 * 0.5, abs=0.01)
+
+
+def test_a_twitch_is_no_reach() -> None:
+    assert reaches_in(simulate([ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)]).recording) == ()
+
+
+def test_a_reach_longer_than_the_longest_is_cut_off() -> None:
+    made = simulate_reaches("submovements", 1)
+    (whole,) = reaches_in(made.recording)
+    (found,) = reaches_in(made.recording, longest_s=(whole.end_s - whole.onset_s) * 0.8)
+    assert "timed_out" in found.flags
+    assert found.end_s - found.onset_s == pytest.approx((whole.end_s - whole.onset_s) * 0.8)
