@@ -177,7 +177,7 @@ def _print(found: "LongDetection", detector: str) -> None:
     out, reaches = console(), found.reaches
     if reaches:
         times = ("onset\ns", "turn\ns", "end\ns", "time\ns")
-        numbers = ("reach", *times, "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
+        numbers = ("reach", *times, "angle\n°", "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
         rows = [_row(number, reach) for number, reach in enumerate(reaches, 1)]
         print_table(out, (*numbers, "flags"), rows, right=numbers)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
@@ -192,6 +192,7 @@ def _row(number: int, reach: "Reach") -> list[object]:
     return [
         number,
         *(f"{value:.3f}" for value in seconds),
+        None if reach.excursion_deg is None else f"{reach.excursion_deg:.0f}",
         *(f"{value:.2f}" for value in peaks),
         *(None if value is None else f"{value:.2f}" for value in smoothness),
         ", ".join(reach.flags),

@@ -16,7 +16,7 @@ _OF_PYTHON: dict[type, Type] = {
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.BoolType: "boolean",
 }
-_UNITS = {"_ms": "ms", "_ns": "ns", "_cm": "cm", "_hz": "Hz", "_rad_s": "rad/s"}
+_UNITS = {"_ms": "ms", "_ns": "ns", "_cm": "cm", "_hz": "Hz", "_rad_s": "rad/s", "_deg": "deg"}
 """Units, by the ending of a name that has one."""
 _UNKNOWN = "Not described: its task is not installed, or no longer declares it."
 

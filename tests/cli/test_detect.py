@@ -87,7 +87,8 @@ def test_every_figure_is_printed_whole_however_narrow_the_terminal(
     reach = call("detect", path, "--json").json["reaches"][0]
     times = [f"{reach[name]:.3f}" for name in ("onset_s", "turn_s", "end_s", "reach_time_s")]
     rest = [f"{reach[name]:.2f}" for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back")]
-    assert ["1", *times, *rest, "–"] in [line.split() for line in call("detect", path).out.splitlines()]
+    row = ["1", *times, f"{reach['excursion_deg']:.0f}", *rest, "–"]
+    assert row in [line.split() for line in call("detect", path).out.splitlines()]
 
 
 def test_every_flag_is_described_even_an_unknown_one() -> None:
