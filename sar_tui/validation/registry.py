@@ -9,12 +9,14 @@ from sar_tui.validation import (
     changed_parts,
     difficulty,
     feedback,
+    measures,
     modularity,
     policies,
     progress,
     quiet,
     reach,
     requirements,
+    smoothness,
     table_4_1,
 )
 from sar_tui.validation.report import Conditions, Report
@@ -47,6 +49,8 @@ VALIDATIONS: dict[str, Validation] = {
     ),
     "reach": Validation("Reaches under difficulties, and of ten kinds about many axes, by each detector", reach.run),
     "quiet": Validation("False reaches in simulated daily life, by each detector", quiet.run),
+    "measures": Validation("Measures of reaches about many axes, against their trajectories", measures.run),
+    "smoothness": Validation("Smoothness of the same movement, by sensors of different rate and noise", smoothness.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),
     "difficulty": Validation("Success and fitting challenge under each difficulty policy", difficulty.run),

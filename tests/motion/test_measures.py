@@ -1,7 +1,6 @@
 """Measures of a reach: about several axes, against the truth of simulated trajectories; phases; tremor; versions."""
 
 import math
-from dataclasses import dataclass
 
 import msgspec
 import numpy as np
@@ -12,7 +11,6 @@ from hypothesis import strategies as st
 from sar_tui.motion.grid import even
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
 from sar_tui.motion.measures import Version, measure
-from sar_tui.motion.quaternions import angle, conjugate, multiply, rotate
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.reach_kinds import KINDS
@@ -21,6 +19,7 @@ from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, Profile, simulate
 from sar_tui.motion.trajectories import SimulatedReaches, simulate_reaches
+from sar_tui.validation.measures import true_measures
 from tests.examples import examples, first
 
 ONE_AXIS = ReachShape(out_s=1.0, back_s=1.0, dwell_s=0.3, peak_out=1.5, peak_back=-1.5)
@@ -29,6 +28,13 @@ EXTENDED = {
     "excursion_deg", "straightness", "return_error_deg", "inclination_rest_deg", "inclination_target_deg",
     "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
 }  # fmt: skip
+LARGEST_ERRORS = {
+    "excursion_deg": 0.5,
+    "straightness": 0.06,
+    "return_error_deg": 0.5,
+    "inclination_rest_deg": 1.2,
+    "inclination_target_deg": 1.2,
+}
 
 
 def bounds_of(shape: ReachShape, onset_s: float = 2.0) -> Bounds:
@@ -56,40 +62,13 @@ def at_true_times(simulated: SimulatedReaches) -> Reach:
     return measured(simulated.recording, Bounds(**times._asdict(), axis=Z))
 
 
-@dataclass
-class Truth:
-    """The true angles of a reach, in degrees, from the orientation of the trajectory."""
-
-    excursion: float
-    straightness: float
-    return_error: float
-    rest: float
-    target: float
-
-    @classmethod
-    def of(cls, simulated: SimulatedReaches) -> "Truth":
-        (times,) = simulated.times
-        time_s = np.arange(times.onset_s, times.end_s, 0.002)
-        pose = simulated.movement.pose(simulated.site, time_s).orientation
-        turned = np.degrees(angle(multiply(conjugate(pose[0]), pose)))
-        arrival, departure = np.searchsorted(time_s, (times.arrival_s, times.departure_s)).tolist()
-        steps = np.degrees(angle(multiply(conjugate(pose[:arrival]), pose[1 : arrival + 1])))
-        fingers = rotate(pose[[0, (arrival + departure) // 2]], np.array((0.0, 1.0, 0.0)))
-        rest, target = np.degrees(np.arcsin(fingers[:, 2])).tolist()
-        straight = float(turned[arrival] / steps.sum())
-        return cls(float(turned[:departure].max()), straight, float(turned[-1]), rest, target)
-
-
 @pytest.mark.parametrize("kind", first(3, list(KINDS)))
 @pytest.mark.parametrize("seed", [1, 2])
 def test_angles_of_any_reach_are_those_of_its_trajectory(kind: str, seed: int) -> None:
     simulated = simulate_reaches(kind, seed, placement=seed, arm="left" if seed == 2 else "right", rate_hz=100.0)
-    reach, truth = at_true_times(simulated), Truth.of(simulated)
-    assert reach.excursion_deg == pytest.approx(truth.excursion, abs=0.5)
-    assert reach.straightness == pytest.approx(truth.straightness, abs=0.06)
-    assert reach.return_error_deg == pytest.approx(truth.return_error, abs=0.5)
-    assert reach.inclination_rest_deg == pytest.approx(truth.rest, abs=1.2)
-    assert reach.inclination_target_deg == pytest.approx(truth.target, abs=1.2)
+    reach, truth = at_true_times(simulated), true_measures(simulated, simulated)
+    for name, within in LARGEST_ERRORS.items():
+        assert getattr(reach, name) == pytest.approx(truth[name], abs=within)
 
 
 @pytest.mark.parametrize("kind", first(2, [kind for kind in KINDS if kind != "point-and-hold"]))
