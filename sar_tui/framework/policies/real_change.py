@@ -15,8 +15,8 @@ praise for the next. As all comes from few trials of one person, 1.96 gives way 
 """
 
 import math
-import statistics
 from collections.abc import Sequence
+from statistics import fmean
 from typing import Literal
 
 import msgspec
@@ -99,8 +99,16 @@ def judge(
 
 def _standard_error(now: Sample, before: Sample, earlier: Sequence[Sample]) -> float:
     """Return the standard error of the difference of two means; √2 SEM if both are single attempts alike."""
-    between = statistics.stdev(each.mean for each in earlier) * math.sqrt(1 + 1 / before.attempts)
+    between = spread_of([each.mean for each in earlier]) * math.sqrt(1 + 1 / before.attempts)
     freedom = sum(each.n - 1 for each in earlier)
     squares = sum((each.n - 1) * each.sd**2 for each in earlier)
     within = math.sqrt(squares / freedom * (1 / now.n + 1 / before.n)) if freedom else 0.0
     return max(between, within)
+
+
+def spread_of(values: Sequence[float]) -> float:
+    """Return the SD of values, by n - 1; 0 for one. ``statistics.stdev`` is exact, and thirty times as slow."""
+    if len(values) < 2:
+        return 0.0
+    mean = fmean(values)
+    return math.sqrt(sum((value - mean) ** 2 for value in values) / (len(values) - 1))

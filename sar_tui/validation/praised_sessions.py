@@ -1,0 +1,108 @@
+"""Praise in whole sessions of simulated participants: of those who never change, and of those who do."""
+
+import re
+import tempfile
+from collections.abc import Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from statistics import fmean, variance
+from typing import Any, NamedTuple
+
+import msgspec
+
+from sar_tui.framework.policies.real_change import LEAST_ATTEMPTS
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Performance
+from sar_tui.progress.change import mdc95
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE, Person
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+from sar_tui.validation.report import Conditions, Row
+
+ATTEMPTS = 8
+"""The last one is that of the change."""
+SEEDS, QUICK_SEEDS = 20, 4
+MDCS = 2.0
+TASKS: dict[str, dict[str, Any]] = {
+    "keyboard": {"prompts_per_attempt": 10},
+    "reaching": {"reaches_per_attempt": 3, "feedback_on": "both"},
+}
+"""The tasks, with their settings."""
+
+
+class Changing(Person, frozen=True):
+    """A person who never changes, but for a gain at one attempt: ``gain`` is the share of all times that it saves."""
+
+    at_attempt: int = 0
+    gain: float = 0.0
+
+    def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
+        usual = super().perform(choices, attempt, streams)
+        left = 1 - self.gain if attempt == self.at_attempt else 1.0
+        return Performance(usual.reaction_ms * left, usual.slips, lambda: usual.pace * left, usual.unsteadiness)
+
+
+class Told(NamedTuple):
+    """An attempt: its result, and the text of the feedback on it."""
+
+    result: float | None
+    text: str
+
+
+def session_row(conditions: Conditions, task: str) -> Row:
+    """Return the figures of a task's sessions, by the three simulated users."""
+    kind = conditions.catalogue.task(task)
+    seeds = range(1, (QUICK_SEEDS if conditions.is_quick else SEEDS) + 1)
+    usual: list[str] = []
+    changed: list[str] = []
+    with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
+        play = partial(_session, conditions, Path(folder), kind)
+        for user in PEOPLE.values():
+            person = Changing(**msgspec.structs.asdict(user) | {"practice": 0.0, "fatigue": 0.0})
+            played = [play(person, seed) for seed in seeds]
+            changing = msgspec.structs.replace(person, at_attempt=ATTEMPTS, gain=_two_mdc(played))
+            usual += [each.text for told in played for each in told[LEAST_ATTEMPTS:]]
+            changed += [play(changing, seed)[-1].text for seed in seeds]
+    return {
+        "world": task,
+        "measures": 1 + len([quality for quality in kind.qualities if quality.praised_until is None]),
+        "trials": next(iter(TASKS[task].values())),
+        "earlier": None,
+        "pairs": len(usual),
+        "better_by_chance": fmean(says_better(text, kind) for text in usual),
+        "changes": len(changed),
+        "better_if_changed": fmean(says_better(text, kind) for text in changed),
+    }
+
+
+def _two_mdc(played: Sequence[Sequence[Told]]) -> float:
+    """Return two MDC95 of the results of a person who never changes, as a share of the results."""
+    results = [[each.result for each in told if each.result is not None] for told in played]
+    sem = fmean(variance(each) for each in results) ** 0.5
+    return MDCS * mdc95(sem) / fmean(fmean(each) for each in results)
+
+
+def says_better(text: str, kind: type[Task]) -> bool:
+    """Return True if a text of feedback in English calls something better than before."""
+    words = {kind.metric.improved, *(quality.improved for quality in kind.qualities)}
+    return any(re.search(rf"\b{re.escape(word)} than\b", text) for word in words)
+
+
+def _session(conditions: Conditions, folder: Path, kind: type[Task], person: Person, seed: int) -> list[Told]:
+    """Run a session at one level, and return its attempts."""
+    settings = {"attempts": ATTEMPTS, "difficulty_policy": "fixed", "feedback_form": "both", **TASKS[kind.name]}
+    plan = make_plan(conditions.catalogue, kind, ["SIM"], settings, seed=seed, mode="simulated")
+    name = simulate(plan, person, folder, conditions.catalogue)
+    with closing(connect(folder)) as database:
+        actions = sessions.rows(database, "actions", name)
+        texts = {row["final"]["attempt"]: row["final"]["text"] for row in actions if _is_said(row)}
+        attempts = sessions.rows(database, "attempts", name)
+    return [Told(row["metric"], texts.get(row["attempt"], "")) for row in attempts]
+
+
+def _is_said(row: Row) -> bool:
+    return row["kind"] == "feedback" and bool(row["final"])
