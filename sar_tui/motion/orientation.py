@@ -267,15 +267,17 @@ def _bounds(
     largest = float(angle[top - first])
     far = first + np.flatnonzero(angle[: last - first + 1] > FAR * largest)
     arrives, departs = _dwell(motion, int(far[0]), int(far[-1]))
-    if arrives <= first or departs >= last:
+    if arrives <= max(first, earliest) or departs >= last:
         return None
     left = first + int(np.flatnonzero(angle[: top - first + 1] <= NEAR * largest)[-1])
     near = max(NEAR * largest, float(angle[last - first]))
     came = top + int(np.flatnonzero(angle[top - first :] <= near)[0])
     moving = slow > max(SUBMOVEMENT * float(slow[first : last + 1].max()), motion.end)
     pause = round(parameters.pause_s * grid.rate_hz)
-    begins = earliest + _begins(moving[earliest : left + 1], pause)
+    begins = earliest + _begins(moving[earliest : max(earliest, left) + 1], pause)
     ends = excursion.stop - 1 - _begins(moving[came : excursion.stop][::-1], pause)
+    if begins >= arrives or departs >= ends:
+        return None
     onset_s, arrival_s = _edges(motion, earliest, begins, arrives, excursion.stop)
     departure_s, end_s = _edges(motion, earliest, departs, ends, excursion.stop)
     if departs - arrives < TURN_S * grid.rate_hz:
