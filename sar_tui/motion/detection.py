@@ -9,21 +9,27 @@ from sar_tui.motion import fixed_threshold, orientation, single_axis
 from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.grid import Grid
 from sar_tui.motion.measures import measure
+from sar_tui.motion.plausibility import plausible
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Detected, Hand
 from sar_tui.motion.samples import Recording
 
 
 class Detector(NamedTuple):
-    """A way to find reaches. ``version`` changes whenever its results may change."""
+    """A way to find reaches.
+
+    ``version`` changes whenever its results may change. ``is_quiet``: True if `detect` leaves out what it finds in
+    daily life (`plausibility.plausible`).
+    """
 
     version: str
     parameters: type[msgspec.Struct]
     find: Callable[[Recording, Any, Hand, Grid | None], Detected]
+    is_quiet: bool = False
 
 
 DETECTORS: dict[str, Detector] = {
-    "orientation": Detector("1", orientation.OrientationParameters, orientation.find),
+    "orientation": Detector("1", orientation.OrientationParameters, orientation.find, is_quiet=True),
     "single-axis": Detector("1", single_axis.SingleAxisParameters, single_axis.find),
     "fixed-threshold": Detector("1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find),
 }
@@ -35,7 +41,9 @@ def detect(
     parameters: msgspec.Struct | None = None,
     hand: Hand = "right",
 ) -> tuple[Reach, ...]:
-    """Return the reaches in a recording, in order of time.
+    """Return the reaches in a recording of any content, in order of time.
+
+    A window of a session, in which a reach was asked for, is analysed by `analysis.analyse`, which judges less.
 
     Args:
         recording: the samples; best with at least a second of rest before the reach.
@@ -45,7 +53,9 @@ def detect(
 
     Raises ValueError for an unknown detector, another detector's parameters, or too low a sample rate.
     """
-    return measure(find(recording, detector, parameters, hand), recording)
+    found = find(recording, detector, parameters, hand)
+    is_quiet = DETECTORS[current_name(detector)].is_quiet
+    return measure(plausible(found) if is_quiet else found, recording)
 
 
 def find(
@@ -55,7 +65,9 @@ def find(
     hand: Hand = "right",
     grid: Grid | None = None,
 ) -> Detected:
-    """Return the boundaries of the reaches in a recording, without measuring them: much faster. Else as `detect`.
+    """Return the boundaries of all excursions that may be a reach, without measuring them: much faster.
+
+    Arguments and errors are those of `detect`.
 
     ``grid``: the recording's even grid (`grid.even`), if it is known.
     """

@@ -1,6 +1,6 @@
 """Reaches that each detector finds in simulated daily life, where nobody reaches."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
@@ -49,7 +49,7 @@ def run(conditions: Conditions) -> Report:
             ", ".join(f"{row['kind']}: {row[overlaps]}" for row in doubled),
         ),
     ]
-    return Report(rows, [_columns()], claims)
+    return Report(rows, list(_tables()), claims)
 
 
 def count(reaches: Sequence[Reach], trips: Sequence[Trip]) -> Count:
@@ -81,18 +81,17 @@ def _row(kind: str, is_quick: bool) -> Row:
     return row
 
 
-def _columns() -> list[Column]:
-    columns = [
-        Column("daily life", lambda row: str(row["kind"]), is_number=False),
-        Column("minutes", lambda row: f"{row['minutes']:g}"),
-        Column("trips", lambda row: str(row["trips"])),
-    ]
-    for detector, name in STORED_NAMES.items():
-        columns += [
-            Column(f"{detector}:\nfalse a minute", partial(_rate, name)),
-            Column("trips\nfound", partial(_trips, name)),
+def _tables() -> Iterator[list[Column]]:
+    """Yield a table of false finds and one of trips, with a column for each detector."""
+    for title, of, show in (
+        ("false reaches\na minute", Column("minutes", lambda row: f"{row['minutes']:g}"), _rate),
+        ("trips found", Column("of", lambda row: str(row["trips"])), _trips),
+    ):
+        yield [
+            Column(title, lambda row: str(row["kind"]), is_number=False),
+            of,
+            *(Column(detector, partial(show, name)) for detector, name in STORED_NAMES.items()),
         ]
-    return columns
 
 
 def _rate(name: str, row: Row) -> str:

@@ -3,16 +3,19 @@
 import msgspec
 import pytest
 
+from sar_tui.motion import daily_life
 from sar_tui.motion.daily_life import KINDS
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import simulate
+from sar_tui.motion.trajectories import simulate_reaches
 from sar_tui.motion.wrist_motion import Trip
 from sar_tui.plugins import Catalogue
 from sar_tui.validation import quiet
 from sar_tui.validation.report import Conditions, Report
+from tests.examples import first
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +69,25 @@ def test_a_detector_that_finds_reaches_in_walking_fails_the_claim(
     claim, _ = quiet.run(Conditions(catalogue, is_quick=True)).claims
     assert not claim.holds
     assert "walking: " in claim.against
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_default_detector_is_quiet_in_daily_life(kind: str) -> None:
+    life = daily_life.simulate(kind, 1, minutes=3.0)
+    found = detect(life.recording)
+    assert quiet.count(found, life.trips).false < 3
+    assert quiet.overlapping(found) == 0
+
+
+@pytest.mark.slow
+def test_all_claims_hold_on_ten_minutes_of_three_people(catalogue: Catalogue) -> None:
+    report = quiet.run(Conditions(catalogue))
+    assert [claim for claim in report.claims if not claim.holds] == []
+
+
+@pytest.mark.parametrize("rest_s", [0.5, pytest.param(1.0, marks=pytest.mark.slow), 2.0])
+@pytest.mark.parametrize("kind", first(1, ["from-the-side", "cross-arm", "forearm-rotation", "two-hand-push"]))
+def test_the_default_detector_finds_every_reach_of_many_in_a_row(kind: str, rest_s: float) -> None:
+    made = simulate_reaches(kind, 4, count=12, rest_s=rest_s)
+    found = detect(made.recording)
+    assert quiet.count(found, [Trip(*times) for times in made.truth]) == (0, 12)

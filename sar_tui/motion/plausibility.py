@@ -1,0 +1,106 @@
+"""Judgement whether an excursion of the hand is a reach of a person, or daily life: for recordings of any content.
+
+A session's window holds a reach because the person was asked for one. A recording of hours holds walking, typing and
+scratching as well, which turn the hand out and back, too. A reach among them
+
+- is large enough, and returns to where it began;
+- has one dominant excursion: the hand does not come back halfway to leave again;
+- begins and ends at rest: in walking, rubbing or trembling each swing adjoins the next.
+
+The last sorts out rhythms without a look at their period. So reaches in a row are kept, however even their pace, if the
+hand rests for 0.4 s between them.
+"""
+
+import math
+
+import numpy as np
+
+from sar_tui.motion.filters import Spectrum, usable_cutoff
+from sar_tui.motion.quaternions import angle, conjugate, integrate, multiply
+from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.samples import Floats
+
+LEAST_RAD = math.radians(10)
+"""Smallest excursion. Gestures of fingers and wrist are smaller, a reach of the arm is larger."""
+LEFT_SHARE, LEFT_RAD = 0.6, math.radians(18)
+"""The hand is back if no more is left than this share of the excursion, and than this angle."""
+DENT_SHARE = 0.5
+"""Share of the excursion by which the hand may come back, or leave again, in between."""
+CALM_SHARE = 0.2
+"""Share of the reach's largest speed that the hand has at most where it rests."""
+CALM_S = 0.4
+"""Shortest rest before and after a reach."""
+BESIDE_S = 0.5
+"""Such a rest is sought within this time before and after it."""
+INSIDE_S = 0.05
+"""A rest may reach into it by this."""
+CUTOFF_HZ, SLOW_HZ = 8.0, 2.5
+"""A rest has no movement below the first; a reach's speed is that of its movement below the second."""
+UNKNOWN = frozenset({"cut", "gap"})
+"""Flags of reaches with a part that was not measured. They are kept: what is missing cannot be judged."""
+
+
+def plausible(found: Detected) -> Detected:
+    """Return what was found without the excursions that are no reach, by the module's rules."""
+    if not found.reaches:
+        return found
+    spectrum = Spectrum(found.rate, found.rate_hz)
+    fast = np.linalg.norm(spectrum.below(usable_cutoff(CUTOFF_HZ, found.rate_hz), found.tremor_hz), axis=1)
+    slow = np.linalg.norm(spectrum.below(SLOW_HZ, found.tremor_hz), axis=1)
+    orientation = integrate(found.rate, 1.0 / found.rate_hz)
+    return found._replace(
+        reaches=tuple(
+            bounds
+            for bounds in found.reaches
+            if UNKNOWN & set(bounds.flags) or _is_plausible(bounds, found, orientation, fast, slow)
+        )
+    )
+
+
+def _is_plausible(bounds: Bounds, found: Detected, orientation: Floats, fast: Floats, slow: Floats) -> bool:
+    samples = round(BESIDE_S * found.rate_hz)
+    first, last = np.searchsorted(found.time_s, (bounds.onset_s, bounds.end_s)).tolist()
+    last = max(first, min(last, len(orientation) - 1))
+    turned = angle(multiply(conjugate(orientation[first]), orientation[first : last + samples]))
+    inside = last - first + 1
+    return (
+        _is_excursion(turned[:inside])
+        and _is_back(turned, inside)
+        and _is_calm(fast, first, last, CALM_SHARE * float(slow[first : last + 1].max()), found.rate_hz)
+    )
+
+
+def _is_excursion(turned: Floats) -> bool:
+    """Return True if an angle rises far enough and falls, without a large dent.
+
+    Args:
+        turned: angle from the orientation at the onset, rad, from there to the end.
+    """
+    top = int(turned.argmax())
+    rise, fall = turned[: top + 1], turned[top:]
+    dent = max(float((np.maximum.accumulate(rise) - rise).max()), float((fall - np.minimum.accumulate(fall)).max()))
+    return float(turned[top]) >= LEAST_RAD and dent <= DENT_SHARE * float(turned[top])
+
+
+def _is_back(turned: Floats, inside: int) -> bool:
+    """Return True if the angle of a reach of ``inside`` samples is small at its end, or soon after it."""
+    left = min(LEFT_RAD, LEFT_SHARE * float(turned[:inside].max()))
+    return float(turned[inside - 1 :].min()) <= left
+
+
+def _is_calm(fast: Floats, first: int, last: int, limit: float, rate_hz: float) -> bool:
+    """Return True if the hand rests before sample ``first`` and after sample ``last``.
+
+    A recording that begins or ends there need not show the rest.
+    """
+    beside, into = round(BESIDE_S * rate_hz), round(INSIDE_S * rate_hz)
+    before, after = fast[max(0, first - beside) : first + into], fast[max(0, last - into) : last + beside]
+    return all(_slowest(speed, round(CALM_S * rate_hz)) <= limit for speed in (before, after))
+
+
+def _slowest(speed: Floats, samples: int) -> float:
+    """Return the lowest mean of so many samples in a row; 0 if there are fewer."""
+    if len(speed) < samples:
+        return 0.0
+    sums = np.concatenate(([0.0], np.cumsum(speed)))
+    return float((sums[samples:] - sums[:-samples]).min()) / samples

@@ -1,0 +1,115 @@
+"""Reaches are kept at whatever pace; movements that do not return, halves of rhythms and twitches are not."""
+
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+import pytest
+
+from sar_tui.motion import daily_life
+from sar_tui.motion.detection import find
+from sar_tui.motion.grid import even
+from sar_tui.motion.plausibility import plausible
+from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.rest import find_rest
+from sar_tui.motion.samples import Recording
+from sar_tui.motion.scenarios import scenarios
+from sar_tui.motion.trajectories import simulate_reaches
+from sar_tui.motion.wrist_motion import Angles, WristMotion
+from tests.examples import first
+
+
+def _found(recording: Recording, times: Sequence[tuple[float, float]], flags: tuple[str, ...] = ()) -> Detected:
+    """Return what a detector would find that knows the true times."""
+    grid = even(recording)
+    rest = find_rest(grid.rate, grid.rate_hz, 1.0)
+    reaches = tuple(
+        Bounds(onset_s=onset, arrival_s=onset, departure_s=end, end_s=end, axis=(0.0, 0.0, 1.0), flags=flags)
+        for onset, end in times
+    )
+    return Detected(grid.time_s, grid.rate - rest.bias, grid.rate_hz, reaches, rest.tremor_hz)
+
+
+def _kept(recording: Recording, times: Sequence[tuple[float, float]]) -> int:
+    return len(plausible(_found(recording, times)).reaches)
+
+
+@pytest.mark.parametrize("seed", first(2, range(30)))
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_reach_about_many_axes_is_kept(kind: str, seed: int) -> None:
+    made = simulate_reaches(kind, seed, placement=seed % 4, arm="left" if seed % 2 else "right")
+    assert _kept(made.recording, made.truth) == 1
+
+
+@pytest.mark.parametrize("seed", first(1, range(10)))
+def test_a_reach_under_any_difficulty_is_kept(seed: int) -> None:
+    for scenario in scenarios():
+        made = scenario.make(seed)
+        assert _kept(made.recording, made.truth) == 1, scenario.name
+
+
+@pytest.mark.parametrize("rest_s", [0.5, pytest.param(1.0, marks=pytest.mark.slow), 2.0])
+@pytest.mark.parametrize("kind", first(2, KINDS))
+def test_reaches_in_a_row_at_an_even_pace_are_kept(kind: str, rest_s: float) -> None:
+    made = simulate_reaches(kind, 52, count=15, rest_s=rest_s)
+    assert _kept(made.recording, made.truth) >= 14
+
+
+@pytest.fixture
+def motion() -> WristMotion:
+    return WristMotion(12.0, 100.0, np.random.default_rng(7))
+
+
+def test_a_movement_that_does_not_return_is_none(motion: WristMotion) -> None:
+    motion.shift(4.0, (40.0, 0.0, 0.0), 1.0)
+    motion.shift(5.5, (-15.0, 0.0, 0.0), 1.0)
+    assert _kept(motion.measured(), [(4.0, 6.5)]) == 0
+
+
+@pytest.mark.parametrize(("degrees", "kept"), [(8.0, 0), (12.0, 1)])
+def test_a_small_gesture_is_none(motion: WristMotion, degrees: float, kept: int) -> None:
+    _out_and_back(motion, 4.0, (0.0, degrees, 0.0))
+    assert _kept(motion.measured(), [(4.0, 6.0)]) == kept
+
+
+@pytest.mark.parametrize(("between", "kept"), [(0.7, 0), (0.3, 1)])
+def test_two_excursions_are_not_one(motion: WristMotion, between: float, kept: int) -> None:
+    motion.shift(4.0, (40.0, 0.0, 0.0), 1.0)
+    motion.shift(5.0, (-40.0 * between, 0.0, 0.0), 0.8)
+    motion.shift(5.8, (40.0 * between, 0.0, 0.0), 0.8)
+    motion.shift(6.6, (-40.0, 0.0, 0.0), 1.0)
+    assert _kept(motion.measured(), [(4.0, 7.6)]) == kept
+
+
+def test_a_swing_of_a_rhythm_is_none(motion: WristMotion) -> None:
+    motion.rhythm(3.0, 9.0, 0.5, (0.0, 25.0, 5.0))
+    assert _kept(motion.measured(), [(3.0, 4.0), (4.0, 5.0), (5.0, 6.0)]) == 0
+
+
+@pytest.mark.parametrize("flag", ["cut", "gap"])
+def test_a_reach_that_was_not_measured_whole_is_not_judged(motion: WristMotion, flag: str) -> None:
+    motion.shift(4.0, (40.0, 0.0, 0.0), 1.0)
+    found = _found(motion.measured(), [(4.0, 5.0)])
+    assert plausible(found).reaches == ()
+    (bounds,) = found.reaches
+    flagged = found._replace(reaches=(msgspec.structs.replace(bounds, flags=(flag,)),))
+    assert plausible(flagged) == flagged
+
+
+def test_nothing_found_stays_nothing() -> None:
+    found = Detected(np.zeros(0), np.zeros((0, 3)), 0.0, ())
+    assert plausible(found) == found
+
+
+def test_a_detector_that_finds_every_swing_of_an_arm_in_walking_is_quieted() -> None:
+    walk = daily_life.simulate("walking", 1, minutes=4.0)
+    found = find(walk.recording, "single-axis")
+    assert len(found.reaches) > 4 * 20
+    assert len(plausible(found).reaches) == 0
+
+
+def _out_and_back(motion: WristMotion, at_s: float, by: Angles) -> None:
+    turn, elevation, rotation = by
+    motion.shift(at_s, by, 1.0)
+    motion.shift(at_s + 1.0, (-turn, -elevation, -rotation), 1.0)
