@@ -9,9 +9,10 @@ from sar_tui.motion.filters import Spectrum
 from sar_tui.motion.orientation_measures import turned
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected
+from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc
-from sar_tui.motion.tremor import ACTION_HZ, REST_HZ, tremor_amplitude, tremor_index
+from sar_tui.motion.tremor import ACTION_HZ, tremor_amplitude, tremor_index
 
 Version = Literal[1, 2]
 """1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4 stored."""
@@ -24,8 +25,9 @@ SPARC, which would call it smoother than one that takes longer."""
 REST_S = (1.2, 0.1)
 """From when to when before the onset the hand's rest is measured."""
 SHORTEST_REST_S = 0.25
+REST_PARTS = 4
 STILL_RAD = 0.05
-"""Largest turn of a hand at rest."""
+"""Largest turn of a hand at rest from one part of that time to another; in the mean of each, tremor cancels."""
 
 
 class _Rates(NamedTuple):
@@ -149,7 +151,7 @@ def _extended(reach: Reach, found: Detected, calm: Floats, recording: Recording)
         reach,
         **turned(calm[inside], rate_hz, arrival, target, departure, up)._asdict(),
         tremor_rest_hz=found.tremor_hz,
-        tremor_rest_rad_s=tremor_amplitude(before, rate_hz, REST_HZ),
+        tremor_rest_rad_s=tremor_amplitude(before, rate_hz, TREMOR_HZ),
         tremor_action_rad_s=tremor_amplitude(found.rate[inside], rate_hz, ACTION_HZ),
     )
 
@@ -161,7 +163,8 @@ def _rest(found: Detected, onset_s: float) -> tuple[float, float] | None:
     if len(rate) < SHORTEST_REST_S * found.rate_hz:
         return None
     course = np.cumsum(rate, axis=0) / found.rate_hz
-    return (from_s, to_s) if np.ptp(course, axis=0).max() < STILL_RAD else None
+    parts = [part.mean(axis=0) for part in np.array_split(course, REST_PARTS)]
+    return (from_s, to_s) if np.ptp(parts, axis=0).max() < STILL_RAD else None
 
 
 def _up(recording: Recording, from_s: float, to_s: float) -> Floats | None:

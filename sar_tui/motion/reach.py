@@ -16,7 +16,7 @@ class Reach(msgspec.Struct, frozen=True, kw_only=True):
     orientations at onset and arrival as a share of the path between them, 0 to 1. ``return_error_deg``: the angle
     between those at onset and end; None without a way back. ``inclination_*_deg``: of the fingers above the horizontal,
     at rest before the reach and at the target; None without an accelerometer or that rest. ``tremor_rest_hz``: of the
-    tremor found at rest, None without. ``tremor_rest_rad_s``, ``tremor_action_rad_s``: amplitude at 3-7 Hz in the
+    tremor found at rest, None without. ``tremor_rest_rad_s``, ``tremor_action_rad_s``: amplitude at 3-12 Hz in the
     second before the reach, and at 6-12 Hz in the reach; None if that is too short.
     """
 

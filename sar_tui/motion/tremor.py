@@ -7,16 +7,14 @@ import math
 
 import numpy as np
 
+from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats
 
 Band = tuple[float, float]
 
-REST_HZ: Band = (3.0, 7.0)
-"""Tremor at rest: Parkinsonian tremor lies at 4 to 6 Hz (Deuschl et al. 1998, Mov Disord 13 suppl 3:2-23)."""
 ACTION_HZ: Band = (6.0, 12.0)
-"""Tremor in movement, above most of the movement itself."""
+"""Tremor in movement, above most of the movement itself; at rest all of `rest.TREMOR_HZ` is tremor."""
 
-MOVEMENT_HZ: Band = (3.0, 12.0)
 _SHORTEST_S = 1.0
 _PADDING = 4
 
@@ -34,7 +32,7 @@ def tremor_index(rate: Floats, rate_hz: float) -> float | None:
         rate: angular rate, shape (n, 3), rad/s.
         rate_hz: samples per second.
     """
-    low, high = MOVEMENT_HZ
+    low, high = TREMOR_HZ
     if rate_hz < 2 * high or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
         return None
     moving = rate - rate.mean(axis=0)

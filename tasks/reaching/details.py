@@ -62,7 +62,7 @@ class ReachDetails(Details, frozen=True):
     inclination_target_deg: Annotated[float | None, msgspec.Meta(description="The same at the marker.")] = None
     tremor_rest_hz: Annotated[float | None, msgspec.Meta(description="Frequency of the tremor found at rest.")] = None
     tremor_rest_rad_s: Annotated[
-        float | None, msgspec.Meta(description="Amplitude at 3-7 Hz in the second before the reach.")
+        float | None, msgspec.Meta(description="Amplitude at 3-12 Hz in the second before the reach.")
     ] = None
     tremor_action_rad_s: Annotated[float | None, msgspec.Meta(description="Amplitude at 6-12 Hz in the reach.")] = None
     mark: Annotated[str | None, msgspec.Meta(description="The therapist's mark: missed, compensated or assisted.")] = (

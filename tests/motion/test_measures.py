@@ -152,16 +152,15 @@ def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
 # --- tremor --------------------------------------------------------------------------------------------------------
 
 
-def with_tremor(hz: float) -> Reach:
-    return measured(simulate([ONE_AXIS], Profile(tremor_hz=hz, tremor_rad_s=0.2), seed=2).recording)
-
-
-def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path() -> None:
-    reach = with_tremor(5.0)
-    assert reach.tremor_rest_hz == pytest.approx(5.0, abs=0.3)
-    assert reach.tremor_rest_rad_s == pytest.approx(0.22, abs=0.02)
+@pytest.mark.parametrize(("hz", "rad_s"), [(4.5, 0.2), (5.0, 1.0), (9.0, 0.2)])
+def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path(hz: float, rad_s: float) -> None:
+    reach = measured(simulate([ONE_AXIS], Profile(tremor_hz=hz, tremor_rad_s=rad_s), seed=2).recording)
+    assert reach.tremor_rest_hz == pytest.approx(hz, abs=0.3)
+    across = 0.5
+    assert reach.tremor_rest_rad_s == pytest.approx(rad_s * math.hypot(1.0, across), rel=0.05)
     assert reach.movement_units_out == reach.movement_units_back == 1
-    assert reach.straightness == pytest.approx(1.0, abs=0.01)
+    assert reach.straightness == pytest.approx(1.0, abs=0.05)
+    assert reach.inclination_rest_deg == pytest.approx(0.0, abs=1.0)
 
 
 def test_tremor_in_movement_alone_is_measured_and_not_removed() -> None:
