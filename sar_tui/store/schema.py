@@ -271,6 +271,13 @@ def version_14(db: sqlite_utils.Database) -> None:
     )
 
 
+@migrations()
+def version_15(db: sqlite_utils.Database) -> None:
+    """The view of reaches has the measures of turning and tremor."""
+    db.execute("DROP VIEW v_reaches")
+    db.execute(views.REACHES)
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

@@ -6,10 +6,12 @@ They are part of a migration (``schema``): to change one, drop and create it in 
 _REACH = {
     "text": ("closed", "mark", "hand", "detector", "detector_version"),
     "measures": (
-        "marker_cm", "reach_time_ms", "robust_reach_time_ms", "thesis_reach_time_ms", "out_ms", "dwell_ms", "back_ms",
-        "turn_after_ms", "peak_extension_rad_s", "peak_return_rad_s", "time_to_peak_ms", "time_to_peak_share",
-        "movement_units_out", "movement_units_back", "movement_units", "sparc_out", "sparc_back", "sparc", "ldlj_out",
-        "ldlj_back", "tremor_index", "reaches", "samples", "rate_hz",
+        "marker_cm", "reach_time_ms", "orientation_reach_time_ms", "robust_reach_time_ms", "thesis_reach_time_ms",
+        "out_ms", "dwell_ms", "back_ms", "turn_after_ms", "peak_extension_rad_s", "peak_return_rad_s",
+        "time_to_peak_ms", "time_to_peak_share", "movement_units_out", "movement_units_back", "movement_units",
+        "sparc_out", "sparc_back", "sparc", "ldlj_out", "ldlj_back", "excursion_deg", "straightness",
+        "return_error_deg", "inclination_rest_deg", "inclination_target_deg", "tremor_index", "tremor_rest_hz",
+        "tremor_rest_rad_s", "tremor_action_rad_s", "reaches", "samples", "rate_hz", "measures_version",
     ),
 }  # fmt: skip
 """Fields of ``trials.details`` that are columns of the view of reaches."""

@@ -91,7 +91,7 @@ def test_each_reach_is_a_row_with_its_measures(database: sqlite3.Connection, dat
     for row, trial in zip(seen, stored, strict=True):
         shown, details = common(row, json.loads(trial["details"]))
         assert shown == details
-        assert shown.keys() >= {"reach_time_ms", "sparc", "peak_extension_rad_s", "hand"}
+        assert shown.keys() >= {"reach_time_ms", "sparc", "excursion_deg", "tremor_action_rad_s", "hand"}
 
 
 def test_the_data_dictionary_names_every_column(database: sqlite3.Connection) -> None:
