@@ -22,7 +22,7 @@ from sar_tui.framework.policies.judgement import (
     judge_summary,
 )
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Result, Score, Target
+from sar_tui.framework.trial_types import DOUBTFUL, Result, Score, Target
 
 _T = TypeVar("_T", bound=msgspec.Struct)
 Histories = Mapping[str, History]
@@ -239,8 +239,9 @@ def _mean_qualities(task: Task, results: Sequence[Result]) -> dict[str, float]:
 def _qualities(task: Task, results: Sequence[Result]) -> dict[str, list[float]]:
     """Return the values of each of the task's qualities in the correct trials; only those that were measured."""
     measured = {}
+    sound = [result for result in results if task.rules < 5 or DOUBTFUL not in result.flags]
     for quality in task.qualities:
-        found = [result.details.get(quality.field) for result in results if result.correct]
+        found = [result.details.get(quality.field) for result in sound if result.correct]
         if values := [float(value) for value in found if isinstance(value, int | float)]:
             measured[quality.field] = values
     return measured
@@ -250,10 +251,14 @@ def _spreads(task: Task, score: Score, results: Sequence[Result]) -> dict[str, S
     """Return the spread of the trials behind the metric, if it is their mean, and behind each quality."""
     if task.rules < 5:
         return {}
-    measured = _qualities(task, results)
-    values = [result.value for result in results if result.counts and result.value is not None]
+    spreads = {name: _spread(values) for name, values in _qualities(task, results).items()}
+    timed = [result for result in results if result.counts and result.value is not None]
+    values = [result.value for result in timed if result.value is not None]
     if values and score.metric is not None and math.isclose(score.metric, statistics.fmean(values)):
-        measured[task.metric.name] = values
-    return {
-        name: Spread(len(values), statistics.stdev(values) if values[1:] else 0.0) for name, values in measured.items()
-    }
+        is_doubtful = any(DOUBTFUL in result.flags for result in timed)
+        spreads[task.metric.name] = Spread(0, 0.0) if is_doubtful else _spread(values)
+    return spreads
+
+
+def _spread(values: Sequence[float]) -> Spread:
+    return Spread(len(values), statistics.stdev(values) if len(values) > 1 else 0.0)

@@ -51,17 +51,21 @@ def judge_result(task: Task, feedback: Feedback, recalled: RecalledAttempts, bef
         before: the reference: the result of one earlier attempt, or the mean of all.
     """
     name, present = task.metric.name, _present(feedback, recalled)
-    earlier = [
+    found = [
         _sample(attempt, name, attempt.metric)
         for attempt in attempts_before(feedback, recalled)
         if attempt.metric is not None
     ]
+    earlier = [each for each in found if each.n]
     if present is None or feedback.metric is None or not earlier:
         return None
+    now = _sample(present, name, feedback.metric)
+    if not now.n or any(each.mean == before and not each.n for each in found):
+        return None  # one of the two is doubtful
     is_mean = feedback.choice.compared_with == "session's mean"
     trials = sum(each.n for each in earlier) if is_mean else earlier[-1].n
     reference = Sample(before, trials, attempts=len(earlier) if is_mean else 1)
-    return judge(_sample(present, name, feedback.metric), reference, earlier, task.metric.better)
+    return judge(now, reference, earlier, task.metric.better)
 
 
 def measured_qualities(task: Task, feedback: Feedback) -> list[Quality]:

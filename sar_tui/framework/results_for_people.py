@@ -67,12 +67,15 @@ def beside_text(metric: Metric, now: float, then: float, when: str, tr: Language
     )
 
 
-def comparison_text(metric: Metric, now: float, then: float, tr: Language) -> str:
-    """Return a kind sentence on two results of the same level, whichever is better; empty if they are equal."""
+def comparison_text(now: float, then: float, tr: Language, *, is_better: bool) -> str:
+    """Return a kind sentence on two results of the same level; empty if they are equal.
+
+    ``is_better``: the present one is better by more than chance; only then it is praised.
+    """
     if now == then:
         return ""
-    if metric.is_better(now, then):
-        return tr("Well done.")
+    if is_better:
+        return tr("That is more than chance. Well done.")
     return tr("Some times go better than others, and that is all right.")
 
 

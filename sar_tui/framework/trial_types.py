@@ -10,6 +10,9 @@ from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import Json
 from sar_tui.framework.random_streams import RandomStreams
 
+DOUBTFUL = "disagree"
+"""Flag of a trial whose measures are doubtful: it counts, but no change is reported from it."""
+
 
 class Metric(msgspec.Struct, frozen=True):
     """The measure of an attempt.

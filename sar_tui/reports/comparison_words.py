@@ -30,11 +30,14 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
         earlier=figure(line, found.earlier.value, tr),
         later=figure(line, found.later.value, tr),
     )
+    if found.mdc95 is None:
+        return f"{change} {tr('How much is noise is not yet known: it needs more sessions.')}"
+    low, high = sorted((found.earlier.value - found.mdc95, found.earlier.value + found.mdc95), key=abs)
+    limits = {"low": figure(line, low, tr), "high": figure(line, high, tr)}
     verdict = {
-        "more": tr("That is better, by more than noise (MDC95)."),
-        "less": tr("That is worse, by more than noise (MDC95)."),
-        "noise": tr("That is no more than noise (MDC95)."),
-        "not yet known": tr("How much is noise is not yet known: it needs more sessions."),
+        "more": tr("That is better; from {low} to {high} would be no more than noise (MDC95).", **limits),
+        "less": tr("That is worse; from {low} to {high} would be no more than noise (MDC95).", **limits),
+        "noise": tr("That is no more than noise, which goes from {low} to {high} (MDC95).", **limits),
     }[found.verdict]
     return f"{change} {verdict}"
 

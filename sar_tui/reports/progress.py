@@ -267,7 +267,8 @@ class Comparison(msgspec.Struct, frozen=True):
     """Two sessions side by side.
 
     ``comparable``: they are on one line. ``difference``: later minus earlier value of the line's measure; more is
-    better. ``verdict``: against the MDC95 of the line's baseline. ``shared_levels``: played in both sessions, with a
+    better. ``verdict``: against the MDC95 of the line's baseline, ``mdc95``; None if it is not yet known, or there is
+    no difference. ``shared_levels``: played in both sessions, with a
     result; ``earlier_mean`` and ``later_mean`` are the means of these levels' means, each level counting the same.
     """
 
@@ -276,6 +277,7 @@ class Comparison(msgspec.Struct, frozen=True):
     comparable: bool
     difference: float | None
     verdict: Verdict
+    mdc95: float | None
     shared_levels: list[int]
     earlier_mean: float | None
     later_mean: float | None
@@ -294,7 +296,9 @@ def compare(found: Progress, one: str, other: str) -> Comparison | None:
     )
     difference: float | None = None
     verdict: Verdict = "not yet known"
+    mdc95: float | None = None
     if comparable and earlier.value is not None and later.value is not None:
         difference = later.value - earlier.value
         verdict = change.difference(later.value, earlier.value, line.baseline)
-    return Comparison(earlier, later, comparable, difference, verdict, shared, earlier_mean, later_mean)
+        mdc95 = line.baseline.mdc95 if line.baseline else None
+    return Comparison(earlier, later, comparable, difference, verdict, mdc95, shared, earlier_mean, later_mean)

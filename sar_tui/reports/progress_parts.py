@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Sequence
 
 from sar_tui.framework.language import Language
+from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
 from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, qualities, result_figure
@@ -117,16 +118,29 @@ def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> 
 
 
 def _ends(line: LineProgress, tr: Language) -> list[str]:
-    """Return the first and the last known value of each measure of how the sessions were done."""
-    said = []
+    """Return the first and the last known value of each measure of how the sessions were done, and its MDC95."""
+    said, is_noise_known = [], False
     for name, values, form in qualities(line, tr):
         known = [value for value in values if value is not None]
-        if known:
-            first, last = (tr.figures(form.format(value)) for value in (known[0], known[-1]))
+        if not known:
+            continue
+        first, last = (tr.figures(form.format(value)) for value in (known[0], known[-1]))
+        if noise := baseline(known):
+            is_noise_known = True
+            size = tr("MDC95 {size}", size=tr.figures(form.format(noise.mdc95)))
+            said.append(f"{name} {first} → {last} ({size})")
+        else:
             said.append(f"{name} {first} → {last}" if len(line.sessions) > 1 else f"{name} {last}")
+    if not said:
+        return []
     if len(line.sessions) == 1:
-        return [tr("In the only session: {values}.", values=", ".join(said))] if said else []
-    return [tr("First → last session: {values}.", values=", ".join(said))] if said else []
+        return [tr("In the only session: {values}.", values=", ".join(said))]
+    told = tr("First → last session: {values}.", values=", ".join(said))
+    if is_noise_known:
+        return [told]
+    needed = str(FAMILIARISATION + BASELINE)
+    unknown = tr("How much of these changes is noise is not yet known: it needs {number} sessions.", number=needed)
+    return [f"{told} {unknown}"]
 
 
 def _number(line: LineProgress, session: str | None) -> int | None:

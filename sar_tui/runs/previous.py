@@ -9,7 +9,7 @@ from pathlib import Path
 from sar_tui.framework.language import Language
 from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.task import Task
-from sar_tui.progress.previous import beside_previous, kind_word, previous_session
+from sar_tui.progress.previous import beside_previous, earlier_sessions, kind_word
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
@@ -29,12 +29,12 @@ def beside_last_session(folder: Path, task: Task, session: str, attempts: Sequen
     try:
         with closing(connect(folder)) as database:
             codes = [row["participant"] for row in sessions.rows(database, "seats", session)]
-            earlier = sessions_of(database, codes[0], task.name) if codes else ()
-            previous = previous_session(earlier, task, before=session)
+            played = sessions_of(database, codes[0], task.name) if codes else ()
+            earlier = earlier_sessions(played, task, before=session)
     except (StoreError, sqlite3.Error):
         return ""
-    if previous is None or not attempts:
+    if not earlier or not attempts:
         return ""
     results = [AttemptResult(attempt.level, attempt.metric, attempt.correct) for attempt in attempts]
-    words = beside_previous(results, previous, date.today(), tr)
-    return f"{words} {kind_word(results, previous, tr)}".strip() if words else ""
+    words = beside_previous(results, earlier[-1], date.today(), tr)
+    return f"{words} {kind_word(results, earlier, tr)}".strip() if words else ""

@@ -7,7 +7,7 @@ import pytest
 from sar_tui.framework.language import Language
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
-from sar_tui.progress.previous import beside_previous, kind_word, previous_session
+from sar_tui.progress.previous import beside_previous, earlier_sessions, kind_word
 from sar_tui.progress.task_level import AttemptResult
 from tests.progress.session_results import START, adapted, session
 
@@ -17,7 +17,7 @@ def task(keyboard: type[Task]) -> Task:
     return keyboard(build(keyboard.Parameters, {}))
 
 
-def test_the_previous_session_is_the_last_completed_one_with_the_same_settings(task: Task) -> None:
+def test_earlier_sessions_are_the_completed_ones_with_the_same_settings(task: Task) -> None:
     played = [
         session(0, adapted(0)),
         session(1, adapted(1)),
@@ -28,11 +28,10 @@ def test_the_previous_session_is_the_last_completed_one_with_the_same_settings(t
         session(6, adapted(6)),
         session(7, adapted(7)),
     ]
-    found = previous_session(played, task, before="session006")
-    assert found is not None
-    assert found.session == "session001"
-    assert previous_session(played[:1], task, before="session000") is None
-    assert previous_session([], task) is None
+    found = earlier_sessions(played, task, before="session006")
+    assert [each.session for each in found] == ["session000", "session001"]
+    assert earlier_sessions(played[:1], task, before="session000") == []
+    assert earlier_sessions([], task) == []
 
 
 def test_today_and_an_earlier_day_are_told_in_seconds() -> None:
@@ -60,11 +59,27 @@ def test_the_words_are_also_spanish(task: Task) -> None:
 
 
 def test_the_comparison_is_kind_in_both_directions() -> None:
-    earlier = session(0, [AttemptResult(1, 540.0, 20)])
+    earlier = [session(day, [AttemptResult(1, metric, 20)]) for day, metric in enumerate((541, 538, 542, 540, 540))]
 
     def kind(level: int, metric: float | None) -> str:
         return kind_word([AttemptResult(level, metric, 20)], earlier, Language())
 
-    assert kind(1, 480.0) == "Well done."
+    assert kind(1, 480.0) == "That is more than chance. Well done."
     assert kind(1, 700.0) == "Some times go better than others, and that is all right."
     assert kind(1, 540.0) == kind(2, 700.0) == kind(1, None) == ""
+
+
+@pytest.mark.parametrize("before", [(540.0,), (600.0, 480.0, 550.0, 520.0, 540.0)], ids=["one session", "noise"])
+def test_a_session_that_is_better_by_chance_is_not_praised(before: tuple[float, ...]) -> None:
+    earlier = [session(day, [AttemptResult(1, metric, 20)]) for day, metric in enumerate(before)]
+    said = kind_word([AttemptResult(1, 480.0, 20)], earlier, Language())
+    assert said == "Some times go better than others, and that is all right."
+
+
+def test_sessions_at_another_level_are_not_part_of_the_noise() -> None:
+    levels = (1, 2, 1, 2, 1, 2, 1, 2, 1)
+    earlier = [
+        session(day, [AttemptResult(level, 540.0 + day if level == 1 else 900.0, 20)])
+        for day, level in enumerate(levels)
+    ]
+    assert kind_word([AttemptResult(1, 480.0, 20)], earlier, Language()).endswith("Well done.")

@@ -151,7 +151,8 @@ def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[
     assert (comparison.earlier.session, comparison.later.session) == ("session001", "session009")
     assert comparison.verdict == "more"
     words = comparison_words.compared(found.lines[0], comparison, progress_words.words("en", None))
-    assert words.endswith("That is better, by more than noise (MDC95).")
+    assert re.search(r"That is better; from [\d.]+ keys to [\d.]+ keys would be no more than noise \(MDC95\)\.$", words)
+    assert comparison.mdc95 == found.lines[0].baseline.mdc95  # type: ignore[union-attr]
 
 
 def test_sessions_on_two_lines_are_not_compared(keyboard: type[Task]) -> None:
@@ -397,3 +398,15 @@ def test_the_measures_below_a_chart_have_the_decimal_comma_of_the_language(keybo
     drawn = "\n".join(result_figure(line, 80, 20, progress_words.words("es", keyboard)))
     assert drawn.count("-1,6") == 3
     assert "-1.6" not in drawn
+
+
+def test_the_change_of_a_quality_stands_beside_its_mdc95(keyboard: type[Task]) -> None:
+    def played(count: int) -> str:
+        values = (-1.60, -1.55, -1.50, -1.52, -1.40)[:count]
+        sessions = [session(day, adapted(day), qualities={"sparc": value}) for day, value in enumerate(values)]
+        (line,) = of(keyboard, *sessions).lines
+        return " ".join(results_part(line, (200, 40), 0, progress_words.words("en", None)))
+
+    assert "smoothness (SPARC) -1.6 → -1.4 (MDC95 0.153)" in played(5)
+    assert "smoothness (SPARC) -1.6 → -1.5." in played(3)
+    assert "How much of these changes is noise is not yet known: it needs 4 sessions." in played(3)

@@ -94,7 +94,7 @@ def programme_words(programme: Programme, *, is_roomy: bool) -> str:
 
 
 def progress_words(past: Sequence[Past], others: int) -> str:
-    """Return how the level went over comparable sessions: "Played at level 4, up 3 in 2 weeks".
+    """Return how the level went over comparable sessions: "Played at level 4, up 3 in 2 weeks; up to 1 by chance".
 
     ``others`` is the number of earlier sessions that had other settings.
     """
@@ -107,9 +107,18 @@ def progress_words(past: Sequence[Past], others: int) -> str:
         change = f"up {last - first}" if last > first else f"down {first - last}" if last < first else "as before"
         days = (ended - began).days
         said += f", {change} {f'in {span_words(days)}' if days > 0 else 'in one day'}"
+        said += _chance_words([level for _, level in known]) if last != first else ""
     if others:
         said += f" ({others} earlier with other settings)"
     return said
+
+
+def _chance_words(levels: Sequence[int]) -> str:
+    """Return how many levels of a change may be chance: the MDC95 of the baseline sessions, and one at least."""
+    from sar_tui.progress.change import baseline  # the empty screen is shown before it is loaded
+
+    found = baseline(levels)
+    return f"; up to {max(1, int(found.mdc95))} by chance" if found else "; chance not known yet"
 
 
 def last_words(last: Past, today: date) -> str:

@@ -253,7 +253,10 @@ class FeedbackChoice(msgspec.Struct, frozen=True):
 
 
 class Spread(msgspec.Struct, frozen=True):
-    """The trials behind a mean: ``n``, their number, and ``sd``, the SD between them; 0 for one trial."""
+    """The trials behind a mean: ``n``, their number, and ``sd``, the SD between them; 0 for one trial.
+
+    ``n`` is 0 if a trial is doubtful and the mean includes it, so that it cannot be compared.
+    """
 
     n: int
     sd: float

@@ -71,8 +71,9 @@ def test_a_programme_is_said_in_a_line_that_fits() -> None:
     [
         ([], ""),
         ([2], "Played at level 2"),
-        ([1, 2, 2, 4], "Played at level 4, up 3 in 2 weeks"),
-        ([4, 2], "Played at level 2, down 2 in 2 weeks"),
+        ([1, 2, 2, 4], "Played at level 4, up 3 in 2 weeks; up to 7 by chance"),
+        ([1, 3, 3, 3, 4], "Played at level 4, up 3 in 2 weeks; up to 1 by chance"),
+        ([4, 2], "Played at level 2, down 2 in 2 weeks; chance not known yet"),
         ([3, 4, 3], "Played at level 3, as before in 2 weeks"),
     ],
 )
@@ -83,7 +84,7 @@ def test_progress_is_the_change_of_the_level(levels: list[int], said: str) -> No
 
 def test_sessions_with_other_settings_are_named_and_not_compared() -> None:
     said = progress_words([past(3, 2), past(3, None), past(0, 4)], others=5)
-    assert said == "Played at level 4, up 2 in 3 days (5 earlier with other settings)"
+    assert said == "Played at level 4, up 2 in 3 days; chance not known yet (5 earlier with other settings)"
 
 
 def test_the_last_session_is_a_sentence() -> None:

@@ -157,3 +157,15 @@ def test_with_nothing_trained_better_is_seldom_said(rules: int, most: float) -> 
             said += spelled(text)[0].situation == "performance_improved"
             count += attempt > 0
     assert (said / count <= most) if rules == RULES else (said / count > 0.38)
+
+
+# --- doubtful trials --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("doubtful", [4, 5], ids=["the last attempt", "this attempt"])
+def test_no_change_of_a_result_is_reported_from_a_doubtful_trial(doubtful: int) -> None:
+    told = agent()
+    for number, metric in enumerate((900, 902, 898, 901, 905, 600)):
+        found = result(told, metric, n=0 if number == doubtful else 5)
+    assert found.situation == "positive_first"
+    assert result(told, 1400).situation == ("negative_worsened" if doubtful == 4 else "negative_first")
