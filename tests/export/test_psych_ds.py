@@ -62,6 +62,8 @@ def test_every_column_has_its_meaning_and_unit(study: Path, tmp_path: Path) -> N
     beside = json.loads((tmp_path / "out" / "data" / "description-trials_data.json").read_text())["variableMeasured"]
     (time,) = (each for each in beside if each["name"] == "reaction_time_ms")
     assert (time["@type"], time["unitText"]) == ("PropertyValue", "ms")
+    (angle,) = (each for each in beside if each["name"] == "details_excursion_deg")
+    assert angle["unitText"] == "deg"
     assert all(each["description"] for each in (*all_of_them, *beside))
 
 
