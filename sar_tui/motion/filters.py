@@ -130,12 +130,19 @@ class Spectrum:
         mirrored = np.concatenate((x[pad:0:-1], x, x[-2 : -pad - 2 : -1])) - self._mean
         self._size = 1 << (len(mirrored) - 1).bit_length()
         self._spectrum = np.fft.rfft(mirrored, self._size, axis=0)
+        self._below: dict[tuple[float, float | None], Floats] = {}
 
     def below(self, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
-        """Return the recording without frequencies above a cutoff, and without delay; arguments as for ``smooth``."""
+        """Return the recording without frequencies above a cutoff, and without delay; arguments as for ``smooth``.
+
+        The same array each time: do not change it.
+        """
+        if (cutoff_hz, notch_hz) in self._below:
+            return self._below[cutoff_hz, notch_hz]
         gain = _gain(self._size, self._rate_hz, cutoff_hz, notch_hz)
         filtered = np.fft.irfft(self._spectrum * gain, self._size, axis=0)
         result: Floats = filtered[self._pad : self._pad + self._length] + self._mean
+        self._below[cutoff_hz, notch_hz] = result
         return result
 
 

@@ -58,7 +58,7 @@ def measure(found: Detected, recording: Recording, version: Version = 2) -> tupl
     if not found.reaches:
         return ()
     cutoff = min(PEAKS_HZ, found.rate_hz / 4)
-    spectrum = Spectrum(found.rate, found.rate_hz)
+    spectrum = found.spectrum or Spectrum(found.rate, found.rate_hz)
     light = _Rates.of(spectrum.below(cutoff), found.by_norm)
     calm = light
     if found.tremor_hz is not None:

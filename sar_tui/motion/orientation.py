@@ -10,11 +10,11 @@ import numpy.typing as npt
 
 from sar_tui.motion import quaternions
 from sar_tui.motion.boundaries import first_peak, onset
-from sar_tui.motion.filters import Spectrum, usable_cutoff
+from sar_tui.motion.filters import usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.movement import checked, percentile, stretches
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
-from sar_tui.motion.rest import SLOW_HZ, Rest, find_rest
+from sar_tui.motion.rest import SLOW_HZ, Rest
 from sar_tui.motion.samples import Floats, Recording
 
 CALM_HZ = 5.0
@@ -126,9 +126,7 @@ def find(
     if len(grid.time_s) < 2:
         return Detected(grid.time_s, grid.rate, grid.rate_hz, (), by_norm=True)
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
-    rest = find_rest(grid.rate, grid.rate_hz, parameters.rest_s)
-    rate = grid.rate - rest.bias
-    spectrum = Spectrum(rate, grid.rate_hz)
+    rest, rate, spectrum = grid.unbiased(parameters.rest_s)
     slow = np.linalg.norm(spectrum.below(SLOW_HZ, rest.tremor_hz), axis=1)
     light = np.linalg.norm(spectrum.below(cutoff, rest.tremor_hz), axis=1)
     calm = np.linalg.norm(spectrum.below(min(CALM_HZ, cutoff), rest.tremor_hz), axis=1)
@@ -149,7 +147,7 @@ def find(
         for group in stretches(slow > motion.begin, parameters.dwell_s * grid.rate_hz)
         for reach in _reaches(motion, group, parameters, hand)
     )
-    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, by_norm=True)
+    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, by_norm=True, spectrum=spectrum)
 
 
 def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, hand: Hand) -> Iterator[Bounds]:

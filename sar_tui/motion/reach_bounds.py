@@ -4,6 +4,7 @@ from typing import Literal, NamedTuple
 
 import msgspec
 
+from sar_tui.motion.filters import Spectrum
 from sar_tui.motion.samples import Floats
 
 Hand = Literal["left", "right"]
@@ -35,6 +36,7 @@ class Detected(NamedTuple):
     ``time_s``: shape (n,), evenly spaced. ``rate``: shape (n, 3), rad/s, without the bias if the detector removes it.
     ``tremor_hz``: the tremor's frequency at rest; None without tremor, or if the detector does not look for it.
     ``by_norm``: the reaches turn about several axes, so peaks and smoothness are those of the norm of the rate.
+    ``spectrum``: of the rate; None if the detector did not need it.
     """
 
     time_s: Floats
@@ -43,3 +45,4 @@ class Detected(NamedTuple):
     reaches: tuple[Bounds, ...]
     tremor_hz: float | None = None
     by_norm: bool = False
+    spectrum: Spectrum | None = None

@@ -8,12 +8,12 @@ import msgspec
 import numpy as np
 
 from sar_tui.motion.boundaries import edges
-from sar_tui.motion.filters import Spectrum, smooth, usable_cutoff
+from sar_tui.motion.filters import smooth, usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.movement import checked, percentile, stretches
 from sar_tui.motion.phases import pairs, phases, principal_axis
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
-from sar_tui.motion.rest import SLOW_HZ, Rest, find_rest
+from sar_tui.motion.rest import SLOW_HZ, Rest
 from sar_tui.motion.samples import Floats, Recording
 
 CALM_HZ = 5.0
@@ -84,9 +84,7 @@ def find(
     if len(grid.time_s) < 2:
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
-    rest = find_rest(grid.rate, grid.rate_hz, parameters.rest_s)
-    rate = grid.rate - rest.bias
-    spectrum = Spectrum(rate, grid.rate_hz)
+    rest, rate, spectrum = grid.unbiased(parameters.rest_s)
     slow = spectrum.below(SLOW_HZ, rest.tremor_hz)
     speed = np.linalg.norm(slow, axis=1)
     floor = percentile(speed[rest.still], 99)
@@ -103,7 +101,7 @@ def find(
         for group in stretches(speed > motion.begin, parameters.dwell_s * grid.rate_hz)
         for reach in _reaches(motion, group, parameters, hand)
     )
-    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz)
+    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, spectrum=spectrum)
 
 
 def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, hand: Hand) -> Iterator[Bounds]:
