@@ -19,7 +19,7 @@ from sar_tui.motion.samples import Floats, Recording
 
 CALM_HZ = 5.0
 """Cutoff of the smoothing in which submovements are told apart."""
-MARGIN_S = 0.5
+MARGIN_S = 1.0
 """Time around a stretch of movement in which a reach may begin and end."""
 NEAR = 0.15
 """Share of the excursion within which the hand counts as not having left yet, or as back already."""

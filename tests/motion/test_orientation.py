@@ -8,6 +8,7 @@ from sar_tui.motion.quaternions import from_rotation, multiply, rotate
 from sar_tui.motion.reach_bounds import Bounds
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.scenarios import scenarios
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import simulate
 from sar_tui.motion.trajectories import simulate_reaches
@@ -44,6 +45,21 @@ def test_a_reach_about_many_axes_is_found_once_and_timed(kind: str) -> None:
     onset, duration = np.median(errors, axis=0)
     assert abs(onset) < 0.03
     assert abs(duration) < 0.06
+
+
+@pytest.mark.parametrize(("seed", "placement"), [(40, 0), (189, 2)])
+def test_a_reach_that_begins_slowly_is_found(seed: int, placement: int) -> None:
+    made = simulate_reaches("trunk-lean", seed, arm=("right", "left")[seed % 2], placement=placement)
+    (found,) = reaches_in(made.recording)
+    assert (found.onset_s, found.end_s) == pytest.approx(made.truth[0], abs=0.2)
+
+
+@pytest.mark.parametrize("seed", [21, 60, 94])
+def test_a_reach_after_a_noisy_rest_is_found(seed: int) -> None:
+    (noisy,) = [scenario for scenario in scenarios() if scenario.name == "noise 5 deg/s"]
+    made = noisy.make(seed)
+    (found,) = reaches_in(made.recording)
+    assert (found.onset_s, found.end_s) == pytest.approx(made.truth[0], abs=0.2)
 
 
 @pytest.mark.parametrize("rest_s", [0.5, 1.0, 4.0])
