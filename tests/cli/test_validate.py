@@ -48,9 +48,7 @@ def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
     assert {"clean", "tilted", "twitch", "all combined", "slow, submovements"} <= set(rows)
     for row in rows.values():
         assert row["reaches"] == 3
-        if row["axes"] == "many":
-            continue
-        assert (row["robust_exactly_one_percent"], row["robust_endless_percent"]) == (100.0, 0.0)
+        assert (row["orientation_exactly_one_percent"], row["orientation_endless_percent"]) == (100.0, 0.0)
     assert rows["clean"]["thesis_exactly_one_percent"] == 100.0
     assert rows["all combined"]["thesis_exactly_one_percent"] == 0.0
     assert rows["all combined"]["thesis_error_median_ms"] is None
@@ -126,11 +124,11 @@ def test_a_failed_claim_is_reported_and_exits_with_1(call: Call, monkeypatch: py
 
 
 def test_the_difficulty_in_which_a_claim_fails_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reach, "MEDIAN_MS", 10.0)
+    monkeypatch.setattr(reach, "DURATION_MS", 10.0)
     called = call("validate", "--only", "reach", "--reaches", 2)
     assert called.code == 1
     assert "✗ The median error of its durations is within 10 ms. But " in called.out
-    assert "tremor 0.1 rad/s: +11" in called.out
+    assert "But clean: -" in called.out
 
 
 def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:

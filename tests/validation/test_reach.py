@@ -9,6 +9,14 @@ from sar_tui.validation import reach
 from sar_tui.validation.report import Conditions, Report
 
 SEEDS = 16
+FIGURES = (
+    "exactly_one_percent",
+    "endless_percent",
+    "onset_error_median_ms",
+    "error_median_ms",
+    "onset_error_iqr_ms",
+    "error_iqr_ms",
+)
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +71,27 @@ def test_errors_are_those_of_a_reach_that_is_found_alone() -> None:
     for figure, by_ms in (("error", -1000.0), ("onset_error", 1000.0)):
         difference = wrong[f"robust_{figure}_median_ms"] - right[f"robust_{figure}_median_ms"]
         assert difference == pytest.approx(by_ms)
+
+
+@pytest.mark.parametrize(
+    ("figure", "value", "says"),
+    [
+        ("exactly_one_percent", 98.5, "exactly one reach in 99 % or more"),
+        ("endless_percent", 0.5, "endless"),
+        ("onset_error_median_ms", -31.0, "onsets is within 30 ms"),
+        ("error_median_ms", None, "durations is within 60 ms"),
+        ("error_iqr_ms", 81.0, "durations' errors spans at most 80 ms"),
+    ],
+)
+def test_a_kind_outside_the_limits_is_named_against_the_claim(
+    one_of_each: Report, figure: str, value: float | None, says: str
+) -> None:
+    rows = [dict(row) for row in one_of_each.rows]
+    for row in rows:
+        for name, fine in zip(FIGURES, (100.0, 0.0, 10.0, -20.0, 30.0, 40.0), strict=True):
+            row[f"orientation_{name}"] = fine
+    assert all(claim.holds for claim in reach.claims(rows))
+    rows[-1][f"orientation_{figure}"] = value
+    (failed,) = [claim for claim in reach.claims(rows) if not claim.holds]
+    assert says in failed.sentence
+    assert failed.against.startswith("point-and-hold: ")
