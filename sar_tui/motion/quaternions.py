@@ -5,7 +5,6 @@ gyroscope is in the sensor's axes, so turning on from q by a small rotation r, s
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from sar_tui.motion.samples import Floats
 
@@ -15,18 +14,14 @@ _STRETCH = 8
 
 def multiply(one: Floats, other: Floats) -> Floats:
     """Return the products of quaternions, shape (..., 4): rotation by ``other``, then by ``one``."""
-    a, b = _halves(one)
-    c, d = _halves(other)
-    product = np.empty((*np.broadcast_shapes(one.shape, other.shape)[:-1], 2), dtype=complex)
-    product[..., 0] = a * c - b * d.conj()
-    product[..., 1] = a * d + b * c.conj()
-    return product.view(float)
-
-
-def _halves(orientation: Floats) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
-    """Return w + ix and y + iz of quaternions w + ix + jy + kz = (w + ix) + (y + iz) j: fewer operations."""
-    pair = np.ascontiguousarray(orientation, dtype=float).view(complex)
-    return pair[..., 0], pair[..., 1]
+    a, b, c, d = one[..., 0], one[..., 1], one[..., 2], one[..., 3]
+    w, x, y, z = other[..., 0], other[..., 1], other[..., 2], other[..., 3]
+    product: Floats = np.empty(np.broadcast_shapes(one.shape, other.shape))
+    product[..., 0] = a * w - b * x - c * y - d * z
+    product[..., 1] = a * x + b * w + c * z - d * y
+    product[..., 2] = a * y - b * z + c * w + d * x
+    product[..., 3] = a * z + b * y - c * x + d * w
+    return product
 
 
 def conjugate(orientation: Floats) -> Floats:
