@@ -42,10 +42,6 @@ class ActLog:
         self._reports = [*self._reports, line][-MAX_LINES:]
         return line
 
-    def withdraw(self, report: Line) -> None:
-        """Remove the line of a report."""
-        self._reports = [line for line in self._reports if line is not report]
-
     def add(self, text: str, topic: Topic[Any], message: Message, when: str = "", typed: str = "") -> None:
         """Log an act that was sent."""
         self.acts = [*self.acts, Act(text, topic.name, message, when=when, typed=typed)][-MAX_LINES:]

@@ -44,7 +44,7 @@ _GAP, _LINK_SHARE = 2, 0.6
 _SHORTEST_ABSENCE_S = 1.0
 """Shorter silences of the terminal are not worth a line in the log."""
 _JUST_NOW_S = 10
-"""An absence told within this time before the panel joins again belongs to it."""
+"""What was told of an absence stays the newest line of the log for this time."""
 
 
 class PanelLayout(OrderedScreen[str]):
@@ -160,7 +160,6 @@ class PanelLayout(OrderedScreen[str]):
         self.commands.receive(event)
         if isinstance(event, Welcome):
             self._report_absence()
-            self._repeat_absence()
         if self.commands.state.theme is not theme:
             self.phrase_book = palette.PhraseBook.of(self.commands.state, self.file)
             if self.commands.state.theme:
@@ -180,13 +179,6 @@ class PanelLayout(OrderedScreen[str]):
             )
             self._absence = self.commands.log.report(self.commands.peer.now(), text)
             self.is_stale = True
-
-    def _repeat_absence(self) -> None:
-        """Move what was just told of an absence below the lines of joining again: a low log shows only the newest."""
-        peer, absence = self.commands.peer, self._absence
-        if peer and absence and peer.now() - absence.at < _JUST_NOW_S * SECOND:
-            self.commands.log.withdraw(absence)
-            self._absence = self.commands.log.report(peer.now(), absence.text)
 
     def on_resize(self, event: events.Resize) -> None:
         self.set_class(event.size.height >= _TALL, "tall")
@@ -274,7 +266,7 @@ class PanelLayout(OrderedScreen[str]):
         self._draw_palette()
         log = self.query_one("#log")
         stops = [stop.line(now) for stop in state.stops]
-        lines = sorted([*state.log, *stops, *self.commands.log.lines(now)], key=lambda line: line.at)
+        lines = sorted([*state.log, *stops, *self.commands.log.lines(now)], key=partial(self._place_in_log, now))
         wall = self._wall_time()
         times = partial(status_view.time_of_day, now=now, wall=wall)
         self._put("log", status_view.log_lines(lines, self._width("log"), log.content_size.height, times))
@@ -283,6 +275,14 @@ class PanelLayout(OrderedScreen[str]):
         footer = key_help.footer(self.file, question, self._width("footer"), is_observer=self.is_observer)
         self._put("footer", footer)
         self._put("key-help", key_help.help_sheet(self.file, is_observer=self.is_observer))
+
+    def _place_in_log(self, now: int, line: Line) -> tuple[bool, int]:
+        """Return what lines are ordered by: their time, but what was just told of an absence stays the newest.
+
+        The lines of joining again come after it, and a low log shows no more than those.
+        """
+        is_news = line is self._absence and now - line.at < _JUST_NOW_S * SECOND
+        return is_news, line.at
 
     def _draw_proposals(self, now: int) -> None:
         strip, commands, approval = self.query_one(ProposalStrip), self.commands, self.chosen

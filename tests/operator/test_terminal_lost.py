@@ -53,6 +53,7 @@ async def test_an_absence_told_before_the_panel_has_joined_again_stays_in_sight(
         await panel.advance(200)
         await panel.receive(welcome())
         for state in ("joined", "baton"):
+            await panel.advance(200)
             joined = m.OperatorChanged(actor=ANNA, state=state, operated=True, holder=ANNA, peers={ANNA: "operator"})
             await panel.publish(t.PRESENCE, joined)
         assert panel.text.count("This terminal did not answer for 34 s.") == 1
