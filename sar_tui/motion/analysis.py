@@ -90,7 +90,7 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) -> Finding:
     """Find the reach of a window by each detector, and measure it.
 
-    If there are several, the largest is taken and ``several`` is flagged; ``disagree`` if the time is doubtful, as the
+    If there are several, the fastest is taken and ``several`` is flagged; ``disagree`` if the time is doubtful, as the
     detectors of single axes and of orientations differ by more than 20 %. Quantities that the sensor could not measure
     are None.
 
@@ -127,10 +127,13 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
             return Finding(details=known, invalid="rate", flags=window.flags)
         found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))
         if name == parameters.detector:
+            known["reaches"] = len(found.reaches)
+        if version > 1:
+            found = found._replace(reaches=_fastest(found))
+        if name == parameters.detector:
             reaches = measure(found, whole, version)
         times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole, version)
     reach = _largest(reaches)
-    known["reaches"] = len(reaches)
     holes = _holes(inside["at"], window)
     if reach is None:
         return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
@@ -184,6 +187,19 @@ def _is_expected(bounds: Bounds, window: Window) -> bool:
     earliest_s = (window.started_ns - EARLY_NS - window.from_ns) / NS
     started_s = (window.started_ns - window.from_ns) / NS
     return bounds.onset_s >= earliest_s and bounds.end_s > started_s
+
+
+def _fastest(found: Detected) -> tuple[Bounds, ...]:
+    """Return the reach in which the hand turns fastest, about any axis; none if there is none."""
+    if len(found.reaches) < 2:
+        return found.reaches
+    speed = np.linalg.norm(found.rate, axis=1)
+
+    def peak(bounds: Bounds) -> float:
+        first, last = np.searchsorted(found.time_s, (bounds.onset_s, bounds.end_s))
+        return float(speed[first : last + 1].max(initial=0.0))
+
+    return (max(found.reaches, key=peak),)
 
 
 def _reach_time_ms(found: Detected, recording: Recording, version: Version) -> float | None:

@@ -8,6 +8,8 @@ import numpy as np
 
 from sar_tui.motion.samples import Floats
 
+_SHORT = 2048
+"""Up to this number of rotations, twice as many are composed in each step, which takes fewer steps than one by one."""
 _STRETCH = 8
 """Number of rotations that are composed one after the other; longer products are made of products of stretches."""
 
@@ -85,10 +87,11 @@ def integrate(rate: Floats, step_s: float) -> Floats:
 def _products(steps: Floats) -> Floats:
     """Return the products of the first, the first two, ... of the steps: in the order of time, to the right."""
     count = len(steps)
-    if count <= _STRETCH:
-        products = steps.copy()
-        for index in range(1, count):
-            products[index] = multiply(products[index - 1], steps[index])
+    if count <= _SHORT:
+        products, known = steps.copy(), 1
+        while known < count:
+            products[known:] = multiply(products[:-known], products[known:])
+            known *= 2
         return products
     stretches = -(-count // _STRETCH)
     padded = np.zeros((stretches * _STRETCH, 4))
