@@ -177,7 +177,8 @@ def measures(reach: Reach, version: Version = 2) -> Measured:
         "tremor_index": reach.tremor_index,
     }
     if version > 1:
-        measured |= {name: getattr(reach, name) for name in _OF_VERSION_2}
+        values = {name: getattr(reach, name) for name in _OF_VERSION_2}
+        measured |= {name: None if value is None else round(value, 4) for name, value in values.items()}
     if "saturated" in reach.flags:
         measured |= dict.fromkeys(measured.keys() - _TIMES)
     return measured
