@@ -5,20 +5,23 @@ import os
 import secrets
 import sqlite3
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from datetime import date, timedelta
 from pathlib import Path
 
+import filelock
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
 from sar_tui.export.errors import ExportError
+from sar_tui.export.place import made_beside
 
 _HEAD = ("code", "recoded", "shift_days")
 _LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"
 """Without those that look alike."""
 _LENGTH = 6
 _MOST_DAYS = 365
+_LOCK_TIMEOUT_S = 10.0
 
 
 class Recoded(msgspec.Struct, frozen=True):
@@ -35,17 +38,32 @@ def recoding(database: sqlite3.Connection, path: Path, codes: Iterable[str]) -> 
     session together have the same shift, so that it has one date for both, unless both were in the file before.
 
     Raises:
-        ExportError: the file is not one of this kind.
-        OSError: it cannot be written.
+        ExportError: the file is not one of this kind, or cannot be written.
     """
+    wanted = list(codes)
     known = _read(path)
-    new = [code for code in codes if code not in known]
-    for code in new:
-        shift = next((known[each].shift_days for each in _partners(database, code) if each in known), None)
-        known[code] = Recoded(_new_code(known), -1 - secrets.randbelow(_MOST_DAYS) if shift is None else shift)
-    if new:
+    if all(code in known for code in wanted):
+        return known
+    with _locked(path):
+        known = _read(path)  # again: another export may have added the same codes meanwhile
+        for code in wanted:
+            if code not in known:
+                shift = next((known[each].shift_days for each in _partners(database, code) if each in known), None)
+                known[code] = Recoded(_new_code(known), -1 - secrets.randbelow(_MOST_DAYS) if shift is None else shift)
         _write(path, known)
     return known
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Keep other exports from adding to the file. Raises ExportError."""
+    lock = filelock.FileLock(path.with_name(f".{path.name}.lock"), timeout=_LOCK_TIMEOUT_S, mode=0o600)
+    with made_beside(path):
+        try:
+            with lock:
+                yield
+        except filelock.Timeout as error:
+            raise ExportError(f"Another export is writing {path}. Try again when it has ended.") from error
 
 
 def _partners(database: sqlite3.Connection, code: str) -> list[str]:
@@ -88,7 +106,6 @@ def _not_a_map(path: Path) -> ExportError:
 
 def _write(path: Path, known: dict[str, Recoded]) -> None:
     """Write the file as a whole, for its owner only."""
-    make_private(path.absolute().parent)
     number, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.absolute().parent)
     try:
         with open(number, "w", encoding="utf-8", newline="") as file:

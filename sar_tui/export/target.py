@@ -12,8 +12,8 @@ from pathlib import Path
 import filelock
 import msgspec
 
-from sar_tui.drivers.private_folder import make_private
 from sar_tui.export.errors import ExportError
+from sar_tui.export.place import made_beside
 
 MANIFEST = "sar-tui-export.json"
 """The file in an export that says what it holds, and by which a later export knows its own folder."""
@@ -44,14 +44,14 @@ def target(folder: Path, format: str) -> Iterator[Path]:
     next export to the same target.
 
     Raises:
-        ExportError: the target is a file, a disk, or holds other files than those of an export in this format.
+        ExportError: the target cannot be made, is a file or a disk, or holds other files than those of an export in
+            this format.
     """
     folder = folder.resolve()
-    parent = folder.parent
     _remove_left_behind(folder)
     check(folder, format)
-    make_private(parent)
-    hidden = Path(tempfile.mkdtemp(prefix=_prefix(folder), dir=parent))
+    with made_beside(folder):
+        hidden = Path(tempfile.mkdtemp(prefix=_prefix(folder), dir=folder.parent))
     lock = filelock.FileLock(hidden / LOCK, mode=0o600)
     try:
         lock.acquire(blocking=False)

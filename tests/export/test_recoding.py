@@ -5,14 +5,16 @@ import os
 from contextlib import closing
 from datetime import date
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import frictionless
 import pytest
 from sqlite_utils import Database
 
+from sar_tui.export import recoding as recoding_module
 from sar_tui.export.errors import ExportError
-from sar_tui.export.recoding import shifted
+from sar_tui.export.recoding import Recoded, shifted
 from sar_tui.store import participants
 from sar_tui.store.database import connect
 from tests.export.exported import export_csv, read_csv
@@ -140,4 +142,38 @@ def test_a_file_that_is_no_map_is_not_touched(data: Path, tmp_path: Path, text: 
 def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
     with pytest.raises(ExportError, match="must not be in the folder that leaves"):
         export_csv(data, tmp_path / "out", recode=tmp_path / "out" / "map.csv")
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_exports_at_once_agree_on_the_codes(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second one must not read the map before the codes of the first are in it, and then replace them."""
+    told: list[str] = []
+    write = recoding_module._write
+
+    def write_while_another_begins(path: Path, known: dict[str, Recoded]) -> None:
+        other = Thread(target=another)
+        other.start()
+        other.join()
+        write(path, known)
+
+    def another() -> None:
+        with closing(connect(data)) as database, pytest.raises(ExportError) as refused:
+            recoding_module.recoding(database, tmp_path / "map.csv", CODES)
+        told.append(str(refused.value))
+
+    monkeypatch.setattr(recoding_module, "_LOCK_TIMEOUT_S", 0)
+    monkeypatch.setattr(recoding_module, "_write", write_while_another_begins)
+    with closing(connect(data)) as database:
+        given = recoding_module.recoding(database, tmp_path / "map.csv", CODES)
+    assert told == [f"Another export is writing {tmp_path / 'map.csv'}. Try again when it has ended."]
+    assert read_map(tmp_path / "map.csv") == {code: (each.code, each.shift_days) for code, each in given.items()}
+
+
+def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    refused = call(
+        "export", "--all", "--simulated", "--to", tmp_path / "out", "--recode", tmp_path / "file" / "map.csv"
+    )
+    assert refused.code == 2
+    assert refused.err == f"{tmp_path / 'file' / 'map.csv'} cannot be made: {tmp_path / 'file'} is a file.\n"
     assert not (tmp_path / "out").exists()

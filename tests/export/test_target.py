@@ -146,3 +146,11 @@ def test_an_earlier_export_is_put_back_if_the_program_was_killed_while_it_was_re
         raise OSError("full")
     assert names(tmp_path) == ["out"]
     assert (tmp_path / "out" / "a.csv").read_text() == "1"
+
+
+def test_a_folder_that_cannot_be_made_is_named_and_no_hidden_one(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(ExportError) as refused:
+        made(tmp_path / "file" / "deep" / "out")
+    assert str(refused.value) == f"{tmp_path / 'file' / 'deep' / 'out'} cannot be made: {tmp_path / 'file'} is a file."
+    assert refused.value.bad_input
