@@ -4,7 +4,7 @@ A session's window holds a reach because the person was asked for one. A recordi
 scratching as well, which turn the hand out and back, too. A reach among them
 
 - is large enough, and returns to where it began;
-- has one dominant excursion: the hand does not come back halfway to leave again;
+- has one dominant excursion: the hand does not come back halfway to leave again, nor wander far on its way;
 - begins and ends at rest: in walking, rubbing or trembling each swing adjoins the next.
 
 The last sorts out rhythms without a look at their period. So reaches in a row are kept, however even their pace, if the
@@ -22,10 +22,14 @@ from sar_tui.motion.samples import Floats
 
 LEAST_RAD = math.radians(10)
 """Smallest excursion. Gestures of fingers and wrist are smaller, a reach of the arm is larger."""
-LEFT_SHARE, LEFT_RAD = 0.6, math.radians(18)
+LEFT_SHARE, LEFT_RAD = 0.5, math.radians(18)
 """The hand is back if no more is left than this share of the excursion, and than this angle."""
+BACK_S = 2.0
+"""It may come back so long after the end that was found: it has set down a glass first."""
 DENT_SHARE = 0.5
 """Share of the excursion by which the hand may come back, or leave again, in between."""
+PATH_SHARE = 3.0
+"""All its movements together turn the hand by at most this times the way out and back; a bout of a rhythm by more."""
 CALM_SHARE = 0.2
 """Share of the reach's largest speed that the hand has at most where it rests."""
 CALM_S = 0.4
@@ -58,15 +62,17 @@ def plausible(found: Detected) -> Detected:
 
 
 def _is_plausible(bounds: Bounds, found: Detected, orientation: Floats, fast: Floats, slow: Floats) -> bool:
-    samples = round(BESIDE_S * found.rate_hz)
     first, last = np.searchsorted(found.time_s, (bounds.onset_s, bounds.end_s)).tolist()
     last = max(first, min(last, len(orientation) - 1))
-    turned = angle(multiply(conjugate(orientation[first]), orientation[first : last + samples]))
+    until = last + 1 + round(BACK_S * found.rate_hz)
+    turned = angle(multiply(conjugate(orientation[first]), orientation[first:until]))
     inside = last - first + 1
+    speed = slow[first : last + 1]
     return (
         _is_excursion(turned[:inside])
+        and float(speed.sum()) / found.rate_hz <= PATH_SHARE * 2.0 * float(turned[:inside].max())
         and _is_back(turned, inside)
-        and _is_calm(fast, first, last, CALM_SHARE * float(slow[first : last + 1].max()), found.rate_hz)
+        and _is_calm(fast, first, last, CALM_SHARE * float(speed.max()), found.rate_hz)
     )
 
 

@@ -71,9 +71,9 @@ def test_walking_and_tremor_have_the_frequencies_of_people(lives: dict[str, Dail
 
 
 def test_events_come_at_no_fixed_times() -> None:
-    onsets = [trip.from_s for trip in simulate("scratching", 3).trips]
+    onsets = [trip.from_s for trip in simulate("scratching", 3, minutes=5.0).trips]
     between = np.diff(onsets)
     assert len(between) > 5
     assert between.std() > 0.3 * between.mean()
-    others = [simulate(kind, 4).trips for kind in ("scratching", "typing")]
+    others = [simulate(kind, 4, minutes=2.0).trips for kind in ("scratching", "typing")]
     assert all(set(one).isdisjoint(other) for one, other in itertools.combinations(others, 2))

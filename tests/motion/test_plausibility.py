@@ -67,6 +67,14 @@ def test_a_movement_that_does_not_return_is_none(motion: WristMotion) -> None:
     assert _kept(motion.measured(), [(4.0, 6.5)]) == 0
 
 
+@pytest.mark.parametrize(("pause_s", "kept"), [(0.8, 1), (3.0, 0)])
+def test_a_hand_may_set_something_down_before_it_comes_back(motion: WristMotion, pause_s: float, kept: int) -> None:
+    motion.shift(3.0, (60.0, 0.0, 0.0), 1.0)
+    motion.shift(4.0, (-35.0, 0.0, 0.0), 1.0)
+    motion.shift(5.0 + pause_s, (-25.0, 0.0, 0.0), 0.8)
+    assert _kept(motion.measured(), [(3.0, 5.0)]) == kept
+
+
 @pytest.mark.parametrize(("degrees", "kept"), [(8.0, 0), (12.0, 1)])
 def test_a_small_gesture_is_none(motion: WristMotion, degrees: float, kept: int) -> None:
     _out_and_back(motion, 4.0, (0.0, degrees, 0.0))
@@ -80,6 +88,13 @@ def test_two_excursions_are_not_one(motion: WristMotion, between: float, kept: i
     motion.shift(5.8, (40.0 * between, 0.0, 0.0), 0.8)
     motion.shift(6.6, (-40.0, 0.0, 0.0), 1.0)
     assert _kept(motion.measured(), [(4.0, 7.6)]) == kept
+
+
+def test_a_bout_of_a_rhythm_somewhere_else_is_none(motion: WristMotion) -> None:
+    motion.shift(3.0, (60.0, 0.0, 0.0), 1.0)
+    motion.rhythm(3.5, 8.5, 1.0, (0.0, 25.0, 20.0), lags=(0.0, 0.0, 0.25))
+    motion.shift(8.0, (-60.0, 0.0, 0.0), 1.0)
+    assert _kept(motion.measured(), [(3.0, 9.0)]) == 0
 
 
 def test_a_swing_of_a_rhythm_is_none(motion: WristMotion) -> None:
