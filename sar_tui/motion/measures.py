@@ -40,11 +40,11 @@ class _Rates(NamedTuple):
     def of(cls, rate: Floats, by_norm: bool) -> "_Rates":
         return cls(rate, np.linalg.norm(rate, axis=1) if by_norm else None)
 
-    def about(self, axis: Floats) -> tuple[Floats, Floats]:
-        """Return the rate of a reach, positive on the way out and negative on the way back, to be used on each way."""
+    def about(self, axis: Floats, part: slice) -> tuple[Floats, Floats]:
+        """Return the rate in a part: positive on a way out and negative on a way back, to be used on each way."""
         if self.norm is not None:
-            return self.norm, -self.norm
-        turning = self.rate @ axis
+            return self.norm[part], -self.norm[part]
+        turning = self.rate[part] @ axis
         return turning, turning
 
 
@@ -83,13 +83,14 @@ def _ordered(bounds: Bounds) -> Bounds:
 def _measured(
     found: Detected, light: _Rates, calm: _Rates, bounds: Bounds, flags: tuple[str, ...], version: Version
 ) -> Reach:
-    time, rate_hz, axis = found.time_s, found.rate_hz, np.asarray(bounds.axis)
-    turn_s = _turn(time, light.rate @ axis, bounds)
+    part = slice(None) if version == 1 else _between(found.time_s, bounds.onset_s, bounds.end_s)
+    time, rate_hz, axis = found.time_s[part], found.rate_hz, np.asarray(bounds.axis)
+    turn_s = _turn(time, light.rate[part] @ axis, bounds)
     arrival_s, departure_s = min(bounds.arrival_s, turn_s), max(bounds.departure_s, turn_s)
     leaves = (time >= bounds.onset_s) & (time <= arrival_s)
     returns = (time >= departure_s) & (time <= bounds.end_s)
     whole = (time >= bounds.onset_s) & (time <= bounds.end_s)
-    (leaving, returning), (calm_leaving, calm_returning) = light.about(axis), calm.about(axis)
+    (leaving, returning), (calm_leaving, calm_returning) = light.about(axis, part), calm.about(axis, part)
     way_out, way_back = np.maximum(leaving[leaves], 0.0), np.maximum(-returning[returns], 0.0)
     out_s, back_s = arrival_s - bounds.onset_s, bounds.end_s - departure_s
     if version == 1:
@@ -118,7 +119,7 @@ def _measured(
         sparc_back=sparc(way_back, rate_hz) if is_back_long else None,
         ldlj_out=ldlj(way_out, rate_hz) if is_out_long else None,
         ldlj_back=ldlj(way_back, rate_hz) if is_back_long else None,
-        tremor_index=tremor_index(found.rate[whole], rate_hz),
+        tremor_index=tremor_index(found.rate[part][whole], rate_hz),
         flags=tuple(dict.fromkeys((*bounds.flags, *flags))),
     )
 
@@ -133,20 +134,23 @@ def _turn(time: Floats, turning: Floats, bounds: Bounds) -> float:
     return float(time[falls[np.abs(time[falls] - middle).argmin()]]) if len(falls) else middle
 
 
+def _between(time: Floats, from_s: float, to_s: float) -> slice:
+    """Return the samples between two times, both included."""
+    return slice(int(np.searchsorted(time, from_s)), int(np.searchsorted(time, to_s, side="right")))
+
+
 def _extended(reach: Reach, found: Detected, calm: Floats, recording: Recording) -> Reach:
     """Return a reach with its measures of orientation and of tremor."""
     time, rate_hz = found.time_s, found.rate_hz
-    first, arrival, target, departure, last = np.searchsorted(
-        time, (reach.onset_s, reach.onset_s + reach.out_s, reach.turn_s, reach.end_s - reach.back_s, reach.end_s)
-    ).tolist()
-    inside = slice(first, last + 1)
-    if first >= len(time):
+    inside = _between(time, reach.onset_s, reach.end_s)
+    most = inside.stop - inside.start - 1
+    if most < 0:
         return reach
-    most = len(time[inside]) - 1
-    arrival, target, departure = (min(index - first, most) for index in (arrival, target, departure))
+    moments = (reach.onset_s + reach.out_s, reach.turn_s, reach.end_s - reach.back_s)
+    arrival, target, departure = np.minimum(np.searchsorted(time[inside], moments), most).tolist()
     rest = _rest(found, reach.onset_s)
     up = None if rest is None else _up(recording, *rest)
-    before = found.rate[:0] if rest is None else found.rate[(time >= rest[0]) & (time <= rest[1])]
+    before = found.rate[:0] if rest is None else found.rate[_between(time, *rest)]
     return msgspec.structs.replace(
         reach,
         **turned(calm[inside], rate_hz, arrival, target, departure, up)._asdict(),
@@ -159,7 +163,7 @@ def _extended(reach: Reach, found: Detected, calm: Floats, recording: Recording)
 def _rest(found: Detected, onset_s: float) -> tuple[float, float] | None:
     """Return from when to when the hand rested right before the onset; None if it did not, or nothing was recorded."""
     from_s, to_s = (onset_s - before_s for before_s in REST_S)
-    rate = found.rate[(found.time_s >= from_s) & (found.time_s <= to_s)]
+    rate = found.rate[_between(found.time_s, from_s, to_s)]
     if len(rate) < SHORTEST_REST_S * found.rate_hz:
         return None
     course = np.cumsum(rate, axis=0) / found.rate_hz
@@ -171,6 +175,6 @@ def _up(recording: Recording, from_s: float, to_s: float) -> Floats | None:
     """Return the mean acceleration of a rest, which points upwards; None if it was not measured."""
     if recording.acceleration is None:
         return None
-    felt = recording.acceleration[(recording.time_s >= from_s) & (recording.time_s <= to_s)]
+    felt = recording.acceleration[_between(recording.time_s, from_s, to_s)]
     mean: Floats = felt[np.isfinite(felt).all(axis=1)].sum(axis=0)
     return mean if np.linalg.norm(mean) > 0 else None
