@@ -37,6 +37,8 @@ NOISE = 1.8
 """95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends change it less)."""
 TURN_S = 0.1
 """A shorter rest at the target is a turn."""
+LINGER_S = 1.2
+"""Longest time from a stop on the way back until the hand is nearer to its start, as a cup is put down in between."""
 HOME_S = 0.3
 """Shortest rest from which a reach starts, if it is not the one that ended the reach before."""
 JUST_BEFORE_S = 0.1
@@ -204,7 +206,7 @@ def _chains(
         start = home
         while start >= at:
             ahead = slice(start, start + farthest)
-            found = _excursion_from(orientation[ahead], slow[ahead], end, parameters)
+            found = _excursion_from(orientation[ahead], slow[ahead], end, parameters, LINGER_S * rate_hz)
             if found is None:
                 break
             yield found.later(start)
@@ -220,9 +222,12 @@ def _homes(resting: npt.NDArray[np.bool_], rate_hz: float) -> list[int]:
 
 
 def _excursion_from(
-    orientation: Floats, slow: Floats, end: float, parameters: OrientationParameters
+    orientation: Floats, slow: Floats, end: float, parameters: OrientationParameters, linger: float
 ) -> _Excursion | None:
-    """Return the first turn away from the orientation at the first sample and back; None without a way back."""
+    """Return the first turn away from the orientation at the first sample and back; None without a way back.
+
+    A stop on the way back, of which less than ``linger`` samples pass before the hand is nearer, does not end it.
+    """
     turned = quaternions.multiply(quaternions.conjugate(orientation[0]), orientation)
     angle = quaternions.angle(turned)
     highest = np.maximum.accumulate(angle)
@@ -234,13 +239,30 @@ def _excursion_from(
         leaves = _leaves(angle, came, parameters.return_share * largest)
         if _is_back(angle[came:leaves], slow[came:leaves], end, largest, float(slow[:leaves].max())):
             rests = np.flatnonzero(slow[came:leaves] <= end)
-            last = came + int(rests[0] if len(rests) else angle[came:leaves].argmin())
+            last = came + (
+                _settles(angle[came:leaves], rests, NEAR * largest, linger)
+                if len(rests)
+                else int(angle[came:leaves].argmin())
+            )
             stop = min(leaves, _leaves(angle, last, NEAR * largest)) if len(rests) else last + 1
             top = int(angle[:came].argmax())
             x, y, z = (quaternions.to_rotation(turned[top]) / angle[top]).tolist()
             return _Excursion(0, top, last, stop, angle[:stop], (x, y, z))
         at = leaves
     return None
+
+
+def _settles(angle: Floats, rests: npt.NDArray[np.intp], by: float, linger: float) -> int:
+    """Return the first of some samples at rest from which the angle does not soon fall further."""
+    at = int(rests[0])
+    while True:
+        nearer = np.flatnonzero(angle[at:] <= angle[at] - by)
+        if not len(nearer) or nearer[0] > linger:
+            return at
+        later = rests[rests >= at + nearer[0]]
+        if not len(later):
+            return at
+        at = int(later[0])
 
 
 def _leaves(angle: Floats, since: int, by: float) -> int:

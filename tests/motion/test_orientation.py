@@ -54,6 +54,20 @@ def test_a_reach_that_begins_slowly_is_found(seed: int, placement: int) -> None:
     assert (found.onset_s, found.end_s) == pytest.approx(made.truth[0], abs=0.2)
 
 
+@pytest.mark.parametrize("seed", [17, 62, 139])
+def test_a_stop_on_the_way_back_does_not_end_a_reach(seed: int) -> None:
+    made = simulate_reaches("drinking", seed)
+    (found,) = reaches_in(made.recording)
+    assert (found.onset_s, found.end_s) == pytest.approx(made.truth[0], abs=0.15)
+
+
+def test_a_hand_that_stays_halfway_back_has_ended_its_reach_there() -> None:
+    time_s = np.arange(0.0, 12.0, 0.01)
+    angle = 1.0 * stroke(time_s, 2.0, 0.6) - 0.7 * stroke(time_s, 3.0, 0.6) - 0.3 * stroke(time_s, 7.0, 0.6)
+    (found,) = reaches_in(turning(angle[:, None], np.array([[0.0, 1.0, 0.0]])))
+    assert found.end_s == pytest.approx(3.6, abs=0.05)
+
+
 @pytest.mark.parametrize("seed", [21, 60, 94])
 def test_a_reach_after_a_noisy_rest_is_found(seed: int) -> None:
     (noisy,) = [scenario for scenario in scenarios() if scenario.name == "noise 5 deg/s"]
