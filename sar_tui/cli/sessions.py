@@ -84,7 +84,7 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show a session: attempts, plot, timing."""
-    from sar_tui.reports import difficulty_changes, rests, skipped_attempts
+    from sar_tui.reports import difficulty_changes, reported_changes, rests, skipped_attempts
     from sar_tui.reports.marker_summary import marker_summaries
     from sar_tui.reports.output_summary import output_summaries
     from sar_tui.store import adverse_events, sites, wellbeing
@@ -105,6 +105,7 @@ def show(
         must_rest = any(found["parameters"].get(f"rest_after_{what}") for what in ("attempts", "minutes"))
         changes += rests.lines(database, found["id"]) if must_rest and not as_json else []
         changes += skipped_attempts.lines(database, found["id"]) if not as_json else []
+        changes += reported_changes.lines(store.rows(database, "actions", found["id"])) if not as_json else []
         events = adverse_events.listing(database, session=found["id"])
         found["site"] = found["site"] or sites.own(database)
     if as_json:

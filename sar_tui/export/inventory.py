@@ -181,6 +181,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "valence": "open",
         "degree": "open",
         "attempt": "open",
+        "evidence": "open",
     },
     "actions.final": {"level": "open"},
     "actions.actor": {"role": "open"},

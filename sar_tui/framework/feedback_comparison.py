@@ -5,8 +5,9 @@ from typing import Literal, NamedTuple
 
 from sar_tui.framework.messages import AttemptEnded, Feedback, RecalledAttempts, Spread
 from sar_tui.framework.policies.real_change import Change, Sample, judge
+from sar_tui.framework.results_for_people import metric_for_people
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Quality
+from sar_tui.framework.trial_types import Metric, Quality
 
 ALIKE = 0.2
 """Largest relative difference of results whose performance is compared."""
@@ -18,12 +19,13 @@ class QualityChange(NamedTuple):
     """The change of a quality since an earlier attempt.
 
     ``size``: the improvement in margins, or in MDC95 from rules 5 on; negative if it is worse. ``is_real``: it is large
-    enough to be said.
+    enough to be said. ``judged``: against the person's noise; None before rules 5.
     """
 
     quality: Quality
     size: float
     is_real: bool
+    judged: Change | None = None
 
 
 def attempts_before(feedback: Feedback, recalled: RecalledAttempts) -> list[AttemptEnded]:
@@ -90,7 +92,9 @@ def quality_changes(
         return [QualityChange(each, size, abs(size) >= 1) for each, size in zip(both, sizes, strict=True)]
     judged = [(each, _judge_quality(each, feedback, recalled, before, len(both))) for each in both]
     return [
-        QualityChange(each, _size(change, each.better), change.verdict != "chance") for each, change in judged if change
+        QualityChange(each, _size(change, each.better), change.verdict != "chance", change)
+        for each, change in judged
+        if change
     ]
 
 
@@ -131,3 +135,20 @@ def _present(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | N
 def _sample(attempt: AttemptEnded, name: str, mean: float) -> Sample:
     spread = attempt.spreads.get(name, _ONE)
     return Sample(mean, spread.n, spread.sd)
+
+
+def result_evidence(metric: Metric, change: Change) -> str:
+    """Return a change of the result beside its MDC95, for the therapist: "reach time -0.421 s (MDC95 0.380 s)".
+
+    A time has one decimal more than a result, so that the two don't look equal.
+    """
+    shown, factor = metric_for_people(metric)
+    decimals = shown.decimals + (factor != 1)
+    by, mdc95 = f"{change.by * factor:+.{decimals}f}", f"{change.mdc95 * factor:.{decimals}f}"
+    unit = f" {shown.unit}" if shown.unit else ""
+    return f"{metric.name.replace('_', ' ')} {by}{unit} (MDC95 {mdc95}{unit})"
+
+
+def quality_evidence(quality: Quality, change: Change) -> str:
+    """Return a change of a quality beside its MDC95, for the therapist: "sparc +0.31 (MDC95 0.22)"."""
+    return f"{quality.field.replace('_', ' ')} {change.by:+.2g} (MDC95 {change.mdc95:.2g})"

@@ -5,11 +5,14 @@ from typing import NamedTuple, Protocol
 
 from sar_tui.framework.feedback_comparison import (
     ALIKE,
+    QualityChange,
     attempts_before,
     comparable_attempts,
     judge_result,
     measured_qualities,
     quality_changes,
+    quality_evidence,
+    result_evidence,
 )
 from sar_tui.framework.messages import AttemptEnded, Degree, Feedback, Form, RecalledAttempts, Valence
 from sar_tui.framework.policies.judgement import RACED
@@ -44,11 +47,15 @@ class Wordings(Protocol):
 
 
 class WrittenFeedback(NamedTuple):
-    """Text of feedback, and the valence and degree that choose its face and gesture."""
+    """Text of feedback, and the valence and degree that choose its face and gesture.
+
+    ``evidence``: the changes that the text reports, each beside its MDC95; not for the participant.
+    """
 
     text: str
     valence: Valence
     degree: Degree
+    evidence: str = ""
 
 
 class _Pair(NamedTuple):
@@ -59,11 +66,12 @@ class _Pair(NamedTuple):
 
 
 class _PerformanceText(NamedTuple):
-    """Knowledge of performance in words and in figures, and its valence."""
+    """Knowledge of performance in words and in figures, its valence, and the change that it reports."""
 
     words: str
     figures: str
     valence: Valence
+    evidence: str = ""
 
     def text(self, form: Form) -> str:
         """Return the sentence in a form; the figures include the words."""
@@ -92,7 +100,7 @@ class FeedbackText:
         performance = self._performance(feedback, recalled) if choice.content != "results" and not failed else None
         if performance and choice.content == "performance":
             degree: Degree = "clear" if performance.valence == "positive" else "slight"
-            return WrittenFeedback(performance.text(choice.form), performance.valence, degree)
+            return WrittenFeedback(performance.text(choice.form), performance.valence, degree, performance.evidence)
         results = self._results(feedback, recalled)
         if failed and feedback.remark:
             results = _Pair(feedback.remark, results.figures)
@@ -101,7 +109,8 @@ class FeedbackText:
         is_advice = failed and feedback.advice and not feedback.remark and choice.form == "both"
         form: Form = "qualitative" if is_advice else choice.form  # a count of misses would sound like a reproach
         texts = [self._in_form(results, form), *([performance.text(choice.form)] if performance else [])]
-        return WrittenFeedback(" ".join(texts), feedback.valence, choice.degree)
+        evidence = [self._evidence(feedback, recalled), performance.evidence if performance else ""]
+        return WrittenFeedback(" ".join(texts), feedback.valence, choice.degree, "; ".join(filter(None, evidence)))
 
     def _in_form(self, pair: "_Pair", form: Form) -> str:
         """Return the words, the figures or both."""
@@ -151,6 +160,16 @@ class FeedbackText:
             return True
         change = judge_result(self._task, feedback, recalled, before)
         return change is not None and change.verdict != "chance"
+
+    def _evidence(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
+        """Return the change of the result that the figures report; empty if they report none."""
+        choice, before = feedback.choice, self._reference(feedback, recalled)
+        is_told = choice.form != "qualitative" and choice.compared_with != "goal"
+        is_told &= feedback.reason not in ("accuracy", "empty", *RACED)
+        if self._task.rules < 5 or not is_told or before is None:
+            return ""
+        change = judge_result(self._task, feedback, recalled, before)
+        return result_evidence(self._task.metric, change) if change and change.verdict != "chance" else ""
 
     def _reference_name(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
         """Return the name of the reference: "last at this level" if the last attempt was at another level."""
@@ -215,12 +234,14 @@ class FeedbackText:
         if best and best.size > 0:
             words = {"change": tr(best.quality.improved), **reference}
             share = _share(best.quality, feedback, before)
-            return self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aim))
+            text = self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aim))
+            return text._replace(evidence=_evidence_of(best))
         worst = min(real or changes, key=lambda change: change.size)
         if worst.is_real:
             words = {"aim": tr(worst.quality.aim), **reference}
             share = _share(worst.quality, feedback, before)
-            return self._performance_text(feedback, "negative", "performance_worsened", words, share)
+            text = self._performance_text(feedback, "negative", "performance_worsened", words, share)
+            return text._replace(evidence=_evidence_of(worst))
         words = {"aim": tr(aim), **reference}
         share = _share(worst.quality, feedback, before)
         return self._performance_text(
@@ -253,6 +274,10 @@ def _graded(feedback: Feedback) -> str:
     """Return the situation of a result, by its distance from the goal."""
     degree = feedback.choice.degree
     return feedback.valence if feedback.valence == "neutral" or degree == "clear" else f"{feedback.valence}_{degree}"
+
+
+def _evidence_of(change: QualityChange) -> str:
+    return quality_evidence(change.quality, change.judged) if change.judged else ""
 
 
 def _share(quality: Quality, feedback: Feedback, before: AttemptEnded) -> float | None:

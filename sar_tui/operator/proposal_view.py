@@ -32,9 +32,10 @@ def by_urgency(pending: tuple[PendingApproval, ...]) -> tuple[PendingApproval, .
 
 
 def title(approval: PendingApproval, number: int, count: int, to: str) -> str:
-    """Return a proposal's title: kind, addressee, valence, mode, and its number if there are several."""
+    """Return a proposal's title: kind, addressee, valence, mode, changes, and its number if there are several."""
     proposal = approval.proposal
     parts = [proposal.kind.upper() + to, *filter(None, (proposal.valence, proposal.degree)), approval.mode]
+    parts += [proposal.evidence] if proposal.evidence else []
     return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
 
 

@@ -317,7 +317,7 @@ def stored(db: sqlite3.Connection, session: str) -> Row | None:
 
 
 def attempt_ended(row: Row) -> AttemptEnded:
-    """Return the message that a row of `rows(db, "attempts", session)` was stored from."""
+    """Return the message that a row of `rows(db, "attempts", session)` was stored from, without choice and spreads."""
     return AttemptEnded(
         seat=row["seat"],
         attempt=row["attempt"],

@@ -219,3 +219,11 @@ def test_a_damaged_text_in_the_database_is_reported_as_damage(
     called = call(*command)
     assert (called.code, called.out) == (2, "")
     assert called.err.endswith("sar-tui.db is damaged. Restore a backup, or choose another --data folder.\n")
+
+
+def test_reported_changes_stand_beside_their_mdc95(call: Call) -> None:
+    settings = {"difficulty_policy": "fixed", "attempts": 20, "prompts_per_attempt": 5}
+    sets = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
+    call("simulate", "keyboard", "--user", "competent", "--seed", 6, *sets)
+    (said,) = (line for line in call("show", "last").out.splitlines() if "feedback reported" in line)
+    assert said == "After attempt 13, feedback reported: reaction time -0.231 s (MDC95 0.226 s)."

@@ -329,6 +329,13 @@ def test_proposals_are_sorted_by_deadline_and_then_by_reading_time() -> None:
     assert [approval.proposal.id for approval in order] == ["e1", "f1", "l1", "g1", "m1"]
 
 
+def test_a_reported_change_stands_beside_its_mdc95_in_the_title() -> None:
+    evidence = "reach time -0.421 s (MDC95 0.380 s)"
+    approval = b.approval("f1", 4000, evidence=evidence)
+    assert evidence in proposal_view.title(approval, 1, 1, "")
+    assert "MDC95" not in proposal_view.proposal_text(approval.proposal, None)
+
+
 @given(st.lists(st.tuples(st.none() | st.integers(0, 9000), st.sampled_from(["feedback", "gesture", "rest"]))))
 def test_sorting_loses_none_and_puts_those_without_deadline_last(waiting: list[tuple[int | None, str]]) -> None:
     given_ = tuple(b.approval(f"p{n}", ms, kind=kind) for n, (ms, kind) in enumerate(waiting))

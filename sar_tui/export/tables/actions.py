@@ -18,6 +18,7 @@ _PARTS = {
     "tone": stored("actions.proposed.tone", "string", "A tone."),
     "valence": stored("actions.proposed.valence", "string", "Valence of feedback."),
     "degree": stored("actions.proposed.degree", "string", "Degree of feedback."),
+    "evidence": stored("actions.proposed.evidence", "string", "Changes that feedback reports, each with its MDC95."),
 }
 
 

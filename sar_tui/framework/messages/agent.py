@@ -38,6 +38,7 @@ class Utterance(Message, frozen=True, kw_only=True):
     on the screen instead of replacing it; encouragement replaces it once it was read. ``priority``: higher first.
     ``policy``: ``queue`` (waits for its turn), ``interrupt`` (replaces the current action unless that has a higher
     priority), ``drop`` (left out if the session continues before its turn). ``due``: not before this time (ns).
+    ``evidence``: the changes that it reports, each beside its MDC95, for the therapist; empty if it reports none.
     """
 
     id: str
@@ -55,6 +56,7 @@ class Utterance(Message, frozen=True, kw_only=True):
     priority: int = 0
     policy: Policy = "queue"
     due: int = 0
+    evidence: str = ""
 
 
 class Proposal(Utterance, frozen=True, kw_only=True):

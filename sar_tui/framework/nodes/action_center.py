@@ -103,6 +103,7 @@ class ActionCenter(Node):
             degree=content.degree,
             attempt=feedback.attempt,
             due=feedback.due,
+            evidence=content.evidence,
             joins=follows,
             policy="queue" if follows else None,
         )
@@ -178,6 +179,7 @@ class ActionCenter(Node):
         degree: str | None = None,
         attempt: int = 0,
         due: int = 0,
+        evidence: str = "",
         joins: bool = False,
         policy: Policy | None = None,
     ) -> None:
@@ -203,6 +205,7 @@ class ActionCenter(Node):
                 priority=RULES[kind].priority,
                 policy=policy or RULES[kind].policy,
                 due=due,
+                evidence=evidence,
             ),
         )
 

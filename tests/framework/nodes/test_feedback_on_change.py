@@ -159,6 +159,45 @@ def test_with_nothing_trained_better_is_seldom_said(rules: int, most: float) -> 
     assert (said / count <= most) if rules == RULES else (said / count > 0.38)
 
 
+# --- the evidence, for the therapist ----------------------------------------------------------------------------------
+
+
+def test_a_reported_change_stands_beside_its_mdc95() -> None:
+    told = agent()
+    for before in (872, 870, 874, 870):
+        result(told, before, sd=10.0)
+        assert told.said[-1].evidence == ""
+    result(told, 700, sd=10.0)
+    assert told.said[-1].evidence == "lift time -0.170 s (MDC95 0.013 s)"
+    assert "MDC95" not in told.said[-1].text
+
+
+def test_a_reported_change_of_a_quality_stands_beside_its_mdc95() -> None:
+    told = watcher()
+    for sway in (20.0, 21.0, 19.0, 20.0, 9.0):
+        how(told, sway)
+    assert told.said[-1].evidence == "sway -11 (MDC95 2.6)"
+
+
+@pytest.mark.parametrize(
+    "told",
+    [Agent(Lift, VOICE, "qualitative"), agent("goal"), Agent(Lift, VOICE, rules=4)],
+    ids=["in words", "from the goal", "by rules 4"],
+)
+def test_without_a_judged_change_in_the_text_there_is_no_evidence(told: Agent) -> None:
+    for metric in (900, 900, 900, 900, 900, 500):
+        result(told, metric)
+    assert told.said[-1].evidence == ""
+
+
+def test_too_many_wrong_responses_report_no_change() -> None:
+    told = agent()
+    for metric in (900, 900, 900, 900, 900):
+        result(told, metric)
+    assert result(told, 500, correct=3).situation == "accuracy_figures"
+    assert told.said[-1].evidence == ""
+
+
 # --- doubtful trials --------------------------------------------------------------------------------------------------
 
 
