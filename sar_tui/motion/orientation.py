@@ -298,8 +298,8 @@ def _bounds(
     ends = excursion.stop - 1 - _begins(moving[came : excursion.stop][::-1], pause)
     if begins >= arrives or departs >= ends:
         return None
-    onset_s, arrival_s = _edges(motion, earliest, begins, arrives, excursion.stop)
-    departure_s, end_s = _edges(motion, earliest, departs, ends, excursion.stop)
+    onset_s, arrival_s = _edges(motion, earliest, begins, arrives, departs + 1)
+    departure_s, end_s = _edges(motion, arrives, departs, ends, excursion.stop)
     if departs - arrives < TURN_S * grid.rate_hz:
         arrival_s = departure_s = float(grid.time_s[arrives + int(slow[arrives : departs + 1].argmin())])
     departure_s = max(arrival_s, departure_s)

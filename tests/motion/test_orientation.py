@@ -134,6 +134,13 @@ def test_a_reach_about_one_axis_is_timed_as_the_single_axis_detector_does_but_fo
     assert found.end_s == pytest.approx(3.4 - 0.0256 * 0.5, abs=0.01)
 
 
+@pytest.mark.parametrize(("kind", "seed"), [("point-and-hold", 17), ("trunk-lean", 10)])
+def test_the_way_out_ends_before_the_way_back_begins(kind: str, seed: int) -> None:
+    made = simulate_reaches(kind, seed, placement=seed % 4)
+    (found,) = reaches_in(made.recording)
+    assert min(found.arrival_s - found.onset_s, found.end_s - found.departure_s) > 0.2
+
+
 def test_a_twitch_is_no_reach() -> None:
     assert reaches_in(simulate([ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)]).recording) == ()
 
