@@ -31,6 +31,8 @@ _FLAGS = {
     "low_rate": "there are few samples a second, so its boundaries are less exact",
     "saturated": "it was faster than the sensor can measure, so only its times are known",
     "moving": "the hand was still moving when it was measured",
+    "clipped": "its largest values are cut off, as the sensor measures no more; only its times are known",
+    "too_far": "the hand turned farther than it can: the sensor's rate is most likely in deg/s",
     "error": "the sensor reported an error",
     "samples": "too few samples to find anything in",
     "rate": "too few samples a second to find anything in",

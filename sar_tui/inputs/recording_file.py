@@ -17,6 +17,7 @@ from sar_tui.inputs.imu import SourceError
 from sar_tui.inputs.recording_csv import csv_tables
 from sar_tui.inputs.recording_npz import npz_tables, unpacked_bytes
 from sar_tui.inputs.recording_table import VECTORS, Table
+from sar_tui.motion.faults import turns_too_far
 from sar_tui.motion.samples import SAMPLE, Samples, join
 
 FEWEST = 20
@@ -78,8 +79,14 @@ def read_blocks(path: Path, units: Units = SI) -> Iterator[Samples]:
 
 
 def refuse_degrees(path: Path, samples: Samples) -> None:
-    """Raise SourceError for samples faster than any sensor measures, which are most likely in deg/s."""
-    fastest = float(np.abs(samples["rate"]).max(initial=0.0))
+    """Raise SourceError for samples that are most likely in deg/s: faster or farther than any hand turns."""
+    rate = samples["rate"].astype(float)
+    fastest = float(np.abs(rate).max(initial=0.0))
+    if fastest <= FASTEST_RAD_S and turns_too_far(samples["at"] / 1e9, rate):
+        raise SourceError(
+            f"{path} turns by more than two whole turns within a few seconds, farther than any hand: it must be in "
+            "deg/s. Set the unit (--rate deg/s, or recorded:FILE?rate=deg/s)."
+        )
     if fastest > FASTEST_RAD_S:
         raise SourceError(
             f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in deg/s. Set the unit "

@@ -6,6 +6,8 @@ import numpy.typing as npt
 
 from sar_tui.motion.detection import DETECTORS, find
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
+from sar_tui.motion.faults import turns_too_far
+from sar_tui.motion.filters import TooSlow
 from sar_tui.motion.fixed_threshold import FixedThresholdParameters
 from sar_tui.motion.grid import even
 from sar_tui.motion.measures import Version, measure
@@ -76,7 +78,8 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     """The reach found by the detector that counts. Without ``onset_ns`` there was no reach.
 
     ``invalid``: why there is no result: ``samples`` (too few), ``gap`` (samples are missing in the reach or beside it,
-    not because of its speed), ``rate`` (too few per second); otherwise empty.
+    not because of its speed), ``rate`` (too few per second), ``analysis`` (the detector that counts failed); otherwise
+    empty.
     """
 
     onset_ns: int | None = None
@@ -91,7 +94,8 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     """Find the reach of a window by each detector, and measure it.
 
     If there are several, the fastest is taken and ``several`` is flagged; ``disagree`` if the time is doubtful, as the
-    detectors of single axes and of orientations differ by more than 20 %. Quantities that the sensor could not measure
+    detectors of single axes and of orientations differ by more than 20 %; ``too_far`` if the hand would turn farther
+    than it can. Quantities that the sensor could not measure
     are None.
 
     Args:
@@ -123,8 +127,12 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     for name, its_parameters in parameters.each.items():
         try:
             found = find(whole, name, its_parameters, parameters.hand, grid)
-        except ValueError:
-            return Finding(details=known, invalid="rate", flags=window.flags)
+        except Exception as error:  # whatever is wrong in a detector, the session goes on
+            if name == parameters.detector or (version == 1 and isinstance(error, ValueError)):
+                why = "rate" if version == 1 or isinstance(error, TooSlow) else "analysis"
+                return Finding(details=known, invalid=why, flags=window.flags)
+            times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = None
+            continue
         found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))
         if name == parameters.detector:
             known["reaches"] = len(found.reaches)
@@ -140,6 +148,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     warnings = {
         "several": known["reaches"] != 1,
         "disagree": version > 1 and _disagree(times_ms, parameters.detector),
+        "too_far": version > 1 and turns_too_far(whole.time_s, whole.rate),
     }
     flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(name for name, holds in warnings.items() if holds))))
     onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)
@@ -179,7 +188,7 @@ def measures(reach: Reach, version: Version = 2) -> Measured:
     if version > 1:
         values = {name: getattr(reach, name) for name in _OF_VERSION_2}
         measured |= {name: None if value is None else round(value, 4) for name, value in values.items()}
-    if "saturated" in reach.flags:
+    if not {"saturated", "clipped"}.isdisjoint(reach.flags):
         measured |= dict.fromkeys(measured.keys() - _TIMES)
     return measured
 

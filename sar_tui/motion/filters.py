@@ -26,14 +26,18 @@ _Complex = npt.NDArray[np.complex128]
 def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
     """Return the cutoff, or a quarter of the sample rate if that is lower.
 
-    Raises ValueError for fewer than 20 samples per second, which give only a few samples of a fast reach.
+    Raises TooSlow for fewer than 20 samples per second, which give only a few samples of a fast reach.
     """
     if not rate_hz >= LEAST_RATE_HZ:
-        raise ValueError(
+        raise TooSlow(
             f"The sensor gives {rate_hz:.3g} samples a second; finding reaches takes at least {LEAST_RATE_HZ:g}: "
             "set it to a shorter data interval."
         )
     return min(cutoff_hz, rate_hz / LOW_RATE)
+
+
+class TooSlow(ValueError):
+    """There are too few samples per second."""
 
 
 class Lowpass:

@@ -64,6 +64,7 @@ def _bounds(grid: Grid, segment: tuple[float, float, bool], threshold: float, ha
     onset_s, end_s, ended = segment
     margin = 0.51 / grid.rate_hz
     inside = (grid.time_s >= onset_s - margin) & (grid.time_s <= end_s + margin)
+    inside[-1] |= onset_s > grid.time_s[-1]  # a last sample may lie beyond the grid
     time, turning = grid.time_s[inside], grid.rate[inside, 2] * OUTWARDS[hand]
     flags = [] if ended else ["endless"]
     if grid.has_hole(onset_s, end_s):

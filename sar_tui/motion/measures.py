@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 import msgspec
 import numpy as np
 
+from sar_tui.motion.faults import is_clipped
 from sar_tui.motion.filters import Spectrum
 from sar_tui.motion.orientation_measures import turned
 from sar_tui.motion.reach import Reach
@@ -68,9 +69,15 @@ def measure(found: Detected, recording: Recording, version: Version = 2) -> tupl
         return tuple(_measured(found, light, calm, bounds, flags, version) for bounds in found.reaches)
     reaches = []
     for bounds in found.reaches:
-        reach = _measured(found, light, calm, _ordered(bounds), flags, version)
+        reach = _measured(found, light, calm, _ordered(bounds), (*flags, *_clipped(bounds, recording)), version)
         reaches.append(_extended(reach, found, calm.rate, recording))
     return tuple(reaches)
+
+
+def _clipped(bounds: Bounds, recording: Recording) -> tuple[str, ...]:
+    """Return the flag of a reach in which the sensor was beyond its range, whether or not it said so."""
+    inside = (recording.time_s >= bounds.onset_s) & (recording.time_s <= bounds.end_s)
+    return ("clipped",) if is_clipped(recording.rate[inside]) else ()
 
 
 def _ordered(bounds: Bounds) -> Bounds:

@@ -44,7 +44,7 @@ _GAP, _LINK_SHARE = 2, 0.6
 _SHORTEST_ABSENCE_S = 1.0
 """Shorter silences of the terminal are not worth a line in the log."""
 _JUST_NOW_S = 10
-"""What was told of an absence stays the newest line of the log for this time."""
+"""Time for which the line on an absence stays the newest of the log."""
 
 
 class PanelLayout(OrderedScreen[str]):

@@ -43,6 +43,7 @@ _AGAIN = {
     "samples": "A sensor sent nothing during that reach, so it does not count.",
     "gap": "A sensor missed a part of that reach, so it does not count.",
     "rate": "A sensor is too slow to see a reach. Please fetch the experimenter.",
+    "analysis": "That reach could not be measured, so it does not count.",
 }
 _NO_REACH = "I saw no whole reach. Wait for the signal, then reach out and come all the way back."
 

@@ -33,6 +33,7 @@ _AGAIN = {
     "gap": "The sensor missed a part of that reach, so it does not count.",
     "unfinished": "Your hand was still moving. Come all the way back, let it rest, and then press Space.",
     "rate": "The sensor is too slow to see a reach. Please fetch the experimenter.",
+    "analysis": "That reach could not be measured, so it does not count.",
 }
 
 LONGEST_DWELL_S = 5.0

@@ -1,5 +1,8 @@
 """The analysis of one reach: what is measured, and which of several reaches counts."""
 
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 
 from sar_tui.motion import analysis
@@ -79,3 +82,40 @@ def test_measures_of_turning_are_stored_by_version_2_and_rounded() -> None:
     assert now["excursion_deg"] == round(float(now["excursion_deg"] or 0), 4)
     assert set(now) - set(then) >= {"measures_version", "excursion_deg", "straightness", "tremor_action_rad_s"}
     assert then["reach_time_ms"] == now["reach_time_ms"]
+
+
+def failing(*names: str) -> Callable[..., Detected]:
+    """Return `detection.find` in which some detectors fail."""
+    really = analysis.find
+
+    def find(whole: Recording, detector: str, *others: Any) -> Detected:
+        if detector in names:
+            raise ZeroDivisionError
+        return really(whole, detector, *others)
+
+    return find
+
+
+@pytest.mark.parametrize("broken", STORED_NAMES)
+def test_a_detector_that_does_not_count_can_void_no_reach(
+    monkeypatch: pytest.MonkeyPatch, broken: DetectorName
+) -> None:
+    hand = SimulatedHand(PROFILES["steady"])
+    hand.move(2 * SECOND, SMALL)
+    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
+    monkeypatch.setattr(analysis, "find", failing(broken))
+    for detector in STORED_NAMES:
+        found = analyse(hand.samples(0, 5 * SECOND), window, AnalysisParameters(detector=detector))
+        assert found.invalid == ("analysis" if detector == broken else "")
+        if detector != broken:
+            assert found.details[f"{STORED_NAMES[broken]}_reach_time_ms"] is None
+            assert found.details["reach_time_ms"] == pytest.approx(1340, abs=120)
+
+
+def test_too_few_samples_a_second_is_a_reason_of_its_own() -> None:
+    hand = SimulatedHand(PROFILES["steady"], rate_hz=15)
+    hand.move(2 * SECOND, SMALL)
+    window = Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
+    samples = hand.samples(0, 5 * SECOND)
+    assert analyse(samples, window, AnalysisParameters()).invalid == "rate"
+    assert analyse(samples, window, AnalysisParameters(detector="fixed-threshold")).invalid == ""

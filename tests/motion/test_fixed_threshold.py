@@ -98,3 +98,11 @@ def test_a_pause_splits_a_reach_and_a_twitch_adds_one() -> None:
     twitch = ReachShape(out_s=0.6, back_s=0.5, twitch=True, seed=1)
     assert len(find(simulate([pause]).recording).reaches) == 2
     assert len(find(simulate([twitch]).recording).reaches) == 2
+
+
+def test_the_last_sample_may_lie_beyond_the_grid() -> None:
+    time_s = np.append(np.arange(0, 3, 0.01), 3.006)
+    rate = np.zeros((301, 3))
+    rate[-1, 2] = 0.2
+    (found,) = find(Recording(time_s, rate)).reaches
+    assert (found.onset_s, found.flags) == (3.006, ("endless",))
