@@ -17,6 +17,7 @@ import msgspec
 
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.export.errors import ExportError
+from sar_tui.export.place import made_beside
 from sar_tui.export.target import LOCK, MANIFEST, is_locked, sync_names
 
 SITE = "site="
@@ -62,29 +63,31 @@ def site_target(folder: Path, site: str) -> Iterator[Path]:
     The block calls `target.sync` when all files are written.
 
     Raises:
-        ExportError: the folder holds other files than such exports.
+        ExportError: the folder cannot be made, or holds other files than such exports.
     """
     folder = folder.resolve()
     check_folder(folder)
-    make_private(folder)
-    _finish(folder)
+    with made_beside(folder):
+        make_private(folder)
+    with settled(folder):
+        pass
     _remove_left_behind(folder, site)
     hidden = Path(tempfile.mkdtemp(prefix=_prefix(site), dir=folder))
     lock = filelock.FileLock(hidden / LOCK, mode=0o600)
     try:
         lock.acquire(blocking=False)
         yield hidden
-        check_folder(folder, site)
-        lock.release()
-        (hidden / LOCK).unlink(missing_ok=True)
-        _finish(folder)
-        hidden.rename(folder / f".{SITE}{site}{_COMPLETE}")
+        with settled(folder):
+            check_folder(folder, site)
+            lock.release()
+            (hidden / LOCK).unlink(missing_ok=True)
+            hidden.rename(folder / f".{SITE}{site}{_COMPLETE}")
+            sync_names(folder)
+            _move_complete(folder)
     except BaseException:
         lock.release()
         shutil.rmtree(hidden, ignore_errors=True)
         raise
-    sync_names(folder)
-    _finish(folder)
 
 
 def check_folder(folder: Path, site: str | None = None) -> None:
@@ -126,11 +129,18 @@ def _prefix(site: str) -> str:
     return f".{SITE}{site}.sar-tui-"
 
 
-def _finish(folder: Path) -> None:
-    """Move the files of complete exports to their places; what another program began is done to its end."""
+@contextmanager
+def settled(folder: Path) -> Iterator[None]:
+    """Keep other exports from moving files while the block runs; what a killed one left to move is moved before."""
     with filelock.FileLock(folder / _MOVING, mode=0o666):
-        for complete in sorted(folder.glob(f".{SITE}*{_COMPLETE}")):
-            _move(complete, complete.name.removeprefix(f".{SITE}").removesuffix(_COMPLETE))
+        _move_complete(folder)
+        yield
+
+
+def _move_complete(folder: Path) -> None:
+    """Move the files of complete exports to their places; what another program began is done to its end."""
+    for complete in sorted(folder.glob(f".{SITE}*{_COMPLETE}")):
+        _move(complete, complete.name.removeprefix(f".{SITE}").removesuffix(_COMPLETE))
 
 
 def _move(complete: Path, site: str) -> None:

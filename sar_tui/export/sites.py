@@ -1,11 +1,12 @@
 """Division of sessions by the site that recorded them, for a folder in which the exports of many sites are one."""
 
 import sqlite3
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from sar_tui.export.errors import ExportError
-from sar_tui.export.site_target import about, check_folder, earlier
+from sar_tui.export.site_target import about, check_folder, earlier, settled
 from sar_tui.store import sites
 from sar_tui.store.selection import Selection
 
@@ -44,6 +45,12 @@ def parts(database: sqlite3.Connection, selection: Selection, folder: Path) -> l
     found: dict[str, list[dict[str, Any]]] = {}
     for row in selection.sessions:
         found.setdefault(sites.of_session(database, row["id"]) or NAMELESS, []).append(row)
+    with settled(folder) if folder.exists() else nullcontext():
+        return _checked(found, folder, known, here)
+
+
+def _checked(found: dict[str, list[dict[str, Any]]], folder: Path, known: set[str], here: str) -> list[Part]:
+    """Return the parts of an export if each may replace what the folder holds of its site. Raises ExportError."""
     made = []
     for site, rows in sorted(found.items()):
         check_folder(folder, site)

@@ -149,6 +149,27 @@ def test_a_database_without_a_code_is_the_site_local_until_it_has_one(call: Call
     assert not list(lake.glob("*/site=local"))
 
 
+def test_an_export_that_was_stopped_while_its_files_were_moved_is_finished_by_the_next_of_the_site(
+    clinic: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data, lake = clinic("BERN", "keyboard"), tmp_path / "lake"
+    moves, rename = iter(range(5)), Path.rename
+
+    def move(path: Path, to: Path) -> Path:
+        if next(moves, None) is None:
+            raise KeyboardInterrupt
+        return rename(path, to)
+
+    with monkeypatch.context() as stopping:
+        stopping.setattr(Path, "rename", move)
+        with pytest.raises(KeyboardInterrupt):
+            leave(data, lake)
+    assert not list(lake.glob("sessions/*/*/*.parquet")), "only some tables were moved"
+    assert leave(data, lake).problems == []
+    assert query(lake, "sessions", "count(*)") == [(1,)]
+    assert not list(lake.glob(".site=*"))
+
+
 def test_another_database_of_the_same_site_does_not_replace_its_data(clinic: Any, tmp_path: Path) -> None:
     lake, data = tmp_path / "lake", clinic("BERN", "keyboard")
     leave(data, lake)
