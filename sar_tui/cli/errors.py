@@ -17,6 +17,13 @@ _LONG, _QUOTED = 300, 60
 """A word of this many characters is not quoted whole, but so many of its characters."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
+_DISK = {
+    **dict.fromkeys(_FULL, "The disk is full: what was to be written is not complete. Free some space, and try again."),
+    errno.EFBIG: "A file would be larger than the disk or this login may have. Write less, or to another disk.",
+    errno.EIO: "The disk cannot be read or written: see that it is plugged in and whole, and try again.",
+    errno.EROFS: "The disk can only be read. Name another one to write to.",
+}
+"""Failures of a disk, which the system often reports without the name of the file."""
 _UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 """The usage error of the click that typer uses, its own or another, depending on its version."""
 
@@ -92,14 +99,14 @@ def _expected(error: Exception) -> tuple[int, str] | None:
             return FAILED, str(error)
         case sqlite3.Error():
             return _expected(database.explain(error))
-        case OSError() if error.filename or error.errno in _FULL:
+        case OSError() if error.filename or error.errno in _DISK:
             return _unusable(error)
     return None
 
 
 def _unusable(error: OSError) -> tuple[int, str]:
-    if error.errno in _FULL:
-        return FAILED, "The disk is full: what was to be written is not complete. Free some space, and try again."
+    if error.errno in _FULL or (error.errno in _DISK and not error.filename):
+        return FAILED, _DISK[error.errno]
     if error.errno == errno.ENAMETOOLONG:
         return BAD_INPUT, f"{error.filename} is too long for the name of a file or folder."
     return FAILED, f"{error.filename} cannot be used: {error.strerror}."

@@ -90,18 +90,26 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(call: Call, live: str,
     assert call("export", running, "--simulated", "--to", tmp_path / "alone").code == 0, "it was interrupted"
 
 
-def test_a_full_disk_leaves_no_target_and_the_database_as_it_was(
-    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("failure", "sentence"),
+    [
+        (errno.ENOSPC, "The disk is full: "),
+        (errno.EIO, "The disk cannot be read or written: "),
+        (errno.EROFS, "The disk can only be read. "),
+    ],
+)
+def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
+    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: int, sentence: str
 ) -> None:
     before = (tmp_path / "data" / "sar-tui.db").read_bytes()
 
-    def full(*_: Any) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    def fail(*_: Any) -> None:
+        raise OSError(failure, os.strerror(failure))
 
-    monkeypatch.setattr("os.fsync", full)
+    monkeypatch.setattr("os.fsync", fail)
     called = call("export", "--all", "--to", tmp_path / "out")
     assert called.code == 1
-    assert called.err.startswith("The disk is full")
+    assert called.err.startswith(sentence)
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
     assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
 
@@ -117,7 +125,7 @@ def test_a_program_that_may_write_no_more_leaves_no_target(call: Call, live: str
         check=False,
     )
     assert done.returncode == 1
-    assert "Traceback" not in done.stderr
+    assert done.stderr.startswith("A file would be larger than the disk or this login may have.")
     assert [path.name for path in tmp_path.iterdir()] == ["data"]
 
 
