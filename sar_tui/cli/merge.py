@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json, progress_bar
+from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ def merge(
     """
     from sar_tui.store.merge.merge import merge as merge_databases
 
+    if other is None and (site or one_site):
+        raise Refused("--site and --one-site are about another database: name it, such as sar-tui merge bern.db.")
     home = Home.of(context, data, tasks)
     with progress_bar() as bar:
 
@@ -82,6 +85,8 @@ def _print(merged: "Merged", other: Path | None) -> None:
         ]
         found = ", ".join(filter(None, told))
         print(f"From {merged.other}: {found or 'nothing that this database did not have'}.")
+    elif not (merged.same or merged.conflicts):
+        print("Nothing contradicts, and nobody has two codes.")
     if merged.backup:
         print(f"As it was before: {merged.backup}")
     for code, same_as in merged.same:

@@ -37,6 +37,7 @@ def sessions(
 ) -> None:
     """List the recorded sessions, the newest first."""
     from sar_tui.store import participants, sites, wellbeing
+    from sar_tui.store.merge.people import other_code
     from sar_tui.store.sessions import listing, operators
 
     home = Home.of(context, data, tasks)
@@ -46,6 +47,7 @@ def sessions(
         listed = listing(database, home.folder, participant=code)
         felt = wellbeing.by_session(database, [row["id"] for row in listed])
         own = sites.own(database)
+        stored = other_code(database, code) if code else ""
     rows = [
         {**row, "site": row["site"] or own, "operators": known.get(row["id"], []), "wellbeing": felt.get(row["id"], [])}
         for row in listed
@@ -54,6 +56,9 @@ def sessions(
         print_json({"sessions": rows})
         return
     out = console()
+    if not rows and stored:
+        out.print(f"{code} is {stored} here: sar-tui sessions -p {stored}", soft_wrap=True)
+        return
     if not rows:
         whose = f" of {code}" if code else ""
         out.print(

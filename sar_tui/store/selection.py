@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.store.database import StoreError
+from sar_tui.store.merge.people import other_code
 from sar_tui.store.participants import check_code
 from sar_tui.store.sessions import find, listing
 
@@ -65,7 +66,11 @@ def select(database: sqlite3.Connection, folder: Path, request: Request, *, also
             or the code is not valid.
     """
     ways = sum([bool(request.names), bool(request.participant), request.everything])
-    if ways != 1:
+    if ways > 1:
+        raise StoreError(
+            "Say which sessions in one way: name them, or give --participant CODE, or --all.", bad_input=True
+        )
+    if not ways:
         raise StoreError(
             "Say which sessions: name them (`sar-tui sessions` lists them), or give --participant CODE, or --all.",
             bad_input=True,
@@ -79,7 +84,7 @@ def select(database: sqlite3.Connection, folder: Path, request: Request, *, also
         rows = listing(database, folder, participant=code, also_damaged=also_damaged)[::-1]
         chosen = [row for row in rows if _is_wanted(row, request)]
         if not chosen:
-            raise StoreError(_none(rows, request, code), bad_input=True)
+            raise StoreError(_none(database, rows, request, code), bad_input=True)
     ended = [row for row in chosen if row["status"] != "running"]
     running = [row for row in chosen if row["status"] == "running"]
     refused = tuple(f"Session {row['id']} is running. It is left out until it has ended." for row in running)
@@ -108,7 +113,9 @@ def _is_wanted(row: Row, request: Request) -> bool:
     return request.mixed or (row["mode"] == "live") != request.simulated
 
 
-def _none(rows: Sequence[Row], request: Request, code: str | None) -> str:
+def _none(database: sqlite3.Connection, rows: Sequence[Row], request: Request, code: str | None) -> str:
+    if code and (stored := other_code(database, code)):
+        return f"{code} is {stored} here: ask for the sessions of {stored}."
     of = f" of {code}" if code else ""
     kind = "" if request.mixed else " simulated" if request.simulated else " live"
     said = f"There is no{kind} session{of}."

@@ -205,3 +205,22 @@ def test_a_person_with_two_codes_is_listed(call: Call, zurich: Path, bern: Path)
     call("merge", bern)
     assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 3
     assert call("merge", "--json").json["same"] == [["P01@BERN", "P01@ZURICH"]]
+
+
+def test_without_another_database_it_says_so_if_there_is_nothing_to_list(call: Call, zurich: Path) -> None:
+    assert call("merge") == (0, "Nothing contradicts, and nobody has two codes.\n", "")
+
+
+@pytest.mark.parametrize("option", [("--site", "BERN"), ("--one-site",)])
+def test_options_about_another_database_need_one(call: Call, option: tuple[str, ...]) -> None:
+    refused = call("merge", *option)
+    assert refused.code == 2
+    assert refused.err == "--site and --one-site are about another database: name it, such as sar-tui merge bern.db.\n"
+
+
+def test_of_a_person_with_two_codes_the_other_one_is_told(call: Call, bern: Path, tmp_path: Path) -> None:
+    call("merge", bern, "--same", "P01@BERN=P01")
+    assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 3
+    assert call("sessions", "-p", "P01@BERN").out == "P01@BERN is P01 here: sar-tui sessions -p P01\n"
+    refused = call("export", "-p", "P01@BERN", "--simulated", "--to", tmp_path / "out")
+    assert (refused.code, refused.err) == (2, "P01@BERN is P01 here: ask for the sessions of P01.\n")

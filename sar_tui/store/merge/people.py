@@ -94,3 +94,11 @@ def code_at(db: sqlite3.Connection, code: str, site: str) -> str:
     own = db.execute("SELECT code FROM site").fetchone()
     people = People(own[0] if own else "", stored_pairs(db))
     return next((one for one in people.group(in_full(code, people.own)) if site_of(one) == site), code)
+
+
+def other_code(db: sqlite3.Connection, code: str) -> str:
+    """Return the code by which this database stores a person who has another code, too; empty if it is this one."""
+    own = db.execute("SELECT code FROM site").fetchone()
+    people = People(own[0] if own else "", stored_pairs(db))
+    stored = people.stored(in_full(code, people.own))
+    return "" if stored == people.shortened(in_full(code, people.own)) else stored
