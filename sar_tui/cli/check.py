@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
+from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -32,11 +33,14 @@ def check(
 
     Without --repair nothing is changed, and a session may go on meanwhile.
     """
+    from sar_tui.store.database import FILE
     from sar_tui.store.integrity import counts, flaws, interrupted
     from sar_tui.store.repair import repair
-    from sar_tui.store.troubles import troubles
+    from sar_tui.store.troubles import may_have_any, troubles
 
     home = Home.of(context, data, tasks)
+    if not ((home.folder / FILE).exists() or may_have_any(home.folder)):
+        raise Refused(f"There is no data in {home.folder} yet.")
     done = repair(home.folder) if mend else None
     with home.database() as database:
         found = list(flaws(database)) if done is None else done.flaws

@@ -9,7 +9,7 @@ from sar_tui.store.database import RESCUE, SAVED
 
 def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
     """Return a sentence or two for each trouble."""
-    if not _may_have_any(folder):
+    if not may_have_any(folder):
         return []
     from sar_tui.store.last_saved import losses
     from sar_tui.store.rescue import rescue_files
@@ -23,8 +23,8 @@ def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
     ]
 
 
-def _may_have_any(folder: Path) -> bool:
-    """Look at the names of files only, which every command has time for."""
+def may_have_any(folder: Path) -> bool:
+    """Look for troubles by the names of files only, which every command has time for."""
     try:
         with os.scandir(folder) as entries:
             names = [entry.name for entry in entries]

@@ -88,3 +88,8 @@ def test_a_repair_of_whole_data_says_that_nothing_was_changed(call: Call) -> Non
     called = call("check", "--repair")
     assert called.code == 0
     assert called.out.startswith("There is nothing to move aside, and nothing was changed.\nAll data in ")
+
+
+def test_a_folder_without_data_is_not_called_whole(call: Call, tmp_path: Path) -> None:
+    assert call("check", "--data", tmp_path / "typo") == (2, "", f"There is no data in {tmp_path / 'typo'} yet.\n")
+    assert not (tmp_path / "typo").exists()
