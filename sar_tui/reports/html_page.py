@@ -37,9 +37,14 @@ def document(title: str, body: Iterable[str], *, language: str = "en", foot: str
 
 
 def write_page(text: str, path: Path) -> None:
-    """Write a page that only its owner can read. Raises FileExistsError and other OSErrors."""
-    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
-        file.write(text)
+    """Write a page that only its owner can read, whole or not at all. Raises FileExistsError and other OSErrors."""
+    number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    try:
+        with open(number, "w", encoding="utf-8") as file:
+            file.write(text)
+    except BaseException:
+        path.unlink()
+        raise
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] | None = None) -> str:

@@ -64,7 +64,8 @@ def sections(found: InterventionReport) -> list[Section]:
 
 
 def _name(found: InterventionReport) -> str:
-    names = " and ".join(f"“{each.title}”" for each in found.tasks)
+    *others, last = (f"“{each.title}”" for each in found.tasks)
+    names = f"{', '.join(others)} and {last}" if others else last
     modes = "" if set(found.modes) == {"live"} else f" ({_counted(found.modes)})"
     return (
         f"Training with the task{'' if len(found.tasks) == 1 else 's'} {names}: "

@@ -9,6 +9,7 @@ import msgspec
 import pytest
 
 from sar_tui.cli.simulate import OperatorName
+from sar_tui.reports.html_page import write_page
 from sar_tui.reports.intervention import InterventionReport
 from sar_tui.reports.wizard import WizardReport
 from sar_tui.reports.wizard_study import WizardStudy
@@ -213,6 +214,14 @@ def test_a_page_of_a_report_is_self_contained_and_not_overwritten(
         assert page.stat().st_mode & 0o777 == 0o600
         again = call("report", *arguments, "--html", page)
         assert (again.code, "not overwritten" in again.err) == (2, True)
+
+
+def test_a_page_that_could_not_be_written_whole_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(UnicodeEncodeError):
+        write_page("half \ud800", tmp_path / "page.html")
+    assert list(tmp_path.iterdir()) == []
+    write_page("whole", tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_text() == "whole"
 
 
 def test_a_session_is_excluded_with_its_reason(call: Call, two_operated: tuple[str, str]) -> None:

@@ -91,3 +91,11 @@ def test_a_session_without_attempts_is_reported() -> None:
     found = intervention(record())
     assert (found.adherence, found.reached_share, found.dose) == (None, None, [])
     assert "No attempt was finished." in str(sections(found))
+
+
+def test_three_tasks_are_named_with_one_and(call: Call) -> None:
+    call("simulate", "keyboard", "-p", "P01", "--user", "average", "--attempts", 1)
+    call("simulate", "reaching", "-p", "P01", "--user", "average", "--attempts", 1)
+    call("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 1)
+    printed = call("report", "intervention", "--all", "--simulated").out
+    assert "the tasks “Keyboard reaction”, “Reaching” and “Pairs”: 2 participants, 3 sessions" in printed
