@@ -1,5 +1,6 @@
 """Detection and measurement of the reaches in a recording."""
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ from sar_tui.motion import fixed_threshold, orientation, single_axis
 from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.grid import Grid
 from sar_tui.motion.measures import measure
+from sar_tui.motion.overlaps import apart
 from sar_tui.motion.plausibility import plausible
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Detected, Hand
@@ -40,8 +42,9 @@ def detect(
     detector: str = "orientation",
     parameters: msgspec.Struct | None = None,
     hand: Hand = "right",
+    since_s: float = -math.inf,
 ) -> tuple[Reach, ...]:
-    """Return the reaches in a recording of any content, in order of time.
+    """Return the reaches in a recording of any content, in order of time. They do not overlap.
 
     A window of a session, in which a reach was asked for, is analysed by `analysis.analyse`, which judges less.
 
@@ -50,12 +53,14 @@ def detect(
         detector: a name in ``DETECTORS``, or one of its earlier names.
         parameters: of that detector's type; its defaults if None.
         hand: the hand with the sensor.
+        since_s: reaches that begin earlier are left out, as they were found in an earlier part.
 
     Raises ValueError for an unknown detector, another detector's parameters, or too low a sample rate.
     """
     found = find(recording, detector, parameters, hand)
     is_quiet = DETECTORS[current_name(detector)].is_quiet
-    return measure(plausible(found) if is_quiet else found, recording)
+    likely = plausible(found) if is_quiet else found
+    return measure(likely._replace(reaches=apart(likely.reaches, since_s)), recording)
 
 
 def find(

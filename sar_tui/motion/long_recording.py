@@ -95,7 +95,7 @@ class _Windows:
             self._own_from_s = -np.inf
             return samples[size:]
         cut_s = self._take_window(samples[:size])
-        self._own_from_s = cut_s
+        self._own_from_s = max(cut_s, self._reaches[-1].end_s if self._reaches else cut_s)
         return samples[np.searchsorted(at, round((cut_s - CONTEXT_S) * _NS)) :]
 
     def finish(self) -> LongDetection:
@@ -124,8 +124,9 @@ class _Windows:
         origin_ns = int(samples["at"][0])
         window = recording(samples, origin_ns)  # from 0: large times would cost precision
         self._rates.append(window.rate_hz)
-        reaches = (_shifted(reach, origin_ns / _NS) for reach in detect(window, self._detector, hand=self._hand))
-        return [reach for reach in reaches if reach.onset_s >= self._own_from_s]
+        origin_s = origin_ns / _NS
+        found = detect(window, self._detector, hand=self._hand, since_s=self._own_from_s - origin_s)
+        return [_shifted(reach, origin_s) for reach in found]
 
 
 def _longest_rest(reaches: Sequence[Reach], from_s: float, to_s: float) -> float:

@@ -122,3 +122,42 @@ def test_in_windows_of_daily_life_no_reach_is_found_twice(kind: str) -> None:
     samples["rate"], samples["acceleration"] = life.rate, life.acceleration
     found = detect_long(np.array_split(samples, 40), window=SMALL).reaches
     assert all(before.end_s <= after.onset_s for before, after in pairwise(found))
+
+
+def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Samples:
+    """Return samples of a hand that turns out and back about one axis after another, often without a rest."""
+    generator = np.random.default_rng(seed)
+    time_s = np.arange(round(lasts_s * rate_hz)) / rate_hz
+    rate = generator.normal(0.0, 0.01, (len(time_s), 3))
+    at_s = 3.0
+    while at_s < lasts_s - 5.0:
+        axis = generator.normal((0.0, 0.0, 1.5))
+        angle = generator.uniform(0.2, 2.0)
+        for sign in (1.0, -1.0):
+            way_s = generator.uniform(0.3, 1.2)
+            share = np.clip((time_s - at_s) / way_s, 0.0, 1.0)
+            speed = sign * angle * 30.0 * (share * (1.0 - share)) ** 2 / way_s
+            rate += np.outer(speed, axis / np.linalg.norm(axis))
+            at_s += way_s + generator.uniform(0.0, 0.3)
+        at_s += generator.choice([0.0, 0.3, 3.0]) * generator.random()
+    samples = np.zeros(len(time_s), SAMPLE)
+    samples["at"] = samples["host"] = BEGIN + np.rint(time_s * SECOND).astype(np.int64)
+    samples["rate"] = rate
+    samples["acceleration"] = samples["field"] = np.nan
+    missing = int(generator.integers(len(samples) - 100))
+    return np.delete(samples, range(missing, missing + int(generator.integers(100))))
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+@pytest.mark.parametrize("seed", first(2, range(12)))
+def test_reaches_neither_overlap_nor_repeat_and_their_ways_are_in_order(detector: str, seed: int) -> None:
+    samples = restless(seed)
+    cuts = np.sort(np.random.default_rng([seed, 1]).integers(100, len(samples) - 100, 6))
+    found = detect_long(np.split(samples, cuts), detector, window=SMALL).reaches
+    assert len(found) > 5
+    for one, other in pairwise(found):
+        assert one.end_s <= other.onset_s + 1e-6
+    for reach in found:
+        assert min(reach.out_s, reach.dwell_s, reach.back_s) >= 0.0
+        assert reach.onset_s <= reach.turn_s <= reach.end_s
+        assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(reach.reach_time_s, abs=1e-6)
