@@ -23,6 +23,8 @@ PEAKS_HZ = 15.0
 SHORTEST_WAY_S = 0.18
 """A shorter way out or back has no smoothness: the spectrum of even a minimum-jerk movement reaches beyond the 10 Hz of
 SPARC, which would call it smoother than one that takes longer."""
+TURN_WITHIN_S = 0.15
+"""Largest distance of a turn without rest from where the detector saw it."""
 REST_S = (1.2, 0.1)
 """From when to when before the onset the hand's rest is measured."""
 SHORTEST_REST_S = 0.25
@@ -94,6 +96,10 @@ def _measured(
     time, rate_hz, axis = found.time_s[part], found.rate_hz, np.asarray(bounds.axis)
     turn_s = _turn(time, light.rate[part] @ axis, bounds)
     arrival_s, departure_s = min(bounds.arrival_s, turn_s), max(bounds.departure_s, turn_s)
+    if version > 1 and bounds.arrival_s >= bounds.departure_s:
+        middle_s = (bounds.arrival_s + bounds.departure_s) / 2
+        turn_s = turn_s if abs(turn_s - middle_s) <= TURN_WITHIN_S else middle_s
+        arrival_s = departure_s = turn_s
     leaves = (time >= bounds.onset_s) & (time <= arrival_s)
     returns = (time >= departure_s) & (time <= bounds.end_s)
     whole = (time >= bounds.onset_s) & (time <= bounds.end_s)

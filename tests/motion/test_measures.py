@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sar_tui.motion.detection import detect
 from sar_tui.motion.grid import even
 from sar_tui.motion.imperfections import PERFECT, StrappedSensor
 from sar_tui.motion.measures import Version, measure
@@ -17,7 +18,7 @@ from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.rest import find_rest
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.shapes import ReachShape
-from sar_tui.motion.synthesis import PROFILES, Profile, simulate
+from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, TableRow, simulate
 from sar_tui.motion.trajectories import SimulatedReaches, simulate_reaches
 from sar_tui.validation.measures import true_measures
 from tests.examples import examples, first
@@ -128,6 +129,15 @@ def test_phases_never_overlap_and_a_peak_lies_in_its_way_out(times: list[float],
     assert reach.turn_s <= departure_s + 1e-9 <= reach.end_s + 2e-9
     assert 0 <= reach.time_to_peak_s <= reach.out_s
     assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(reach.reach_time_s)
+
+
+@pytest.mark.parametrize("detector", ["orientation", "single-axis"])
+@pytest.mark.parametrize("row", TABLE_4_1[::3], ids=lambda row: row.type)
+def test_a_reach_without_a_rest_at_its_target_turns_where_it_turns(row: TableRow, detector: str) -> None:
+    (reach,) = detect(simulate([row.shape], PROFILES["steady"]).recording, detector)
+    assert reach.dwell_s == 0.0
+    assert reach.out_s == pytest.approx(row.shape.out_s, abs=0.03)
+    assert reach.turn_s == pytest.approx(2.0 + row.shape.out_s, abs=0.02)
 
 
 def test_a_peak_after_the_arrival_is_sought_by_version_1_only() -> None:
