@@ -1,5 +1,6 @@
 """Columns and tables of an export, as every format gets them."""
 
+import math
 import sqlite3
 from collections.abc import Callable, Iterator
 from typing import Any, Literal
@@ -101,3 +102,8 @@ TO_SESSION = Reference(("session",), "sessions", ("session",))
 def as_bool(value: int | None) -> bool | None:
     """Return a boolean that is stored as 1 or 0."""
     return None if value is None else bool(value)
+
+
+def finite(value: Any) -> Any:
+    """Return a number, or None for an infinite one, as earlier versions stored it for a missing result."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,7 +1,7 @@
 """Damaged values of the database: each is named, and everything else leaves."""
 
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
 from typing import Any, TypeVar
@@ -31,6 +31,13 @@ def with_any_text(database: sqlite3.Connection, read: Callable[[], T]) -> T:
             raise
         database.text_factory = partial(str, encoding="utf-8", errors="replace")
         return read()
+
+
+def _numbers(table: Table) -> list[int]:
+    """Return the places of the columns of numbers. Samples, of which there are many, are never stored as texts."""
+    if table.name == "imu":
+        return []
+    return [index for index, column in enumerate(table.columns) if column.type in ("integer", "number")]
 
 
 class Damage:
@@ -75,9 +82,11 @@ class Damage:
             owner: an id or a code, as it leaves.
             read: starts to read the rows.
         """
-        count = 0
+        count, numbers = 0, _numbers(table)
         try:
-            for row in read():
+            for found in read():
+                has_text = str in map(type, map(found.__getitem__, numbers))
+                row = self._without_texts(table, found, numbers) if has_text else found
                 if self._damaged or self._has_bad_text:
                     self._name(table, owner, row)
                 yield row
@@ -91,6 +100,15 @@ class Damage:
             return
         self._read_any_text()
         yield from self.rows(table, owner, lambda: islice(read(), count, None))
+
+    def _without_texts(self, table: Table, row: Values, numbers: Sequence[int]) -> Values:
+        """Return a row with nothing where a text is stored for a number, and remember that it was damaged."""
+        kept = list(row)
+        for index in numbers:
+            if isinstance(row[index], str):
+                self.note(table.columns[index].name)
+                kept[index] = None
+        return tuple(kept)
 
     def _read_any_text(self) -> None:
         """From now on, read texts whose bytes are not UTF-8 as well. It is slower, so not before there is one."""

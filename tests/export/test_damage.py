@@ -47,6 +47,26 @@ def test_a_damaged_value_is_named_and_the_rest_leaves(call: Call, session: str, 
     assert said in json.loads((tmp_path / "out" / "sar-tui-export.json").read_text())["problems"]
 
 
+@pytest.mark.parametrize("format", ["csv", "mat", "bids", "psych-ds", "elan", "parquet"])
+def test_texts_in_columns_of_numbers_are_named_and_do_not_leave(
+    call: Call, session: str, tmp_path: Path, format: str
+) -> None:
+    data = tmp_path / "data"
+    change(data, "UPDATE trials SET reaction_time_ms='x', onset_ns='secret' WHERE attempt=2 AND trial=3")
+    change(data, "UPDATE attempts SET metric='y', started_ns='secret' WHERE attempt=2")
+    called = call("export", session, "--simulated", "--to", tmp_path / "out", "--format", format)
+    assert called.code == 1
+    trial = f"! trials, session {session}, attempt 2, trial 3, seat A: what is stored in"
+    attempt = f"! attempts, session {session}, attempt 2, seat A: what is stored in"
+    assert set(called.err.splitlines()) == {
+        f"{trial} onset_ns is damaged, and left out.",
+        f"{trial} reaction_time_ms is damaged, and left out.",
+        f"{attempt} started_ns is damaged, and left out.",
+        f"{attempt} metric is damaged, and left out.",
+    }
+    assert not any(b"secret" in path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file())
+
+
 def test_no_damaged_json_stops_an_export(catalogue: Catalogue, tmp_path: Path) -> None:
     data = tmp_path / "data"
     store_study(data, catalogue)

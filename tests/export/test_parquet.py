@@ -214,7 +214,9 @@ def test_a_value_of_another_type_is_named_and_the_rest_leaves(clinic: Any, tmp_p
             "UPDATE trials SET onset_ns='later', timing=json_set(timing, '$.loop_lag_ms', 'x') WHERE trial=2"
         )
     exported = leave(data, tmp_path / "lake")
-    assert [sentence.split(":")[0] for sentence in exported.problems] == ["trials.onset_ns", "trials.loop_lag_ms"]
+    assert [sentence.split(": ")[-1] for sentence in exported.problems] == [
+        f"what is stored in {name} is damaged, and left out." for name in ("onset_ns", "loop_lag_ms")
+    ]
     rows = query(tmp_path / "lake", "trials", "onset_ns, loop_lag_ms, stimulus", "WHERE trial=2")
     assert rows[0][:2] == (None, None)
     assert rows[0][2]

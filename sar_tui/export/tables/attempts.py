@@ -1,13 +1,24 @@
 """Attempts: a row for each seat that took part."""
 
-import math
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import msgspec
 
-from sar_tui.export.columns import MODE, PARTICIPANT, SEAT, SESSION, TASK, TO_SESSION, Column, Table, Values, as_bool
+from sar_tui.export.columns import (
+    MODE,
+    PARTICIPANT,
+    SEAT,
+    SESSION,
+    TASK,
+    TO_SESSION,
+    Column,
+    Table,
+    Values,
+    as_bool,
+    finite,
+)
 from sar_tui.export.columns import stored as _stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import columns, value_for
@@ -120,10 +131,9 @@ def _rows(
         " FROM attempts JOIN sessions ON sessions.id=session WHERE session=? ORDER BY attempt, seat",
         (session,),
     ):
-        result = metric if metric is not None and math.isfinite(metric) else None
         decided, found = damage.object_of("choice", chosen), damage.object_of("qualities", measured)
         yield (
-            id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, result, *rest,
+            id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, finite(metric), *rest,
             started_run(attempt), began, ended,
             *(decided.get(key) for key in _CHOICE),
             *(value_for(column, found.get(key)) for key, column in qualities.items()),

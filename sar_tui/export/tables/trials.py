@@ -1,6 +1,5 @@
 """Trials: a row for each seat that took part, with the details of its task as columns."""
 
-import math
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -17,6 +16,7 @@ from sar_tui.export.columns import (
     Table,
     Values,
     as_bool,
+    finite,
     stored,
 )
 from sar_tui.export.damage import Damage
@@ -119,7 +119,7 @@ def _rows(
         yield (
             session, mode, task, codes.get(seat), attempt, trial, seat, run, as_bool(practice), level, stimulus,
             response, as_bool(correct), onset, end,
-            reaction if reaction is not None and math.isfinite(reaction) else None,
+            finite(reaction),
             *_timing(damage.object_of("timing", timed)),
             *(value_for(column, found.get(key)) for key, column in details.items()),
         )  # fmt: skip
