@@ -28,4 +28,6 @@ def made_beside(path: Path) -> Iterator[None]:
     except OSError as error:
         if error.errno in _FULL:
             raise
+        if error.errno == errno.ENAMETOOLONG:
+            raise ExportError(f"{path} is too long for the name of a file or folder.", bad_input=True) from error
         raise ExportError(f"{path} cannot be made: {error.strerror or error}.") from error

@@ -154,3 +154,11 @@ def test_a_folder_that_cannot_be_made_is_named_and_no_hidden_one(tmp_path: Path)
         made(tmp_path / "file" / "deep" / "out")
     assert str(refused.value) == f"{tmp_path / 'file' / 'deep' / 'out'} cannot be made: {tmp_path / 'file'} is a file."
     assert refused.value.bad_input
+
+
+def test_a_name_that_leaves_no_room_for_the_hidden_one_is_too_long(tmp_path: Path) -> None:
+    folder = tmp_path / ("a" * 250)
+    with pytest.raises(ExportError) as refused:
+        made(folder)
+    assert str(refused.value) == f"{folder} is too long for the name of a file or folder."
+    assert refused.value.bad_input
