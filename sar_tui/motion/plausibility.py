@@ -36,8 +36,9 @@ CALM_S = 0.4
 """Shortest rest before and after a reach."""
 BESIDE_S = 0.5
 """Such a rest is sought within this time before and after it."""
-INSIDE_S = 0.05
-"""A rest may reach into it by this."""
+INSIDE_S, INSIDE_SHARE = 0.05, 0.05
+"""It may reach into the reach by this time; and at its start, whose onset may have been found too early, as long as the
+hand has left by less than this share of the excursion."""
 CUTOFF_HZ, SLOW_HZ = 8.0, 2.5
 """A rest has no movement below the first; a reach's speed is that of its movement below the second."""
 UNKNOWN = frozenset({"cut", "gap"})
@@ -48,7 +49,7 @@ def plausible(found: Detected) -> Detected:
     """Return what was found without the excursions that are no reach, by the module's rules."""
     if not found.reaches:
         return found
-    spectrum = Spectrum(found.rate, found.rate_hz)
+    spectrum = found.spectrum or Spectrum(found.rate, found.rate_hz)
     fast = np.linalg.norm(spectrum.below(usable_cutoff(CUTOFF_HZ, found.rate_hz), found.tremor_hz), axis=1)
     slow = np.linalg.norm(spectrum.below(SLOW_HZ, found.tremor_hz), axis=1)
     orientation = integrate(found.rate, 1.0 / found.rate_hz)
@@ -72,7 +73,7 @@ def _is_plausible(bounds: Bounds, found: Detected, orientation: Floats, fast: Fl
         _is_excursion(turned[:inside])
         and float(speed.sum()) / found.rate_hz <= PATH_SHARE * 2.0 * float(turned[:inside].max())
         and _is_back(turned, inside)
-        and _is_calm(fast, first, last, CALM_SHARE * float(speed.max()), found.rate_hz)
+        and _is_calm(fast, first, turned[:inside], CALM_SHARE * float(speed.max()), found.rate_hz)
     )
 
 
@@ -94,13 +95,23 @@ def _is_back(turned: Floats, inside: int) -> bool:
     return float(turned[inside - 1 :].min()) <= left
 
 
-def _is_calm(fast: Floats, first: int, last: int, limit: float, rate_hz: float) -> bool:
-    """Return True if the hand rests before sample ``first`` and after sample ``last``.
+def _is_calm(fast: Floats, first: int, turned: Floats, limit: float, rate_hz: float) -> bool:
+    """Return True if the hand rests before and after a reach.
 
     A recording that begins or ends there need not show the rest.
+
+    Args:
+        fast: speed of the hand, rad/s, in the whole recording.
+        first: the reach's first sample.
+        turned: angle from the orientation there, rad, for each of its samples.
+        limit: speed at rest, rad/s.
+        rate_hz: samples per second.
     """
+    last = first + len(turned) - 1
     beside, into = round(BESIDE_S * rate_hz), round(INSIDE_S * rate_hz)
-    before, after = fast[max(0, first - beside) : first + into], fast[max(0, last - into) : last + beside]
+    left = int((turned > INSIDE_SHARE * float(turned.max())).argmax())
+    before = fast[max(0, first - beside) : first + max(into, left)]
+    after = fast[max(0, last - into) : last + beside]
     return all(_slowest(speed, round(CALM_S * rate_hz)) <= limit for speed in (before, after))
 
 

@@ -67,6 +67,12 @@ def test_a_movement_that_does_not_return_is_none(motion: WristMotion) -> None:
     assert _kept(motion.measured(), [(4.0, 6.5)]) == 0
 
 
+def test_a_reach_whose_onset_was_found_too_early_is_kept(motion: WristMotion) -> None:
+    _out_and_back(motion, 3.0, (0.0, 40.0, 0.0))
+    _out_and_back(motion, 6.0, (0.0, 40.0, 0.0))
+    assert _kept(motion.measured(), [(3.0, 5.0), (5.0, 8.0)]) == 2
+
+
 @pytest.mark.parametrize(("pause_s", "kept"), [(0.8, 1), (3.0, 0)])
 def test_a_hand_may_set_something_down_before_it_comes_back(motion: WristMotion, pause_s: float, kept: int) -> None:
     motion.shift(3.0, (60.0, 0.0, 0.0), 1.0)
@@ -121,7 +127,7 @@ def test_a_detector_that_finds_every_swing_of_an_arm_in_walking_is_quieted() -> 
     walk = daily_life.simulate("walking", 1, minutes=4.0)
     found = find(walk.recording, "single-axis")
     assert len(found.reaches) > 4 * 20
-    assert len(plausible(found).reaches) == 0
+    assert len(plausible(found).reaches) < 4, "less than one a minute"
 
 
 def _out_and_back(motion: WristMotion, at_s: float, by: Angles) -> None:
