@@ -9,9 +9,14 @@ from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 RATE_HZ = 250.0
 """Sample rate of the thesis' PhidgetSpatial."""
-TIME_MS: dict[DetectorName, float] = {"fixed-threshold": 130.0, "single-axis": 40.0}
+TIME_MS: dict[DetectorName, float] = {"fixed-threshold": 130.0, "single-axis": 40.0, "orientation": 40.0}
 """Largest error of a reach time. The fixed threshold cuts off the slow beginning and end of every reach."""
 PEAK_PERCENT = 3.0
+_HEADS: dict[DetectorName, str] = {
+    "fixed-threshold": "fixed\nthr.",
+    "single-axis": "single\naxis",
+    "orientation": "orien-\ntation",
+}
 PEAKS = ("peak_extension", "peak_return")
 NOTE = (
     "The thesis measured the times of its table with the fixed-threshold detector, and these reaches are simulated\n"
@@ -98,7 +103,7 @@ def _times_table() -> list[Column]:
     columns = [_TYPE, _column("time, s", "table_reach_time_s", ".4f")]
     for name in TIME_MS:
         columns += [
-            _column(f"{name}, s", f"{STORED_NAMES[name]}_reach_time_s", ".4f"),
+            _column(f"{_HEADS[name]}, s", f"{STORED_NAMES[name]}_reach_time_s", ".4f"),
             _column("ms", f"{STORED_NAMES[name]}_difference_ms", "+.0f"),
         ]
     return columns
@@ -109,6 +114,6 @@ def _peaks_table() -> list[Column]:
     for peak, head in zip(PEAKS, ("out, rad/s", "back, rad/s"), strict=True):
         columns.append(_column(head, f"table_{peak}_rad_s", ".4f"))
         columns += [
-            _column(f"{name}, %", f"{STORED_NAMES[name]}_{peak}_difference_percent", "+.2f") for name in TIME_MS
+            _column(f"{_HEADS[name]}, %", f"{STORED_NAMES[name]}_{peak}_difference_percent", "+.2f") for name in TIME_MS
         ]
     return columns
