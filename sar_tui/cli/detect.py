@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 _MOST_MISSING = 10
 """A recording whose holes last longer than this many times the rest of it is refused."""
 
+_OF_THE_WAY_BACK = (
+    "turn_s", "back_s", "dwell_s", "peak_return_rad_s", "movement_units_back", "sparc_back", "ldlj_back",
+    "return_error_deg",
+)  # fmt: skip
+
 _FLAGS = {
     "no_rest": "the hand was not still before it, so the sensor's bias is a guess",
     "gap": "samples are missing in it",
@@ -100,6 +105,9 @@ def detect(
     repetitions: Annotated[
         bool, typer.Option("--repetitions", help="Count the repetitions of one exercise instead of finding reaches.")
     ] = False,
+    one_way: Annotated[
+        bool, typer.Option("--one-way", help="Find movements from rest to rest without a way back.")
+    ] = False,
     rate: Annotated[Rate, typer.Option(help="Unit of the file's angular rates.")] = Rate.radians,
     acceleration: Annotated[Acceleration, typer.Option(help="Unit of its accelerations.")] = Acceleration.metres,
     as_json: AsJson = False,
@@ -116,19 +124,29 @@ def detect(
     from sar_tui.inputs.recording_file import Units
     from sar_tui.motion.long_recording import detect_long
 
+    if one_way and (repetitions or detector != "orientation"):
+        raise typer.BadParameter("--one-way goes neither with --repetitions nor with another detector.")
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
         if repetitions:
             _report_repetitions(file, units, as_json)
             return
-        found = detect_long(_blocks(file, units), detector, hand.value)
+        found = detect_long(_blocks(file, units), detector, hand.value, one_way=one_way)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
     _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
     if as_json:
-        print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": found.reaches})
+        reaches = [_ways_out(reach) for reach in found.reaches] if one_way else found.reaches
+        print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": reaches})
     else:
-        _print(found, detector)
+        _print(found, detector, one_way)
+
+
+def _ways_out(reach: "Reach") -> dict[str, object]:
+    """Return the fields of a reach without a way back: None for those that describe it."""
+    import msgspec
+
+    return msgspec.structs.asdict(reach) | dict.fromkeys(_OF_THE_WAY_BACK)
 
 
 def _blocks(file: Path, units: "Units") -> "Iterator[Samples]":
@@ -173,30 +191,29 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
     console().print(sentence, markup=False, soft_wrap=True)
 
 
-def _print(found: "LongDetection", detector: str) -> None:
+def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
     from sar_tui.cli.long_table import print_table
 
     out, reaches = console(), found.reaches
     if reaches:
         times = ("onset\ns", "turn\ns", "end\ns", "time\ns")
         numbers = ("reach", *times, "angle\n°", "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
-        rows = [_row(number, reach) for number, reach in enumerate(reaches, 1)]
+        rows = [_row(number, reach, one_way) for number, reach in enumerate(reaches, 1)]
         print_table(out, (*numbers, "flags"), rows, right=numbers)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
             out.print(line, markup=False, soft_wrap=True)
     out.print(_sentence(found, detector), markup=False, soft_wrap=True)
 
 
-def _row(number: int, reach: "Reach") -> list[object]:
-    seconds = (reach.onset_s, reach.turn_s, reach.end_s, reach.reach_time_s)
-    peaks = (reach.peak_extension_rad_s, reach.peak_return_rad_s)
+def _row(number: int, reach: "Reach", one_way: bool) -> list[object]:
+    seconds = (reach.onset_s, None if one_way else reach.turn_s, reach.end_s, reach.reach_time_s)
+    peaks = (reach.peak_extension_rad_s, None if one_way else reach.peak_return_rad_s)
     smoothness = (reach.sparc_out, reach.sparc_back)
     return [
         number,
-        *(f"{value:.3f}" for value in seconds),
+        *(None if value is None else f"{value:.3f}" for value in seconds),
         None if reach.excursion_deg is None else f"{reach.excursion_deg:.0f}",
-        *(f"{value:.2f}" for value in peaks),
-        *(None if value is None else f"{value:.2f}" for value in smoothness),
+        *(None if value is None else f"{value:.2f}" for value in (*peaks, *smoothness)),
         ", ".join(reach.flags),
     ]
 

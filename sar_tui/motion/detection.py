@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.motion import fixed_threshold, orientation, single_axis
+from sar_tui.motion import fixed_threshold, one_way, orientation, single_axis
 from sar_tui.motion.detector_names import current_name
 from sar_tui.motion.grid import Grid
 from sar_tui.motion.measures import measure
@@ -61,6 +61,12 @@ def detect(
     is_quiet = DETECTORS[current_name(detector)].is_quiet
     likely = plausible(found) if is_quiet else found
     return measure(likely._replace(reaches=apart(likely.reaches, since_s)), recording)
+
+
+def detect_one_way(recording: Recording, since_s: float = -math.inf) -> tuple[Reach, ...]:
+    """Return the movements in a recording from rest to rest without a way back (`one_way.find`), as `detect`."""
+    found = one_way.find(recording)
+    return measure(found._replace(reaches=apart(found.reaches, since_s)), recording)
 
 
 def find(

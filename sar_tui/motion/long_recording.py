@@ -1,12 +1,13 @@
 """Detection of reaches in a recording of any length, a window at a time, in bounded memory."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import msgspec
 import numpy as np
 
-from sar_tui.motion.detection import detect
+from sar_tui.motion.detection import detect, detect_one_way
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Hand
 from sar_tui.motion.samples import Samples, join, recording
@@ -40,7 +41,12 @@ class LongDetection(NamedTuple):
 
 
 def detect_long(
-    blocks: Iterable[Samples], detector: str = "orientation", hand: Hand = "right", window: int = WINDOW
+    blocks: Iterable[Samples],
+    detector: str = "orientation",
+    hand: Hand = "right",
+    window: int = WINDOW,
+    *,
+    one_way: bool = False,
 ) -> LongDetection:
     """Find and measure the reaches in samples that come in blocks.
 
@@ -48,9 +54,11 @@ def detect_long(
     longer one is analysed in windows that overlap, cut where no reach is: each has its own bias, noise and tremor. A
     movement that has no rest in a whole window is cut off at its end.
 
+    With ``one_way`` it finds movements without a way back (`detection.detect_one_way`), whatever the detector.
+
     Raises ValueError for no samples, and as `detection.detect`.
     """
-    windows = _Windows(detector, hand, window)
+    windows = _Windows(detect_one_way if one_way else partial(detect, detector=detector, hand=hand), window)
     for block in blocks:
         windows.add(block)
     return windows.finish()
@@ -59,9 +67,8 @@ def detect_long(
 class _Windows:
     """The samples that are not analysed yet, and the reaches found before them."""
 
-    def __init__(self, detector: str, hand: Hand, window: int) -> None:
-        self._detector = detector
-        self._hand: Hand = hand
+    def __init__(self, detect: Callable[..., tuple[Reach, ...]], window: int) -> None:
+        self._detect = detect
         self._size = window
         self._lasts_ns = 0
         self._waiting: list[Samples] = []
@@ -125,7 +132,7 @@ class _Windows:
         window = recording(samples, origin_ns)  # from 0: large times would cost precision
         self._rates.append(window.rate_hz)
         origin_s = origin_ns / _NS
-        found = detect(window, self._detector, hand=self._hand, since_s=self._own_from_s - origin_s)
+        found = self._detect(window, since_s=self._own_from_s - origin_s)
         return [_shifted(reach, origin_s) for reach in found]
 
 

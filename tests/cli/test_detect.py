@@ -250,3 +250,24 @@ def test_the_choices_are_the_available_detectors() -> None:
             assert getattr(msgspec.convert({name: choice.value}, Units), name) == choice.value
     for hand in Hand:
         assert msgspec.convert({"hand": hand.value}, AnalysisParameters).hand == hand.value
+
+
+def test_reaches_without_a_way_back_have_no_measures_of_it(call: Call, write: Write) -> None:
+    time_s = np.arange(600) / 100
+    share = np.clip((time_s - 2.0) / 1.0, 0.0, 1.0)
+    turning = 30.0 * (share * (1.0 - share)) ** 2
+    path = write([{"t": t, "wx": 0.0, "wy": 0.6 * w, "wz": 0.8 * w} for t, w in zip(time_s, turning, strict=True)])
+    assert call("detect", path, "--json").json["reaches"] == []
+    (reach,) = call("detect", path, "--one-way", "--json").json["reaches"]
+    assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
+    assert reach["reach_time_s"] == reach["out_s"] == pytest.approx(1.0, abs=0.08)
+    assert reach["excursion_deg"] == pytest.approx(math.degrees(1.0), abs=2.0)
+    assert {reach[name] for name in ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")} == {None}
+    assert "One reach in" in call("detect", path, "--one-way").out
+
+
+@pytest.mark.parametrize("other", ["--repetitions", "--detector=single-axis"])
+def test_one_way_goes_with_neither_repetitions_nor_another_detector(call: Call, other: str) -> None:
+    called = call("detect", SAMPLE, "--one-way", other)
+    assert (called.code, called.out) == (2, "")
+    assert "--one-way goes neither with --repetitions nor with another detector." in " ".join(called.err.split())
