@@ -1,5 +1,6 @@
 """``sar-tui detect``: finds reaches or repetitions in a recording of a motion sensor."""
 
+import math
 from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from pathlib import Path
@@ -25,6 +26,11 @@ _OF_THE_WAY_BACK = (
     "turn_s", "back_s", "dwell_s", "peak_return_rad_s", "movement_units_back", "sparc_back", "ldlj_back",
     "return_error_deg",
 )  # fmt: skip
+
+_HARDLY_MOVING_RAD_S = 0.15
+"""A recording of reaches has larger rates, unless rates in rad/s were taken for deg/s."""
+
+_SLOW = "The hand turns at no more than {largest} deg/s. If the file is in rad/s, leave out --rate deg/s."
 
 _FLAGS = {
     "no_rest": "the hand was not still before it, so the sensor's bias is a guess",
@@ -131,7 +137,8 @@ def detect(
         if repetitions:
             _report_repetitions(file, units, as_json)
             return
-        found = detect_long(_blocks(file, units), detector, hand.value, one_way=one_way)
+        speed = _Speed()
+        found = detect_long(speed.watch(_blocks(file, units)), detector, hand.value, one_way=one_way)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
     _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
@@ -140,6 +147,20 @@ def detect(
         print_json({"detector": detector, "rate_hz": round(found.rate_hz, 3), "reaches": reaches})
     else:
         _print(found, detector, one_way)
+    if not found.reaches and units.rate == "deg/s" and speed.largest_rad_s < _HARDLY_MOVING_RAD_S:
+        largest = f"{math.degrees(speed.largest_rad_s):.2g}"
+        console(error=True).print(_SLOW.format(largest=largest), markup=False, soft_wrap=True)
+
+
+class _Speed:
+    """The largest angular rate about one axis of the samples that pass, in rad/s."""
+
+    largest_rad_s = 0.0
+
+    def watch(self, blocks: "Iterable[Samples]") -> "Iterator[Samples]":
+        for block in blocks:
+            self.largest_rad_s = max(self.largest_rad_s, float(abs(block["rate"]).max(initial=0.0)))
+            yield block
 
 
 def _ways_out(reach: "Reach") -> dict[str, object]:

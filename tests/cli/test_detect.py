@@ -271,3 +271,12 @@ def test_one_way_goes_with_neither_repetitions_nor_another_detector(call: Call, 
     called = call("detect", SAMPLE, "--one-way", other)
     assert (called.code, called.out) == (2, "")
     assert "--one-way goes neither with --repetitions nor with another detector." in " ".join(called.err.split())
+
+
+def test_a_recording_in_radians_read_as_degrees_gets_a_hint(call: Call) -> None:
+    hint = "If the file is in rad/s, leave out --rate deg/s."
+    called = call("detect", SAMPLE, "--rate", "deg/s")
+    assert (called.code, called.out.startswith("No reach in")) == (0, True)
+    assert hint in called.err
+    assert call("detect", SAMPLE, "--rate", "deg/s", "--json").json["reaches"] == []
+    assert hint not in call("detect", SAMPLE).err
