@@ -30,6 +30,8 @@ FLAGS = {
     "reversed": "Wrong way out: the sensor is turned round, or it is not the {hand} hand.",
     "gap": "Samples are missing in it: try another cable or port.",
     "saturated": "It was faster than the sensor can measure: only its times are known.",
+    "clipped": "Its fastest part is cut off by the sensor's range: only its times are known.",
+    "too_far": "The hand turned farther than it can: the sensor must send rad/s, and seems to send deg/s.",
     "no_rest": "The hand did not rest before it: keep it still for two seconds first.",
     "error": "The sensor reported an error during it.",
     "cut": "It had begun before, or was not over: rest before it and after it.",
@@ -44,6 +46,7 @@ INVALID = {
     "samples": "Too few samples came to see a reach.",
     "gap": FLAGS["gap"],
     "rate": "The sensor sends too few samples a second to see a reach.",
+    "analysis": "The reach could not be measured.",
 }
 
 
@@ -160,7 +163,8 @@ def reach_test_text(test: ReachTest, hand: Hand, tr: Language = _ENGLISH) -> lis
 def finding_text(found: Finding, hand: Hand, tr: Language = _ENGLISH) -> list[tuple[Mark, str]]:
     """Return the numbers of a finding, and its problems in a sentence each."""
     if found.onset_ns is None:
-        return [("wrong", tr(INVALID.get(found.invalid, NO_REACH)))]
+        without = FLAGS["too_far"] if "too_far" in found.flags else NO_REACH
+        return [("wrong", tr(INVALID.get(found.invalid, without)))]
     said: list[tuple[Mark, str]] = [("wrong", _flag(flag, hand, tr)) for flag in found.flags]
     return [("wrong" if said else "right", _numbers(found, tr)), *said]
 

@@ -141,14 +141,16 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         if name == parameters.detector:
             reaches = measure(found, whole, version)
         times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole, version)
+    too_far = version > 1 and turns_too_far(whole.time_s, whole.rate)
     reach = _largest(reaches)
     holes = _holes(inside["at"], window)
     if reach is None:
-        return Finding(details=known, flags=window.flags, invalid="gap" if holes else "")
+        flags = (*window.flags, *(["too_far"] if too_far else []))
+        return Finding(details=known, flags=flags, invalid="gap" if holes else "")
     warnings = {
         "several": known["reaches"] != 1,
         "disagree": version > 1 and _disagree(times_ms, parameters.detector),
-        "too_far": version > 1 and turns_too_far(whole.time_s, whole.rate),
+        "too_far": too_far,
     }
     flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(name for name, holds in warnings.items() if holds))))
     onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)

@@ -618,3 +618,8 @@ async def test_snapshot_of_the_check(theme: str, open_check: Callable[..., Any])
         album.take("test-reach", driver)
     assert {f"{name}.{theme}.txt" for name in album.taken} == {path.name for path in SNAPSHOTS.glob(f"*.{theme}.txt")}
     album.check()
+
+
+def test_a_sensor_in_degrees_is_named_where_no_reach_can_be_seen() -> None:
+    ((mark, words),) = finding_text(Finding(details={}, flags=("too_far",)), "right")
+    assert (mark, words) == ("wrong", FLAGS["too_far"])

@@ -70,3 +70,13 @@ def test_a_reach_in_degrees_turns_too_far_and_one_in_radians_does_not(kind: str)
 def test_daily_life_does_not_turn_too_far(kind: str) -> None:
     recording = simulate_daily_life(kind, 1, minutes=1).recording
     assert not turns_too_far(recording.time_s, recording.rate)
+
+
+def test_a_window_in_degrees_says_so_whether_or_not_a_reach_is_found() -> None:
+    hand = samples_of(simulate_reaches("lift-extend-touch", 2).recording)
+    hand["rate"] = np.degrees(hand["rate"])
+    window = Window(from_ns=0, started_ns=1_000_000_000, to_ns=int(hand["at"][-1]) + 1)
+    assert "too_far" in analyse(hand, window, AnalysisParameters()).flags
+    no_reach = Window(from_ns=0, started_ns=int(hand["at"][-1]) + 10**10, to_ns=int(hand["at"][-1]) + 1)
+    assert analyse(hand, no_reach, AnalysisParameters()).onset_ns is None
+    assert "too_far" in analyse(hand, no_reach, AnalysisParameters()).flags
