@@ -149,7 +149,7 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         await driver.wait(2000)
         tour.look("Ahora extienda el brazo, vuelva y descanse.")
         await driver.wait(6000)
-        tour.look("s: ida 0,48, pausa 0,00, vuelta 0,35; máximos +2,4 y −3,4 rad/s.", "F1 Ayuda")
+        tour.look("s: ida 0,46, pausa 0,00, vuelta 0,34; máximos +2,4 y −3,4 rad/s.", "F1 Ayuda")
         await tour.press("f1", "Sujete el sensor al dorso de la mano", "Probar")
         await tour.press("enter")
 
