@@ -32,6 +32,7 @@ FLAGS = {
     "saturated": "It was faster than the sensor can measure: only its times are known.",
     "clipped": "Its fastest part is cut off by the sensor's range: only its times are known.",
     "too_far": "The hand turned farther than it can: the sensor must send rad/s, and seems to send deg/s.",
+    "disagree": "Two ways to find it differ by more than 20 % in its time: begin and end it at rest.",
     "no_rest": "The hand did not rest before it: keep it still for two seconds first.",
     "error": "The sensor reported an error during it.",
     "cut": "It had begun before, or was not over: rest before it and after it.",

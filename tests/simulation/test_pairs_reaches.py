@@ -27,7 +27,7 @@ from tests.examples import first
 from tests.simulation.test_pairs import CALM, KIND, POLICIES, Disk, Played
 
 SEEDS = range(10)
-MAX_ONSET_ERROR_MS = 15
+MAX_ONSET_ERROR_MS = 30
 """Largest error of a detected movement onset."""
 
 
