@@ -26,7 +26,11 @@ def is_clipped(rate: Floats) -> bool:
     Args:
         rate: angular rate, shape (n, 3), rad/s, as measured: neither filtered nor interpolated, nor without its bias.
     """
-    return any(_has_plateau(side * axis) for axis in rate.T for side in (1.0, -1.0))
+    return any(
+        _has_plateau(side * rate[:, axis])
+        for side, extreme in ((1.0, rate.max(axis=0, initial=0.0)), (-1.0, rate.min(axis=0, initial=0.0)))
+        for axis in np.flatnonzero((rate == extreme).sum(axis=0) >= PLATEAU)
+    )
 
 
 def _has_plateau(values: Floats) -> bool:
@@ -57,7 +61,7 @@ def turns_too_far(time_s: Floats, rate: Floats) -> bool:
     """
     usable = np.isfinite(rate).all(axis=1)
     time_s, rate = time_s[usable], rate[usable]
-    if len(time_s) < 2:
+    if len(time_s) < 2 or np.abs(rate).max() * max(TURN_S) <= TOO_FAR_RAD:
         return False
     steps = np.minimum(np.diff(time_s), 0.1)[:, None] * (rate[1:] + rate[:-1]) / 2.0
     angle = np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))

@@ -53,6 +53,15 @@ def checked(bounds: Bounds, grid: Grid, rest: Rest, *, is_cut: bool, longest_s: 
     )
 
 
+def order_statistic(x: Floats, share: float) -> float:
+    """Return the value at a share, 0 to 1, of the sorted array; 0 for an empty one.
+
+    `percentile` interpolates between two such values, and takes ten times as long.
+    """
+    index = round(share * (len(x) - 1))
+    return float(np.partition(x, index)[index]) if len(x) else 0.0
+
+
 def percentile(x: Floats, share: float) -> float:
     """Return a percentile; 0 for an empty array."""
     return float(np.percentile(x, share)) if len(x) else 0.0

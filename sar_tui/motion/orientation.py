@@ -12,7 +12,7 @@ from sar_tui.motion import quaternions
 from sar_tui.motion.boundaries import first_peak, onset
 from sar_tui.motion.filters import usable_cutoff
 from sar_tui.motion.grid import Grid, even
-from sar_tui.motion.movement import checked, percentile, stretches
+from sar_tui.motion.movement import checked, order_statistic, stretches
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.rest import SLOW_HZ, Rest
 from sar_tui.motion.samples import Floats, Recording
@@ -132,7 +132,7 @@ def find(
     slow = np.linalg.norm(spectrum.below(SLOW_HZ, rest.tremor_hz), axis=1)
     light = np.linalg.norm(spectrum.below(cutoff, rest.tremor_hz), axis=1)
     calm = np.linalg.norm(spectrum.below(min(CALM_HZ, cutoff), rest.tremor_hz), axis=1)
-    floor = percentile(slow[rest.still], 99)
+    floor = order_statistic(slow[rest.still], 0.99)
     motion = _Motion(
         grid=grid,
         rate=rate,
@@ -142,7 +142,7 @@ def find(
         rest=rest,
         begin=max(parameters.begin_rad_s, 2.0 * floor),
         end=max(parameters.end_rad_s, 1.2 * floor),
-        floor=NOISE * percentile(light[rest.still], 50),
+        floor=NOISE * order_statistic(light[rest.still], 0.5),
     )
     reaches = tuple(
         reach
