@@ -4,7 +4,19 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks import agent, commands, export, many_sessions, merge, operator, paint, response, sensor, simulate
+from benchmarks import (
+    agent,
+    commands,
+    export,
+    many_sessions,
+    merge,
+    motion,
+    operator,
+    paint,
+    response,
+    sensor,
+    simulate,
+)
 
 
 class Extent(NamedTuple):
@@ -84,6 +96,12 @@ def _merge(extent: Extent) -> Any:
     return merge.measure(few, many, extent.folder, extent.progress("merges", merge.steps()))
 
 
+def _motion(extent: Extent) -> Any:
+    return motion.measure(
+        extent.quick, extent.folder, extent.progress("reaches in samples", motion.steps(extent.quick))
+    )
+
+
 PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "response": _response,
     "paint": _paint,
@@ -92,6 +110,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "sessions": _sessions,
     "export": _export,
     "merge": _merge,
+    "motion": _motion,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,

@@ -52,7 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "sessions", "export", "merge", "sensor", "agent", "operator"):
+    for name in ("response", "sessions", "export", "merge", "motion", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -153,6 +153,34 @@ def _merge(merged: Results) -> dict[str, Rows]:
     }
 
 
+def _motion(motion: Results) -> dict[str, Rows]:
+    return {
+        "Analysis of a reach, by all detectors (ms of CPU)": [
+            ["samples", "analysis", "six bare transforms", "ratio"],
+            [
+                f"{motion['samples']:.0f}",
+                f"{motion['analyse_ms']:.2f}",
+                f"{motion['bare_ms']:.2f}",
+                f"{motion['ratio']:.1f}",
+            ],
+        ],
+        "Reaches in a recording at 100 samples a second": [
+            ["detector", "hours", "reaches", "found", "CPU's seconds", "peak memory (MB)"],
+            *(
+                [
+                    run["detector"],
+                    f"{run['hours']:g}",
+                    f"{run['true']}",
+                    f"{run['reaches']}",
+                    f"{run['cpu_s']:.2f}",
+                    f"{run['memory_mb']:.0f}",
+                ]
+                for run in motion["runs"]
+            ),
+        ],
+    }
+
+
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
@@ -207,6 +235,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "sessions": _sessions,
     "export": _export,
     "merge": _merge,
+    "motion": _motion,
     "sensor": _sensor,
     "agent": _agent,
     "operator": _operator,
