@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from sar_tui.motion import quaternions
 from sar_tui.motion.boundaries import first_peak, onset
+from sar_tui.motion.excursions import NEAR, Excursion, Limits, excursions
 from sar_tui.motion.filters import usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.movement import checked, order_statistic, stretches
@@ -21,28 +22,16 @@ CALM_HZ = 5.0
 """Cutoff of the smoothing in which submovements are told apart."""
 MARGIN_S = 1.0
 """Time around a stretch of movement in which a reach may begin and end."""
-NEAR = 0.15
-"""Share of the excursion within which the hand counts as not having left yet, or as back already."""
 FAR = 0.8
 """Share of the excursion beyond which the hand counts as at its target."""
 MOVING = 0.01
 """A way lasts while the hand turns at this share of the way's largest rate, or more."""
 SUBMOVEMENT = 0.05
 """Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
-TURNING = 0.3
-"""Share of the largest speed below which a hand near its start turns around, and does not just pass."""
-TOO_LONG = 2.0
-"""Multiple of the longest reach within which a hand must be back, or it was no reach."""
 NOISE = 1.8
 """95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends change it less)."""
 TURN_S = 0.1
 """A shorter rest at the target is a turn."""
-LINGER_S = 1.2
-"""Longest time from a stop on the way back until the hand is nearer to its start, as a cup is put down in between."""
-HOME_S = 0.3
-"""Shortest rest from which a reach starts, if it is not the one that ended the reach before."""
-JUST_BEFORE_S = 0.1
-"""Time before the end of a rest at which its orientation is taken."""
 SIDED = math.cos(math.radians(45))
 """An excursion whose axis is nearer than this to z shows which way the hand turns."""
 
@@ -87,26 +76,6 @@ class _Motion(NamedTuple):
     begin: float
     end: float
     floor: float
-
-
-class _Excursion(NamedTuple):
-    """A turn away from the orientation at sample ``first`` and back at ``last``, farthest at ``top``.
-
-    ``stop``: where the hand leaves again, or the end of the stretch. ``angle``: shape (stop - first,), rad, from the
-    orientation at ``first``. ``axis``: that of the largest angle.
-    """
-
-    first: int
-    top: int
-    last: int
-    stop: int
-    angle: Floats
-    axis: tuple[float, float, float]
-
-    def later(self, samples: int) -> "_Excursion":
-        """Return it with its samples counted from further back."""
-        first, top, last, stop = (sample + samples for sample in self[:4])
-        return self._replace(first=first, top=top, last=last, stop=stop)
 
 
 def find(
@@ -159,7 +128,13 @@ def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, h
     first, last = max(0, group.start - margin), min(len(motion.slow), group.stop + margin)
     orientation = quaternions.integrate(motion.rate[first:last], 1.0 / grid.rate_hz)
     earliest = first
-    for excursion in _excursions(orientation, motion.slow[first:last], motion.end, parameters, grid.rate_hz):
+    limits = Limits(
+        still=motion.end,
+        least_rad=parameters.least_rad,
+        return_share=parameters.return_share,
+        longest_s=parameters.longest_s,
+    )
+    for excursion in excursions(orientation, motion.slow[first:last], grid.rate_hz, limits):
         bounds = _bounds(motion, excursion.later(first), earliest, parameters, hand)
         if bounds is None:
             continue
@@ -174,112 +149,8 @@ def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, h
         earliest = int(np.searchsorted(grid.time_s, bounds.end_s))
 
 
-def _excursions(
-    orientation: Floats, slow: Floats, end: float, parameters: OrientationParameters, rate_hz: float
-) -> Iterator[_Excursion]:
-    """Yield the turns away from an orientation at rest and back, in order of time.
-
-    A stretch that begins in movement may begin on a way back, so its first home is found from its end, backwards.
-    """
-    homes = _homes(slow <= end, rate_hz)
-    if slow[0] > end >= slow[-1]:
-        backwards = list(_chains(orientation[::-1], slow[::-1], end, [0], parameters, rate_hz))
-        first = len(slow) - 1 - (backwards[-1].last if backwards else 0)
-        homes = [first, *(home for home in homes if home > first)]
-    yield from _chains(orientation, slow, end, homes, parameters, rate_hz)
-
-
-def _chains(
-    orientation: Floats,
-    slow: Floats,
-    end: float,
-    homes: list[int],
-    parameters: OrientationParameters,
-    rate_hz: float,
-) -> Iterator[_Excursion]:
-    """Yield the turns away from a home and back, and from there again.
-
-    A rest from which the hand does not come back was not the start of a reach: the next one is tried.
-    """
-    at, farthest = 0, round(TOO_LONG * parameters.longest_s * rate_hz)
-    for home in homes:
-        start = home
-        while start >= at:
-            ahead = slice(start, start + farthest)
-            found = _excursion_from(orientation[ahead], slow[ahead], end, parameters, LINGER_S * rate_hz)
-            if found is None:
-                break
-            yield found.later(start)
-            at = start = start + found.last
-
-
-def _homes(resting: npt.NDArray[np.bool_], rate_hz: float) -> list[int]:
-    """Return the samples at which a reach may start: just before the end of each rest that is no mere turn."""
-    edges = np.flatnonzero(np.diff(resting.astype(np.int8), prepend=0, append=0))
-    rests = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    shortest, before = HOME_S * rate_hz, round(JUST_BEFORE_S * rate_hz)
-    return [max(first, last - 1 - before) for first, last in rests if last - first >= shortest] or [0]
-
-
-def _excursion_from(
-    orientation: Floats, slow: Floats, end: float, parameters: OrientationParameters, linger: float
-) -> _Excursion | None:
-    """Return the first turn away from the orientation at the first sample and back; None without a way back.
-
-    A stop on the way back, of which less than ``linger`` samples pass before the hand is nearer, does not end it.
-    """
-    turned = quaternions.multiply(quaternions.conjugate(orientation[0]), orientation)
-    angle = quaternions.angle(turned)
-    highest = np.maximum.accumulate(angle)
-    back = np.flatnonzero((highest >= parameters.least_rad) & (angle <= parameters.return_share * highest))
-    at = 0
-    while (index := int(np.searchsorted(back, at))) < len(back):
-        came = int(back[index])
-        largest = float(highest[came])
-        leaves = _leaves(angle, came, parameters.return_share * largest)
-        if _is_back(angle[came:leaves], slow[came:leaves], end, largest, float(slow[:leaves].max())):
-            rests = np.flatnonzero(slow[came:leaves] <= end)
-            last = came + (
-                _settles(angle[came:leaves], rests, NEAR * largest, linger)
-                if len(rests)
-                else int(angle[came:leaves].argmin())
-            )
-            stop = min(leaves, _leaves(angle, last, NEAR * largest)) if len(rests) else last + 1
-            top = int(angle[:came].argmax())
-            x, y, z = (quaternions.to_rotation(turned[top]) / angle[top]).tolist()
-            return _Excursion(0, top, last, stop, angle[:stop], (x, y, z))
-        at = leaves
-    return None
-
-
-def _settles(angle: Floats, rests: npt.NDArray[np.intp], by: float, linger: float) -> int:
-    """Return the first of some samples at rest from which the angle does not soon fall further."""
-    at = int(rests[0])
-    while True:
-        nearer = np.flatnonzero(angle[at:] <= angle[at] - by)
-        if not len(nearer) or nearer[0] > linger:
-            return at
-        later = rests[rests >= at + nearer[0]]
-        if not len(later):
-            return at
-        at = int(later[0])
-
-
-def _leaves(angle: Floats, since: int, by: float) -> int:
-    """Return where an angle has risen by so much above its lowest since a sample; the number of samples if nowhere."""
-    lowest = np.minimum.accumulate(angle[since:])
-    leaves = np.flatnonzero(angle[since:] > lowest + by)
-    return since + int(leaves[0]) if len(leaves) else len(angle)
-
-
-def _is_back(angle: Floats, slow: Floats, end: float, largest: float, fastest: float) -> bool:
-    """Return True if the hand stops near its start, or turns around there, instead of passing on its way."""
-    speed = float(slow.min())
-    return speed <= end or (float(angle.min()) <= NEAR * largest and speed <= TURNING * fastest)
-
-
 def _bounds(
-    motion: _Motion, excursion: _Excursion, earliest: int, parameters: OrientationParameters, hand: Hand
+    motion: _Motion, excursion: Excursion, earliest: int, parameters: OrientationParameters, hand: Hand
 ) -> Bounds | None:
     """Return the reach of an excursion, which begins at sample ``earliest`` or later; None for a twitch."""
     grid, slow, angle = motion.grid, motion.slow, excursion.angle
