@@ -11,11 +11,14 @@ from sar_tui.validation.noise_worlds import WORLDS, Attempts, sem
 from sar_tui.validation.praised_sessions import TASKS, session_row
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
-EARLIER = (2, 3, 5, 10)
+EARLIER: tuple[int, ...] = (2, 3, 5, 10)
+QUICK_EARLIER = EARLIER[:3]
 TRIALS = (1, 3, 5)
 SEVERAL, TRIALS_OF_SEVERAL = 3, 4
 """Measures that are judged together, and the trials of their attempts."""
 PAIRS, QUICK_PAIRS = 2000, 600
+QUICK_TASKS: tuple[str, ...] = ()
+"""Whole sessions take too long for a quick run."""
 MOST_BY_CHANCE, LEAST_FOUND = 0.10, 0.80
 MDCS = 2.0
 """The true change that must be found, in MDC95."""
@@ -24,16 +27,15 @@ MDCS = 2.0
 def run(conditions: Conditions) -> Report:
     """Return one row for each world, number of trials and of earlier attempts, and one for each task's sessions."""
     rows: list[Row] = []
-    steps = len(WORLDS) + len(TASKS)
+    pairs, numbers, tasks = PAIRS, EARLIER, list(TASKS)
+    if conditions.is_quick:
+        pairs, numbers, tasks = QUICK_PAIRS, QUICK_EARLIER, list(QUICK_TASKS)
+    steps = len(WORLDS) + len(tasks)
     for number, world in enumerate(WORLDS):
         conditions.progress(f"praise: {world}", number, steps)
         cases = [(trials, 1) for trials in TRIALS] + [(TRIALS_OF_SEVERAL, SEVERAL)]
-        rows += [
-            _row(world, trials, earlier, measures, QUICK_PAIRS if conditions.is_quick else PAIRS)
-            for trials, measures in cases
-            for earlier in EARLIER
-        ]
-    for number, task in enumerate(TASKS, len(WORLDS)):
+        rows += [_row(world, trials, earlier, measures, pairs) for trials, measures in cases for earlier in numbers]
+    for number, task in enumerate(tasks, len(WORLDS)):
         conditions.progress(f"praise: {task}", number, steps)
         rows.append(session_row(conditions, task))
     return Report(rows, [_COLUMNS], _claims(rows), seen=_side_by_side(rows))

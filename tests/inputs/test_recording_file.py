@@ -5,7 +5,8 @@ import math
 import tempfile
 import tracemalloc
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from csv import field_size_limit
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,14 @@ def write_recording(path: Path, samples: Samples) -> None:
     measured = zip(*(column.tolist() for name, column in columns.items() if name != "t"), strict=True)
     rows = (",".join([at, *(f"{value:.9g}" for value in row)]) for at, row in zip(times, measured, strict=True))
     path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+
+
+@pytest.fixture(autouse=True)
+def usual_field_limit() -> Iterator[None]:
+    """Set the longest field of a CSV file to its default: other libraries of the tests raise it for the process."""
+    before = field_size_limit(131_072)
+    yield
+    field_size_limit(before)
 
 
 @pytest.fixture

@@ -13,14 +13,14 @@ from sar_tui.validation.report import Claim, Conditions, Report
 
 
 @pytest.mark.slow
-def test_all_claims_hold_in_every_world_and_in_sessions(catalogue: Catalogue) -> None:
+def test_all_claims_hold_in_every_world_and_in_sessions(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue) -> None:
+    monkeypatch.setattr(praise, "QUICK_TASKS", tuple(praise.TASKS))
     assert [claim for claim in praise.run(Conditions(catalogue, is_quick=True)).claims if not claim.holds] == []
 
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(praise, "QUICK_PAIRS", 40)
-    monkeypatch.setattr(praise, "TASKS", {})
 
 
 def run(catalogue: Catalogue) -> Report:
@@ -31,7 +31,7 @@ def run(catalogue: Catalogue) -> Report:
 def test_each_world_is_tried_with_few_and_many_earlier_attempts(catalogue: Catalogue) -> None:
     rows = run(catalogue).rows
     assert {(row["world"], row["earlier"]) for row in rows} == {
-        (world, earlier) for world in WORLDS for earlier in (2, 3, 5, 10)
+        (world, earlier) for world in WORLDS for earlier in (2, 3, 5)
     }
     for row in rows:
         is_known = row["earlier"] >= LEAST_ATTEMPTS and row["earlier"] * row["trials"] >= LEAST_TRIALS
