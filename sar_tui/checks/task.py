@@ -18,7 +18,7 @@ from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Situation, Stimulus
+from sar_tui.framework.trial_types import Results, Situation, Stimulus, Trial
 from sar_tui.framework.visible_text import control_problem
 from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
 from sar_tui.runs.plan import Failed, make_plan
@@ -129,14 +129,17 @@ def _prompts(kind: type[Task], task: Task) -> str:
         return f"It has {task.levels} levels and {task.trials_per_attempt} trials in an attempt; each is at least 1."
     again = kind(task.parameters)
     for level in _levels(task):
+        earlier: tuple[Results, ...] = ()
         for trial in range(1, min(task.trials_per_attempt, 5) + 1):
-            situation = Situation(1, trial, level, RandomStreams(SEED, 1, trial), RandomStreams(SEED))
+            situation = Situation(1, trial, level, RandomStreams(SEED, 1, trial), RandomStreams(SEED), earlier)
             prompt = task.stimulus(situation)
             where = f"at level {level}, trial {trial}"
             if problem := _content_problem(prompt, where):
                 return problem
             if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
                 return f"The prompt differs when asked for again {where}. Draw from situation.streams only."
+            missed = task.timed_out(Trial(situation, prompt, onset=0))
+            earlier += (missed if isinstance(missed, dict) else dict.fromkeys(task.seats, missed),)
     return ""
 
 

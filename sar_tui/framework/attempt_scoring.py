@@ -22,7 +22,7 @@ from sar_tui.framework.policies.judgement import (
     judge_summary,
 )
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import DOUBTFUL, Result, Score, Target
+from sar_tui.framework.trial_types import DOUBTFUL, PastAttempt, Result, Score, Target
 
 _T = TypeVar("_T", bound=msgspec.Struct)
 Histories = Mapping[str, History]
@@ -64,6 +64,7 @@ class ScoredSeats(msgspec.Struct, frozen=True):
         result: the worst of the results; None if a seat has none, or too few right responses.
         reached: prompts answered right and better than the goal, of the seat with the smallest share.
         prompts: all prompts of that seat.
+        past: the attempt as a later one sees it, by seat.
     """
 
     seats: dict[str, SeatScore]
@@ -72,31 +73,47 @@ class ScoredSeats(msgspec.Struct, frozen=True):
     result: float | None
     reached: int
     prompts: int
+    past: Mapping[str, PastAttempt] = {}
 
 
 def score_seats(
-    task: Task, attempt: AttemptFacts, results: Mapping[str, Sequence[Result]], histories: Histories
+    task: Task,
+    attempt: AttemptFacts,
+    results: Mapping[str, Sequence[Result]],
+    histories: Histories,
+    scored: Sequence[Mapping[str, PastAttempt]] = (),
 ) -> ScoredSeats:
     """Score an attempt for each seat that has results.
 
     The level is shared: the attempt counts as a success only if every seat reached the goal. In a race the feedback
-    says who won; this does not affect the outcome.
+    says who won; this does not affect the outcome. ``scored``: the earlier attempts, by seat, oldest first.
     """
     target = _checked(task.target(attempt.level), Target)
     enough = task.parameters.min_accuracy
     scores = {seat: _score(task, results[seat]) for seat in task.seats if results.get(seat)}
     judgements = {seat: judge(score, task.metric, target, enough) for seat, score in scores.items()}
     reported = judge_race(scores, judgements)
-    seats, updated = {}, dict(histories)
+    seats, updated, past = {}, dict(histories), {}
     for seat, score in scores.items():
         judged = JudgedAttempt(score, target, judgements[seat])
+        earlier = [each[seat] for each in scored if seat in each]
+        past[seat] = _past(task, attempt, score, results[seat], earlier)
         seats[seat], updated[seat] = _score_seat(
-            task, attempt, seat, results[seat], judged, reported[seat], histories[seat]
+            task, attempt, seat, results[seat], judged, reported[seat], histories[seat], past[seat].measures
         )
     outcome = min((judgement.outcome for judgement in judgements.values()), key=_FAILURE_FIRST.index)
     judged_seats = [JudgedAttempt(score, target, judgements[seat]) for seat, score in scores.items()]
     reached, prompts = min((_reached(task, target, results[seat]) for seat in scores), key=_share)
-    return ScoredSeats(seats, updated, outcome, _worst(task, judged_seats), reached, prompts)
+    return ScoredSeats(seats, updated, outcome, _worst(task, judged_seats), reached, prompts, past)
+
+
+def _past(
+    task: Task, attempt: AttemptFacts, score: Score, results: Sequence[Result], earlier: Sequence[PastAttempt]
+) -> PastAttempt:
+    """Return the attempt as later ones see it, with the measures of the task and those that compare it with them."""
+    measures = _mean_qualities(task, results) | task.measures(list(results))
+    past = PastAttempt(attempt.attempt, attempt.practice, attempt.level, score, measures)
+    return replace(past, measures=measures | task.learning(past, earlier))
 
 
 def _worst(task: Task, attempts: Sequence[JudgedAttempt]) -> float | None:
@@ -153,6 +170,7 @@ def _score_seat(
     judged: JudgedAttempt,
     judgement: Judgement,
     history: History,
+    measures: dict[str, float],
 ) -> tuple[SeatScore, History]:
     """Score an attempt for one seat. Returns the score and the seat's new history."""
     if not attempt.practice:
@@ -160,7 +178,7 @@ def _score_seat(
     choice = feedback_choice.choose(history, judged, task.parameters, task.feedback_on, practice=attempt.practice)
     if judgement.reason in RACED:
         choice = replace(choice, degree="clear")
-    message = _feedback(task, attempt, seat, results, judged.score, judgement, judged.target, choice, history)
+    message = _feedback(task, attempt, seat, results, judged.score, judgement, judged.target, choice, history, measures)
     ended = AttemptEnded(
         seat=seat,
         attempt=attempt.attempt,
@@ -195,6 +213,7 @@ def _feedback(
     target: Target,
     choice: FeedbackChoice,
     history: History,
+    measures: dict[str, float],
 ) -> Feedback:
     """Build the feedback on the attempt, or on the last few if the schedule summarises them."""
     reached = int(judgement.outcome == "success")
@@ -216,7 +235,7 @@ def _feedback(
         trials=score.trials,
         reached=reached,
         won=score.won,
-        qualities=_mean_qualities(task, results) | task.measures(list(results)),
+        qualities=measures,
         remark=task.tr(next((result.remark for result in reversed(results) if result.remark), "")),
         due=attempt.ended + choice.delay_ms * MS if choice.due else 0,
         choice=choice,

@@ -11,7 +11,7 @@ from sar_tui.framework.policies import feedback_choice, level_choice
 from sar_tui.framework.policies.difficulty.policy import MOST_RESULTS, Difficulty, Goal, ScoredAttempt
 from sar_tui.framework.policies.feedback.policy import History
 from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Result, Results
+from sar_tui.framework.trial_types import PastAttempt, Result, Results
 
 _BY_HAND = "Set by hand."
 
@@ -63,6 +63,7 @@ class AttemptState(msgspec.Struct, frozen=True):
         proposed: the difficulty after that change, if the operator accepts it.
         goal: its goal, if the difficulty policy made one; None: the task's own.
         past: results at each level so far, oldest first, if the difficulty policy makes goals from them.
+        scored: the attempts before it, by seat, oldest first.
     """
 
     attempt: int
@@ -78,6 +79,7 @@ class AttemptState(msgspec.Struct, frozen=True):
     proposed: Difficulty | None = None
     goal: Goal | None = None
     past: Mapping[int, tuple[float | None, ...]] = {}
+    scored: tuple[Mapping[str, PastAttempt], ...] = ()
 
 
 def start(task: Task) -> AttemptState:
@@ -121,7 +123,7 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     """Score the attempt, which ended at ``now`` (ns), and set the level of the next."""
     practice = is_practice(task, state)
     facts = AttemptFacts(state.attempt, practice, state.level, state.started, now)
-    scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories)
+    scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories, state.scored)
     following, change = state.difficulty, None
     if not (practice or state.is_overridden or state.is_level_held):
         number = state.attempt - task.parameters.practice_attempts
@@ -138,6 +140,7 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
         ended=EndedAttempt(state, now, scored.seats, scored.outcome, following),
         past=past,
         goal=_goal(task, past, following.level),
+        scored=(*state.scored, scored.past),
     )
     return after, AttemptScore(tuple(scored.seats.values()), change)
 

@@ -126,6 +126,8 @@ class Attempts:
             level=self.level,
             streams=RandomStreams(self._seed, self.attempt, self.trial),
             session=self._streams,
+            results_by_seat=self.state.results,
+            history_by_seat=self.state.scored,
         )
         return OpenTrial(situation, self._task.stimulus(situation), self._task.seats)
 

@@ -24,6 +24,7 @@ from sar_tui.framework.trial_types import (
     Details,
     Mark,
     Metric,
+    PastAttempt,
     Performance,
     Quality,
     Result,
@@ -231,6 +232,10 @@ class Task(ABC):
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
         """Return more measures of an attempt by name, stored with its qualities."""
+        return {}
+
+    def learning(self, attempt: PastAttempt, history: Sequence[PastAttempt]) -> dict[str, float]:
+        """Return measures of an attempt that compare it with earlier ones (``history``), stored with the others."""
         return {}
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:

@@ -1,6 +1,6 @@
 """Values that a task and the framework exchange: metric and target, stimulus, trial, result, score."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, Literal
 
@@ -97,10 +97,39 @@ class Quality(msgspec.Struct, frozen=True):
         return difference / self.margin
 
 
-class Situation(msgspec.Struct, frozen=True):
-    """The position of a prompt in the session.
+class Score(msgspec.Struct, frozen=True):
+    """The score of an attempt. ``accuracy`` is None in a task without it.
 
-    ``streams`` are the random streams of this trial, ``session`` those that all trials share.
+    ``won``: in a race, the number of trials that this seat won.
+    """
+
+    metric: float | None
+    accuracy: float | None
+    correct: int
+    trials: int
+    won: int | None = None
+
+
+class PastAttempt(msgspec.Struct, frozen=True):
+    """A scored attempt of one seat. ``measures``: means of the task's qualities, and its ``measures``."""
+
+    attempt: int
+    practice: bool
+    level: int
+    score: Score
+    measures: dict[str, float] = {}
+
+
+class Situation(msgspec.Struct, frozen=True):
+    """The position of a prompt in the session, and what came before it.
+
+    Args:
+        attempt, trial: numbers, from 1.
+        level: of the attempt.
+        streams: the random streams of this trial.
+        session: those that all trials share.
+        results_by_seat: the results of this attempt's earlier trials, oldest first.
+        history_by_seat: the scored attempts of this session, oldest first.
     """
 
     attempt: int
@@ -108,6 +137,26 @@ class Situation(msgspec.Struct, frozen=True):
     level: int
     streams: RandomStreams
     session: RandomStreams
+    results_by_seat: "tuple[Results, ...]" = ()
+    history_by_seat: tuple[Mapping[str, PastAttempt], ...] = ()
+
+    @property
+    def results(self) -> "tuple[Result, ...]":
+        """Results of this attempt's earlier trials, oldest first; with several seats, of seat A."""
+        return self.results_of("A")
+
+    @property
+    def history(self) -> tuple[PastAttempt, ...]:
+        """Scored attempts of this session, oldest first, practice included; with several seats, of seat A."""
+        return self.history_of("A")
+
+    def results_of(self, seat: str) -> "tuple[Result, ...]":
+        """Return the results of this attempt's earlier trials in which a seat took part, oldest first."""
+        return tuple(results[seat] for results in self.results_by_seat if seat in results)
+
+    def history_of(self, seat: str) -> tuple[PastAttempt, ...]:
+        """Return the scored attempts of a seat in this session, oldest first, practice included."""
+        return tuple(scored[seat] for scored in self.history_by_seat if seat in scored)
 
 
 class Cue(msgspec.Struct, frozen=True):
@@ -243,19 +292,6 @@ class Again(msgspec.Struct, frozen=True):
 
     reason: str
     text: str
-
-
-class Score(msgspec.Struct, frozen=True):
-    """The score of an attempt. ``accuracy`` is None in a task without it.
-
-    ``won``: in a race, the number of trials that this seat won.
-    """
-
-    metric: float | None
-    accuracy: float | None
-    correct: int
-    trials: int
-    won: int | None = None
 
 
 class Performance:
