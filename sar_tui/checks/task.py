@@ -7,12 +7,12 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.checks import level_steps, task_texts, task_translations, task_view
+from sar_tui.checks import level_steps, task_prompts, task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.declaration import Field, ParameterError
-from sar_tui.framework.messages import Fault
+from sar_tui.framework.messages import Fault, Prompt
 from sar_tui.framework.parameters import TaskParameters, build, changed, fields
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.random_streams import RandomStreams
@@ -169,6 +169,8 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             yield _check(name, _outcome(simulated, parameters))
             done.append(simulated)
     yield _check("stores only the details that it declares", _details(kind, done))
+    prompts = [record.message for each in done for record in each.history if isinstance(record.message, Prompt)]
+    yield Check("draws its prompts large", warning=task_prompts.size_warning(kind, prompts))
     yield _check("changes its level", _level_moves(kind, parameters, done))
     yield _levels_apart(kind, parameters)
     yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+from rich.cells import cell_len
 from rich.segment import Segment
 from rich.style import Style
 from textual.geometry import Region, Size
@@ -55,7 +56,9 @@ class BigPrompt(Widget):
     def _regions(self) -> list[Region]:
         """Return the regions that hold text: a small frame reaches the terminal in one piece."""
         return [
-            Region(_indent(line), y, len(line.strip()), 1) for y, (line, _) in enumerate(self._lines) if line.strip()
+            Region(_indent(line), y, cell_len(line.strip()), 1)
+            for y, (line, _) in enumerate(self._lines)
+            if line.strip()
         ]
 
     def _draw_lines(self) -> None:
@@ -76,7 +79,7 @@ class BigPrompt(Widget):
             [
                 Segment(" " * left, style),
                 Segment(text, style + Style(bold=bold)),
-                Segment(" " * max(0, width - left - len(text)), style),
+                Segment(" " * max(0, width - left - cell_len(text)), style),
             ]
         ).adjust_cell_length(width, style)
 

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
+from rich.cells import cell_len, set_cell_size
+
 from sar_tui.framework.messages import Prompt
-from sar_tui.widgets.large_characters import draw
+from sar_tui.widgets.large_characters import cut, draw
 
 FIXATION = "·"
 _WALL = "│"
@@ -24,7 +26,7 @@ def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
 
 def centred(line: str, width: int) -> str:
     """Indent a line so that it stands in the middle of ``width`` cells."""
-    return " " * max(0, (width - len(line)) // 2) + line
+    return " " * max(0, (width - cell_len(line)) // 2) + line
 
 
 def halves(glyphs: Sequence[str], text: str, width: int, height: int, names: Sequence[str] = ("", "")) -> list[Line]:
@@ -49,4 +51,4 @@ def _row(lines: Sequence[str], row: int, room: int) -> str:
 
 def _beside(left: str, wall: str, right: str, half: int) -> str:
     """Put two texts beside each other, each in the middle of its half."""
-    return f"{centred(left[:half], half):<{half}}{wall}{centred(right[:half], half)}"
+    return f"{set_cell_size(centred(cut(left, half), half), half)}{wall}{centred(cut(right, half), half)}"

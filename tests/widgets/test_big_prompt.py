@@ -2,6 +2,7 @@
 
 import msgspec
 import pytest
+from rich.cells import cell_len
 from textual.app import App, ComposeResult
 
 from sar_tui.framework.messages import Prompt
@@ -92,3 +93,26 @@ async def test_a_task_can_draw_the_prompt_itself() -> None:
         app.query_one(BigPrompt).show(prompt("f", "Press: f"))
         await pilot.resize_terminal(40, 5)
         assert app.lines[0].strip() == "Press: f 40x5"
+
+
+@pytest.mark.parametrize("glyph", ["語", "🍎", "語a🍎"])
+@pytest.mark.parametrize("size", [(80, 15), (81, 16), (20, 6)])
+async def test_wide_characters_stand_in_the_middle_of_lines_of_full_width(glyph: str, size: tuple[int, int]) -> None:
+    app = Stage()
+    async with app.run_test(size=size):
+        app.query_one(BigPrompt).show(prompt(glyph, f"Say: {glyph}"))
+        assert all(cell_len(line) == size[0] for line in app.lines)
+        (framed,) = [line for line in app.lines if f"│ {glyph} │" in line]
+        left, _, right = framed.partition(f"│ {glyph} │")
+        assert abs(len(left) - len(right)) <= 1
+        regions = app.query_one(BigPrompt)._regions()
+        assert all(line.cell_length == size[0] for line in map(app.query_one(BigPrompt).render_line, range(size[1])))
+        assert max(region.right for region in regions) == max(cell_len(line.rstrip()) for line in app.lines)
+
+
+def test_wide_characters_leave_the_wall_between_halves_where_it_is() -> None:
+    both = msgspec.structs.replace(prompt("", "家 犬", ""), halves=("家", "犬 dog"))
+    lines = [text for text, _ in plain_lines(both, 60, 20)]
+    walls = {cell_len(line[: line.index(" │ ") + 1]) for line in lines if line.count("│") == 1}
+    assert walls <= {29}
+    assert any("│ 家 │" in line and "│ 犬 dog │" in line for line in lines)

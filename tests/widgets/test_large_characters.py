@@ -1,12 +1,17 @@
-"""Very large characters: every key that a task asks for is drawn, fits, and differs from the others."""
+"""Very large characters: every key that a task asks for is drawn, fits, and differs from the others.
 
+What has no large shape is seen as well: at the terminal's own size, in a frame.
+"""
+
+import unicodedata
 from itertools import combinations
 
 import pytest
+from rich.cells import cell_len
 
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
-from sar_tui.widgets.large_characters import bitmap, draw
+from sar_tui.widgets.large_characters import bitmap, draw, is_large, unknown
 
 STAGE = (78, 12)
 """Columns and rows for a glyph on the stage of an 80 by 24 terminal."""
@@ -58,5 +63,60 @@ def test_an_arrow_points_in_its_direction() -> None:
     assert draw("↑", *STAGE) == draw("↓", *STAGE)[::-1]
 
 
-def test_characters_missing_in_the_font_are_plain_text() -> None:
-    assert draw("語", *STAGE) == ("語",)
+@pytest.mark.parametrize("text", ["←←→←←", "HOUSE", "3 1 4 1", "Häuser", "¿Listo?"])
+def test_a_row_of_characters_is_drawn_large_in_a_small_terminal(text: str) -> None:
+    drawn = draw(text, *STAGE)
+    assert len(drawn) >= 4
+    assert set("".join(drawn)) <= set(" █▀▄")
+    assert max(map(len, drawn)) <= STAGE[0]
+    assert len(draw(text, 160, 40)) > len(drawn)
+
+
+def test_flankers_differ_only_where_the_target_is() -> None:
+    same, other = draw("←←←←←", 100, 12), draw("←←→←←", 100, 12)
+    differing = {x for one, two in zip(same, other, strict=True) for x in range(len(one)) if one[x] != two[x]}
+    assert min(differing) >= 2 * len(same[0]) // 5
+    assert max(differing) < 3 * len(same[0]) // 5
+
+
+WITH_MARKS = "äöüÄÖÜßéèêëáàâãåçñíìîïóòôõøúùûýÿæœÉÈÊÁÀÂÃÅÇÑÍÓÔÕØÚŸÆŒąćęłńśźżčďěňřšťžůőűğışțăāēī¿¡€"
+
+
+@pytest.mark.parametrize("letter", WITH_MARKS)
+def test_letters_with_marks_are_drawn_large_and_differ_from_those_without(letter: str) -> None:
+    bare = unicodedata.normalize("NFD", letter)[0]
+    assert is_large(letter, *STAGE)
+    assert draw(letter, *STAGE) != draw(bare, *STAGE) or letter == bare
+    assert draw(unicodedata.normalize("NFD", letter), *STAGE) == draw(letter, *STAGE)
+
+
+def test_no_two_letters_with_marks_are_drawn_alike() -> None:
+    assert len({draw(letter, *STAGE) for letter in WITH_MARKS}) == len(WITH_MARKS)
+
+
+@pytest.mark.parametrize("text", ["語", "家 house", "🍎", "Щ", "ש", "👩‍⚕️", "∫", "e\u0338"])
+def test_characters_without_a_large_shape_are_drawn_small_in_a_frame(text: str) -> None:
+    drawn = draw(text, *STAGE)
+    assert text in drawn[1]
+    assert drawn[0][0] + drawn[0][-1] + drawn[2][0] + drawn[2][-1] == "┌┐└┘"
+    assert len({cell_len(line) for line in drawn}) == 1
+    assert unknown(text)
+    assert not is_large(text, *STAGE)
+
+
+@pytest.mark.parametrize("size", [(6, 3), (5, 3), (2, 1), (1, 1)])
+@pytest.mark.parametrize("text", ["語語語", "🍎"])
+def test_a_small_drawing_never_exceeds_its_room(text: str, size: tuple[int, int]) -> None:
+    drawn = draw(text, *size)
+    assert len(drawn) <= size[1]
+    assert all(cell_len(line) <= size[0] for line in drawn)
+
+
+def test_a_text_too_long_to_be_large_is_drawn_small() -> None:
+    assert draw("encyclopaedia", *STAGE)[1] == "│ encyclopaedia │"
+
+
+def test_lines_of_a_text_are_drawn_below_each_other() -> None:
+    assert draw("X", 78, 40) != draw("X\nX", 78, 40)
+    assert len(bitmap("X\nXO")) == 2 * len(bitmap("X"))
+    assert draw("語\nab", *STAGE) == ("┌────┐", "│ 語 │", "│ ab │", "└────┘")
