@@ -1,0 +1,66 @@
+"""The tasks of docs/write-your-own-task.md run from the page's own code: simulated, and replayed as they were."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.parameters import build
+from sar_tui.framework.policies.staircase import Staircase
+from sar_tui.framework.session import Session
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import PROMPT
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
+
+PAGE = (Path(__file__).parents[2] / "docs" / "write-your-own-task.md").read_text(encoding="utf-8")
+SEED = 3
+
+
+class Played(NamedTuple):
+    """A simulated session of a task: its class, its prompts, attempts and trials."""
+
+    kind: type[Task]
+    prompts: list[Any]
+    attempts: list[sessions.Row]
+    trials: list[sessions.Row]
+
+
+def documented(folder: Path, name: str) -> Catalogue:
+    """The task of this name, written from the page into a folder of tasks."""
+    (folder / name).mkdir(parents=True)
+    (source,) = re.findall(rf"`mytasks/{name}/task\.py`[^`]*?:\n\n```python\n(.*?)```", PAGE, re.DOTALL)
+    (folder / name / "task.py").write_text(source, encoding="utf-8")
+    return Catalogue(tasks=(folder,))
+
+
+def play(tmp_path: Path, name: str, parameters: Mapping[str, object] = {}) -> Played:
+    """Simulate an average person at a task of the page; the session replays identically."""
+    catalogue = documented(tmp_path / "mytasks", name)
+    kind = catalogue.task(name)
+    values = {"attempts": 3, **parameters}
+    plan = make_plan(catalogue, kind, ["P01"], values, theme="calm", seed=SEED, mode="simulated")
+    session = simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
+    database = connect(tmp_path / "data")
+    try:
+        history = list(sessions.history(database, session))
+        attempts, trials = (sessions.rows(database, table, session) for table in ("attempts", "trials"))
+    finally:
+        database.close()
+    Session(kind(build(kind.Parameters, values)), catalogue.theme("calm"), VirtualClock(), SEED).replay(history)
+    return Played(kind, [record.message for record in history if record.topic is PROMPT], attempts, trials)
+
+
+def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
+    played = play(tmp_path, "larger")
+    first = [int(prompt.stimulus) for prompt in played.prompts if prompt.attempt == 1]
+    answers = [trial["correct"] for trial in played.trials if trial["attempt"] == 1]
+    assert len(first) == 30
+    expected = Staircase(start=24, steps=(8, 4, 2, 1), lowest=1, highest=40).track(answers)
+    assert first == [round(value) for value in expected.values]
+    assert [attempt["metric"] for attempt in played.attempts if attempt["metric"] is None] == []
