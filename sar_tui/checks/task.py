@@ -125,12 +125,14 @@ def _levels(task: Task) -> range:
 
 
 def _prompts(kind: type[Task], task: Task) -> str:
-    if task.levels < 1 or task.trials_per_attempt < 1:
-        return f"It has {task.levels} levels and {task.trials_per_attempt} trials in an attempt; each is at least 1."
+    if task.levels < 1:
+        return f"It has {task.levels} levels; it needs one."
+    if empty := [level for level in _levels(task) if task.trials_at(level) < 1]:
+        return f"It has {task.trials_at(empty[0])} trials in an attempt at level {empty[0]}; it needs one."
     again = kind(task.parameters)
     for level in _levels(task):
         earlier: tuple[Results, ...] = ()
-        for trial in range(1, min(task.trials_per_attempt, 5) + 1):
+        for trial in range(1, min(task.trials_at(level), 5) + 1):
             situation = Situation(1, trial, level, RandomStreams(SEED, 1, trial), RandomStreams(SEED), earlier)
             prompt = task.stimulus(situation)
             where = f"at level {level}, trial {trial}"

@@ -109,7 +109,7 @@ def begin(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
         attempt=state.attempt,
         practice=is_practice(task, state),
         level=state.level,
-        trials=task.trials_per_attempt,
+        trials=task.trials_at(state.level),
     )
     return replace(state, results=(), ended=None, is_overridden=False, started=now), started
 

@@ -94,7 +94,14 @@ class Attempts:
     @property
     def is_attempt_done(self) -> bool:
         """True if every trial of the attempt is done."""
-        return len(self.state.results) >= self._task.trials_per_attempt
+        return len(self.state.results) >= self.trials
+
+    @property
+    def trials(self) -> int:
+        """Number of trials of the attempt that runs or comes next; after the last one, of that."""
+        ended = self.state.ended
+        is_over = ended is not None and ended.before.attempt == self.attempt
+        return self._task.trials_at(ended.before.level if ended and is_over else self.level)
 
     @property
     def is_first_after_practice(self) -> bool:

@@ -85,7 +85,7 @@ def waiting_message(
     what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
     goal, trials = "", 0
     if phase is not Phase.BROKEN:  # the failed method is not called again
-        trials = task.trials_per_attempt
+        trials = attempts.trials
         if phase is Phase.START:
             goal = text_of(task.start(attempts.level), "start")
         elif stage != "trial":

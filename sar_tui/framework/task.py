@@ -111,6 +111,10 @@ class Task(ABC):
         """Number of prompts in an attempt."""
         return 1
 
+    def trials_at(self, level: int) -> int:
+        """Return the number of prompts in an attempt at a level; by default the same at all."""
+        return self.trials_per_attempt
+
     @property
     def start_key(self) -> str:
         """The key with which the participant starts each trial; empty if trials start by themselves."""

@@ -83,7 +83,7 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
         decimals=task.metric.decimals,
         levels=task.levels,
         attempts=parameters.practice_attempts + parameters.attempts,
-        trials=task.trials_per_attempt,
+        trials=task.trials_at(parameters.start_level),
         metric=task.metric,
         marks=tuple(MarkKey(mark.name, mark.title) for mark in task.marks),
         spoken_names=spoken if len(participants) > 1 else {},

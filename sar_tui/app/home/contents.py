@@ -92,7 +92,7 @@ def _programme(
         task = set_up(kind, parameters)
         start = start_after(task, played)
         goal = task.target(start.level).threshold
-        prompts = task.trials_per_attempt
+        prompts = task.trials_at(start.level)
     except (ParameterError, Failed) as error:
         return None, str(error)
     except PLUGIN_ERRORS:

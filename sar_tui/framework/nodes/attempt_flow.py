@@ -78,7 +78,7 @@ class AttemptFlow(TrialFlow):
         """Add the attempt that has ended."""
         self._done_today = self._done_today.plus(
             minutes=(self.now - self._attempt_began_at) / _MINUTE,
-            repetitions=self.task.trials_per_attempt,
+            repetitions=self.task.trials_at(scored.first.ended.level),
             is_practice=scored.first.ended.practice,
         )
         self._last_ended_at = self.now
