@@ -11,7 +11,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, FOCUS, KEY, PASTE, PROMPT, SHOWN, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.framework.topics import COMMAND, FOCUS, FRAME, KEY, PASTE, PROMPT, SHOWN, STORAGE, STORED, TRIAL, WAITING
 
 M = TypeVar("M", bound=m.Message)
 
@@ -46,18 +46,31 @@ class Screen(Node):
         if self.shows:
             self.bus.clock.call_at(self.now + SHOWING, lambda: self.show(prompt))
 
+    @on(FRAME)
+    def frame_due(self, due: m.FrameDue) -> None:
+        if self.shows:
+            self.bus.clock.call_at(self.now + SHOWING, lambda: self.show_frame(due.frame))
+
+    def show_frame(self, frame: int, at: int | None = None) -> None:
+        assert self.prompt
+        self._report(self.prompt, self.bus.clock.now() if at is None else at, frame)
+
     def show(self, prompt: m.Prompt, at: int | None = None) -> None:
         onset = self.bus.clock.now() if at is None else at
         if prompt is self.prompt and self.waiting is not None and self.waiting.what == "response":
             self.onset = onset
+        self._report(prompt, onset)
+
+    def _report(self, prompt: m.Prompt, at: int, frame: int = 0) -> None:
         self.emit(
             SHOWN,
             m.Shown(
                 attempt=prompt.attempt,
                 trial=prompt.trial,
                 presentation=prompt.presentation,
-                at=onset,
+                at=at,
                 source=self.source,
+                frame=frame,
             ),
         )
 

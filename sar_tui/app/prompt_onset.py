@@ -1,9 +1,7 @@
-"""Onset of a prompt: the flush of the frame that holds its text."""
+"""Onset of a prompt, and of each of its frames: the flush that holds its text."""
 
 import asyncio
-import functools
-from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 from textual.screen import Screen
 
@@ -18,39 +16,59 @@ _UNSEEN = 2 * SECOND
 """A prompt whose flush was not seen by then counts as shown, with the less certain source ``refresh``."""
 
 
-def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt) -> None:
-    """Report to the session when a prompt that is about to be drawn has reached the terminal.
+def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0) -> None:
+    """Report to the session when a prompt, or a frame of it, that is about to be drawn has reached the terminal.
 
-    The writing thread takes the time stamp, and this thread does nothing until the terminal has read the frame. If
-    flushes cannot be seen (tests, Windows), the onset is the refresh of the screen, and its source says so.
+    The writing thread takes the time stamp, and this thread does nothing until the terminal has read what was flushed;
+    of a prompt with frames the stamp is reported at once, as the next frame may be due soon. If flushes cannot be seen
+    (tests, Windows), the onset is the refresh of the screen, and its source says so.
     """
-    shown = functools.partial(Shown, attempt=prompt.attempt, trial=prompt.trial, presentation=prompt.presentation)
+    onset = _Onset(live, prompt, frame)
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
-        stamps: list[int] = []  # a new list, so that a voided prompt's stamp is not taken for the next one's
-        app.onset_watch.arm(visible(prompt.text), functools.partial(_stamped, live, shown, stamps))
-        unseen_at = live.clock.now() + _UNSEEN
-        asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)
+        app.onset_watch.arm(visible(prompt.shown(frame).text), onset.flushed)
+        asyncio.get_running_loop().call_later(_READ_AFTER, onset.read)
     else:
-        screen.call_after_refresh(_refreshed, live, shown)
+        screen.call_after_refresh(onset.refreshed)
 
 
-def _stamped(live: LiveSession, shown: Callable[..., Shown], stamps: list[int], at: int) -> None:
-    """Keep the stamp of a flush, and have its marker sent. Called from the writing thread."""
-    if live.markers:
-        live.markers.shown(shown(at=at, source="flush"))
-    stamps.append(at)
+class _Onset:
+    """An onset that is awaited. Each has its own stamp, so that a voided prompt's is not taken for the next one's."""
 
+    def __init__(self, live: LiveSession, prompt: Prompt, frame: int) -> None:
+        self._live = live
+        self._prompt, self._frame = prompt, frame
+        self._at: int | None = None
+        self._unseen_at = live.clock.now() + _UNSEEN
 
-def _read_stamp(live: LiveSession, shown: Callable[..., Shown], stamps: list[int], unseen_at: int) -> None:
-    now = live.clock.now()
-    if stamps:
-        live.screen.shown(shown(at=stamps[0], source="flush"))
-    elif now < unseen_at:
-        asyncio.get_running_loop().call_later(_READ_AFTER, _read_stamp, live, shown, stamps, unseen_at)
-    else:
-        live.screen.shown(shown(at=now, source="refresh"))
+    def flushed(self, at: int) -> None:
+        """Keep the stamp, and have its marker sent. Called from the writing thread."""
+        if self._live.markers:
+            self._live.markers.shown(self._shown(at, "flush"))
+        self._at = at
+        if self._prompt.frames:
+            self._live.screen.shown(self._shown(at, "flush"))
 
+    def read(self) -> None:
+        """Report the stamp, unless it was reported at once; look again as long as there is none."""
+        if self._at is None and self._live.clock.now() >= self._unseen_at:
+            self.refreshed()
+        elif self._at is None:
+            asyncio.get_running_loop().call_later(_READ_AFTER, self.read)
+        elif not self._prompt.frames:
+            self._live.screen.shown(self._shown(self._at, "flush"))
 
-def _refreshed(live: LiveSession, shown: Callable[..., Shown]) -> None:
-    live.screen.shown(shown(at=live.clock.now(), source="refresh"))
+    def refreshed(self) -> None:
+        """Report the present time."""
+        self._live.screen.shown(self._shown(self._live.clock.now(), "refresh"))
+
+    def _shown(self, at: int, source: Literal["flush", "refresh"]) -> Shown:
+        prompt = self._prompt
+        return Shown(
+            attempt=prompt.attempt,
+            trial=prompt.trial,
+            presentation=prompt.presentation,
+            at=at,
+            source=source,
+            frame=self._frame,
+        )

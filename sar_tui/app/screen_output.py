@@ -11,6 +11,7 @@ from sar_tui.framework.messages import (
     AttemptStarted,
     CueGiven,
     Feedback,
+    FrameDue,
     OutputReport,
     Prompt,
     PromptVoided,
@@ -29,6 +30,7 @@ from sar_tui.framework.topics import (
     ATTEMPT_STARTED,
     CUE,
     FEEDBACK,
+    FRAME,
     MARKED,
     PROMPT,
     REPORT,
@@ -46,6 +48,9 @@ class Stage(AgentStage, Protocol):
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Show a prompt, and report its onset with ``ScreenOutput.shown``."""
+
+    def show_frame(self, prompt: Prompt, frame: int) -> None:
+        """Show a later frame of a prompt at once, and report its onset in the same way."""
 
     def clear_prompt(self) -> None:
         """Remove the prompt."""
@@ -86,6 +91,7 @@ class ScreenOutput(OutputNode):
         super().__init__(self._agent, "screen", theme)
         self._stage = stage
         self._feedback: dict[str, Feedback] = {}
+        self._prompt: Prompt | None = None
 
     @on(CUE)
     def cued(self, cue: CueGiven) -> None:
@@ -95,10 +101,16 @@ class ScreenOutput(OutputNode):
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
         """Show the prompt, without the tone that other outputs play with it."""
+        self._prompt = prompt
         self._stage.show_prompt(prompt)
 
+    @on(FRAME)
+    def frame_due(self, due: FrameDue) -> None:
+        if self._prompt:
+            self._stage.show_frame(self._prompt, due.frame)
+
     def shown(self, shown: Shown) -> None:
-        """Report when a prompt reached the terminal. Called by the stage, from any thread."""
+        """Report when a prompt or a frame of it reached the terminal. Called by the stage, from any thread."""
         self.bus.post(SHOWN, shown)
 
     @on(MARKED)

@@ -163,7 +163,11 @@ class WatchScreen(SessionScreen):
         """Show the prompt; its onset is in the record."""
         if self._shown != "prompt":
             self._stage("prompt")
-        self.query_one(BigPrompt).show(prompt)
+        self.query_one(BigPrompt).show(prompt.shown())
+
+    def show_frame(self, prompt: Prompt, frame: int) -> None:
+        """Show a frame; its onset is in the record."""
+        self.query_one(BigPrompt).show(prompt.shown(frame))
 
     def _stage(self, name: str | None) -> None:
         super()._stage(name)

@@ -18,6 +18,7 @@ from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
 from sar_tui.framework.task import Task
+from sar_tui.framework.trial import stimulus_problem
 from sar_tui.framework.trial_types import Results, Situation, Stimulus, Trial
 from sar_tui.framework.visible_text import control_problem
 from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
@@ -150,9 +151,14 @@ def _content_problem(prompt: Stimulus, where: str) -> str:
         return f"The stimulus has no name {where}."
     if not prompt.text.strip() or not prompt.text.isprintable():
         return f"The prompt's text is not one line of plain text {where}: {prompt.text!r}."
+    if problem := stimulus_problem(prompt):
+        return f"{problem.removesuffix('.')}, {where}."
     if prompt.choices < 1:
         return f"The prompt is drawn from {prompt.choices} stimuli {where}."
-    return control_problem(f"What the prompt shows {where}", "".join((prompt.glyph, prompt.hint, *prompt.halves)))
+    texts = (prompt.glyph, prompt.hint, *prompt.halves)
+    for frame in prompt.frames:
+        texts += (frame.text, frame.glyph, frame.hint, *frame.halves)
+    return control_problem(f"What the prompt shows {where}", "".join(texts))
 
 
 # --- what it does ---------------------------------------------------------------------------------------------

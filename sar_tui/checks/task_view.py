@@ -82,7 +82,8 @@ class _Screen(Node):
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
-        self._draw(prompt)
+        for frame in range(max(1, len(prompt.frames))):
+            self._draw(prompt.shown(frame))
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:

@@ -152,6 +152,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "presentation": "open",
         "foreperiod_ms": "open",
         "flags": "open",
+        "frame_onsets_ns": "open",
     },
     "actions": {
         "session": "open",

@@ -4,9 +4,13 @@ import math
 
 import msgspec
 
+from sar_tui.framework import frames
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import CueGiven, Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
+from sar_tui.framework.messages import CueGiven, FrameDue, Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
 from sar_tui.framework.trial_types import Mark, Result, Situation, Stimulus, Trial
+
+LONGEST_LEAD = 10 * MS
+"""A frame is requested at most this long before its time, however long the first one took to reach the terminal."""
 
 
 class OpenTrial:
@@ -17,12 +21,21 @@ class OpenTrial:
         stimulus: shown by its prompt.
         seats: of the task.
         presentation: number of times it has been shown.
+
+    Attributes:
+        timeout_ms: time for the response to this presentation.
+        is_drawing: True while a frame is on its way to the screen, so that keys wait for its onset.
+
+    Raises:
+        ValueError: the stimulus cannot be shown.
     """
 
     def __init__(
         self, situation: Situation, stimulus: Stimulus, seats: tuple[str, ...] = ("A",), presentation: int = 0
     ) -> None:
         self.situation = situation
+        if problem := stimulus_problem(stimulus):  # ends the session with this sentence
+            raise ValueError(problem)
         self.stimulus = stimulus
         self.seats = (stimulus.seat,) if stimulus.seat else seats
         self.presentation = presentation
@@ -33,7 +46,13 @@ class OpenTrial:
         self.started: int | None = None
         self.cued: int | None = None
         self.mark: Mark | None = None
-        self._onset: int | None = None
+        self.timeout_ms = 0.0
+        self.is_drawing = False
+        self._frames = frames.complete(stimulus.frames)
+        self._timed, self._awaited = frames.timed(self._frames), frames.awaited(self._frames)
+        self._requested = 0
+        self._lead = 0
+        self._onsets: tuple[int, ...] = ()
         self._onset_source = ""
         self._percepts: tuple[Percept, ...] = ()
         self._flags: list[str] = []
@@ -77,9 +96,15 @@ class OpenTrial:
         if flag not in self._flags:
             self._flags.append(flag)
 
-    def prompt(self, timeout: int) -> Prompt:
-        """Begin the next presentation, and return its prompt. ``timeout``: for the response, in ns."""
+    def prompt(self, timeout_ms: float, now: int) -> Prompt:
+        """Begin the next presentation ``now`` (ns), and return its prompt.
+
+        ``timeout_ms``: for the response, if the stimulus does not say.
+        """
         self.presentation += 1
+        self.is_drawing = True
+        self._requested = now
+        self.timeout_ms = timeout_ms if self.stimulus.timeout_ms is None else self.stimulus.timeout_ms
         return Prompt(
             seat=self._seat,
             attempt=self.situation.attempt,
@@ -92,30 +117,87 @@ class OpenTrial:
             glyph=self.stimulus.glyph or self.stimulus.name,
             hint=self.stimulus.hint,
             choices=self.stimulus.choices,
-            timeout=timeout,
+            timeout=frames.planned(self._frames, self._timed) + round(self.timeout_ms * MS),
             started=self.started,
             halves=self.stimulus.halves,
             cue=self.stimulus.cue.side if self.stimulus.cue else "",
+            frames=self._frames,
+        )
+
+    def frame(self) -> FrameDue:
+        """Begin to draw the next frame."""
+        self.is_drawing = True
+        return FrameDue(
+            seat=self._seat,
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            presentation=self.presentation,
+            frame=len(self._onsets),
         )
 
     def is_shown_by(self, shown: Shown) -> bool:
-        """Return True if ``shown`` is about this presentation."""
-        return (shown.attempt, shown.trial, shown.presentation) == (
+        """Return True if ``shown`` is about what is being drawn of this presentation."""
+        return self.is_drawing and (shown.attempt, shown.trial, shown.presentation, shown.frame) == (
             self.situation.attempt,
             self.situation.trial,
             self.presentation,
+            len(self._onsets),
         )
 
     def set_onset(self, shown: Shown) -> None:
-        """Store the onset of the prompt."""
-        self._onset, self._onset_source = shown.at, shown.source
+        """Store the onset of the prompt, or of one of its frames."""
+        if not self._onsets:
+            self._lead = max(0, min(shown.at - self._requested, LONGEST_LEAD))
+        if len(self._onsets) <= self._timed:
+            self._onset_source = shown.source
+        self._onsets = (*self._onsets, shown.at)
+        self.is_drawing = False
         if shown.source == "refresh":
             self.flag("onset_refresh")
 
+    @property
+    def _onset(self) -> int | None:
+        """Onset from which the reaction time counts; None before it."""
+        return self._onsets[self._timed] if len(self._onsets) > self._timed else None
+
+    @property
+    def _counts_from(self) -> int:
+        """Onset from which the reaction time counts, or the time at which it is due. Only after the first onset."""
+        due = self._onsets[0] + frames.planned(self._frames, self._timed)
+        return due if self._onset is None else self._onset
+
+    @property
+    def next_frame_at(self) -> int | None:
+        """Time (ns) at which the next frame must be drawn; None after the last one.
+
+        It is reckoned from the onset of the first frame, so that delays do not add up, and as much earlier as that one
+        took to reach the terminal.
+        """
+        if not self._onsets or len(self._onsets) == len(self._frames) or not self._frames:
+            return None
+        return self._onsets[0] + frames.planned(self._frames, len(self._onsets)) - self._lead
+
+    @property
+    def timeout_at(self) -> int | None:
+        """Time (ns) at which the time for the response is over, as soon as that is known."""
+        return None if self._onset is None else self._onset + round(self.timeout_ms * MS)
+
+    def is_awaited(self, at: int) -> bool:
+        """Return True if a response at a time stamp is awaited: not before the frame that the stimulus names."""
+        return self._awaited == 0 or (len(self._onsets) > self._awaited and at >= self._onsets[self._awaited])
+
     def view(self) -> Trial:
         """Return the trial as the task sees it. Only after the onset."""
-        assert self._onset is not None
-        return Trial(self.situation, self.stimulus, self._onset, self._percepts, self.started, self.cued)
+        assert self._onsets
+        return Trial(
+            self.situation,
+            self.stimulus,
+            onset=self._counts_from,
+            percepts=self._percepts,
+            started=self.started,
+            cued=self.cued,
+            frames=self._onsets if self._frames else (),
+        )
 
     def remember(self, percept: Percept) -> None:
         """Add a percept that was judged."""
@@ -136,9 +218,9 @@ class OpenTrial:
         Negative if the response came first; None for a miss, or if the prompt does not ask for a quick response.
         """
         at = result.response_at if result.onset_at is None else result.onset_at
-        if self._onset is None or at is None or not self.stimulus.signals:
+        if not self._onsets or at is None or not self.stimulus.signals:
             return None
-        return (at - self._onset) / MS
+        return (at - self._counts_from) / MS
 
     def ended(self, result: Result, seat: str = "A") -> TrialEnded:
         """Return the trial's row for a seat.
@@ -185,6 +267,14 @@ class OpenTrial:
                 presentation=self.presentation,
                 foreperiod_ms=self.foreperiod / MS,
                 flags=(*self._flags, *result.flags),
+                frame_onsets_ns=self._onsets if self._frames else (),
             ),
             details=result.details,
         )
+
+
+def stimulus_problem(stimulus: Stimulus) -> str:
+    """Return a sentence that says why a prompt cannot be shown and timed as declared; empty if it can."""
+    if stimulus.timeout_ms is not None and not 0 < stimulus.timeout_ms < math.inf:
+        return f"The timeout_ms of a prompt is {stimulus.timeout_ms}; it is a time above 0, or None."
+    return frames.problem(stimulus.frames)

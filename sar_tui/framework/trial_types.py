@@ -1,5 +1,6 @@
 """Values that a task and the framework exchange: metric and target, stimulus, trial, result, score."""
 
+from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, Literal
@@ -7,6 +8,7 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.framework.clock import MS
+from sar_tui.framework.frames import Frame
 from sar_tui.framework.messages import Json
 from sar_tui.framework.random_streams import RandomStreams
 
@@ -181,6 +183,8 @@ class Stimulus(msgspec.Struct, frozen=True):
         seat: the seat that responds, in a task with several; empty for all of them.
         halves: the contents of the left and right half of the screen, instead of ``glyph``.
         cue: given before the prompt; nothing else then announces whose turn it is.
+        timeout_ms: time for the response to this prompt; None: the parameter ``response_timeout_ms``.
+        frames: shown one after the other instead of ``glyph`` and ``text``, each for its time.
     """
 
     name: str
@@ -193,12 +197,16 @@ class Stimulus(msgspec.Struct, frozen=True):
     seat: str = ""
     halves: tuple[str, ...] = ()
     cue: Cue | None = None
+    timeout_ms: float | None = None
+    frames: tuple[Frame, ...] = ()
 
 
 class Trial(msgspec.Struct, frozen=True):
     """A trial whose prompt is shown: the stimulus, its onset (ns) and the percepts so far.
 
     ``started``: when the participant started the trial, if they do (ns). ``cued``: when the agent gave its cue (ns).
+    ``frames``: onsets of the frames shown so far (ns), in a prompt that has some; ``onset`` is then that of the timed
+    one, and if that is still to come, the time at which it is due.
     """
 
     situation: Situation
@@ -207,6 +215,11 @@ class Trial(msgspec.Struct, frozen=True):
     percepts: tuple[Any, ...] = ()
     started: int | None = None
     cued: int | None = None
+    frames: tuple[int, ...] = ()
+
+    def frame_at(self, at: int) -> int:
+        """Return the place of the frame that was on the screen at a time stamp, counted from 0; -1 before the first."""
+        return bisect_right(self.frames or (self.onset,), at) - 1
 
     def latency_ms(self, at: int) -> float:
         """Return the milliseconds from onset to a time stamp."""

@@ -6,11 +6,12 @@ from typing import Any
 from sar_tui.framework import topics as t
 from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.messages import ImuBlock, Message
-from sar_tui.framework.topics import IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
+from sar_tui.framework.topics import FRAME, IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
 
 SENT: tuple[Topic[Any], ...] = (
     # state of the session, and what the participant sees
-    t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.GOAL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.SHOWN, t.VOIDED, t.FOCUS,
+    t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.GOAL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.FRAME, t.SHOWN,
+    t.VOIDED, t.FOCUS,
     t.SENSOR, t.STORAGE, t.SESSION_ENDED,
     # results; keys and percepts are not sent, as a trial holds their outcome
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
@@ -74,7 +75,7 @@ class SessionFeed:
                     self._last[_slot(record.topic, record.message)] = record
                 if name in self._history:
                     self._history[name].append(record)
-                if record.topic is PROMPT:
+                if record.topic in (PROMPT, FRAME):
                     self.awaits_onset = True
                 elif record.topic in (SHOWN, VOIDED, TRIAL):
                     self.awaits_onset = False

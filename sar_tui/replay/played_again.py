@@ -4,6 +4,7 @@ import sqlite3
 from typing import Any, NamedTuple
 
 from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.frames import planned, timed
 from sar_tui.framework.messages import (
     AttemptEnded,
     Decision,
@@ -112,18 +113,19 @@ class _Participant(SimulatedParticipant):
         stored = Stored(seat=ended.seat, attempt=ended.attempt, trial=ended.trial)
         self.bus.clock.call_soon(lambda: self.emit(STORED, stored))
 
-    def _perform(self, prompt: Prompt, onset: int) -> None:
+    def _perform(self, prompt: Prompt, shown: int) -> None:
         key = prompt.attempt, prompt.trial
         was = self._record and self._record.prompts.get(key)
         if self.forked_at is None and not (was and _is_same_prompt(was, prompt)):
             self.forked_at = prompt.attempt
         if self.forked_at is not None:
             if self._modelled:
-                super()._perform(prompt, onset)
+                super()._perform(prompt, shown)
             return
         assert self._record
         trial = self._record.trials.get(key)
         if trial and trial.response is not None and trial.response_at is not None and trial.onset is not None:
+            onset = shown + planned(prompt.frames, timed(prompt.frames))
             self._press(trial.response, onset + trial.response_at - trial.onset)
 
     def _wants_feedback(self, waiting: Waiting) -> bool:
@@ -133,12 +135,13 @@ class _Participant(SimulatedParticipant):
 
 
 def _is_same_prompt(was: Prompt, now: Prompt) -> bool:
-    return (was.stimulus, was.expected, was.level, was.choices, was.cue) == (
+    return (was.stimulus, was.expected, was.level, was.choices, was.cue, was.frames) == (
         now.stimulus,
         now.expected,
         now.level,
         now.choices,
         now.cue,
+        now.frames,
     )
 
 

@@ -5,11 +5,12 @@ from typing import Any, ClassVar, Protocol
 
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, Handle
-from sar_tui.framework.messages import Action, KeyPressed, OutputReport, PartState, Prompt, Shown, Waiting
+from sar_tui.framework.frames import planned, timed
+from sar_tui.framework.messages import Action, FrameDue, KeyPressed, OutputReport, PartState, Prompt, Shown, Waiting
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTION, KEY, PROMPT, REPORT, SHOWN, WAITING
+from sar_tui.framework.topics import ACTION, FRAME, KEY, PROMPT, REPORT, SHOWN, WAITING
 from sar_tui.framework.trial_types import Act, Cue, Performance, Stimulus
 
 SHOWING = 4 * MS
@@ -48,6 +49,7 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
         seat=seat,
         halves=prompt.halves,
         cue=Cue(prompt.cue, 0) if prompt.cue else None,  # type: ignore[arg-type]
+        frames=prompt.frames,
     )
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 
@@ -73,8 +75,9 @@ class _Performer(Node):
         self._move = move
         self._seat = seat
 
-    def _perform(self, prompt: Prompt, onset: int) -> None:
-        """Respond to a prompt shown at ``onset`` (ns): with keys if the node emits any, and with movements."""
+    def _perform(self, prompt: Prompt, shown: int) -> None:
+        """Respond to a prompt shown at ``shown`` (ns): with keys if the node emits any, and with movements."""
+        onset = shown + planned(prompt.frames, timed(prompt.frames))
         for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
             at = onset + round(delay_ms * MS)
             if not isinstance(act, str):
@@ -112,6 +115,14 @@ class SimulatedParticipant(_Performer):
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
+        self._perform(prompt, self._show(prompt))
+
+    @on(FRAME)
+    def frame_due(self, due: FrameDue) -> None:
+        self._show(due, due.frame)
+
+    def _show(self, prompt: Prompt | FrameDue, frame: int = 0) -> int:
+        """Report that a prompt or a frame of it is shown in a moment, and return its onset (ns)."""
         onset = self.now + SHOWING
         shown = Shown(
             attempt=prompt.attempt,
@@ -119,9 +130,10 @@ class SimulatedParticipant(_Performer):
             presentation=prompt.presentation,
             at=onset,
             source="virtual",
+            frame=frame,
         )
         self.bus.clock.call_at(onset, lambda: self.emit(SHOWN, shown))
-        self._perform(prompt, onset)
+        return onset
 
     @on(ACTION)
     def action_begun(self, action: Action) -> None:

@@ -5,6 +5,7 @@ text is recognized when it is written, and the time is taken when the flush afte
 the input thread, after their bytes were read and before they are parsed.
 """
 
+import re
 import threading
 from collections.abc import Callable, Iterable
 from typing import IO, Any
@@ -15,10 +16,15 @@ from textual.message import Message
 from sar_tui.framework.clock import host_now
 
 Stamped = Callable[[int], None]
+_CONTROL = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]")
+"""A control sequence, whose numbers are no text."""
 
 
 class OnsetWatch:
-    """Waits for a text to be flushed to the terminal. One text at a time; armed on the app's thread."""
+    """Waits for a text to be flushed to the terminal; for an empty one, until anything is.
+
+    One text at a time; armed on the app's thread.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -34,7 +40,8 @@ class OnsetWatch:
     def wrote(self, frame: str) -> None:
         """Notice a frame that is about to be flushed."""
         if self._stamped is not None and self._text in frame:
-            self._written = True
+            printed = _CONTROL.sub("", frame)
+            self._written = self._written or (bool(printed) and self._text in printed)
 
     def missed(self) -> None:
         """Notice that the frame was dropped: the terminal is stalled. The next one holds the text again."""

@@ -18,7 +18,7 @@ def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
     if prompt and prompt.halves:
         return halves(prompt.halves, prompt.text, width, height)
     glyph, text, hint = (prompt.glyph, prompt.text, prompt.hint) if prompt else ("", "", "")
-    drawn = draw(glyph, width - 2, height - 3) if glyph else (FIXATION,)
+    drawn = draw(glyph, width - 2, height - 3) if glyph else () if prompt else (FIXATION,)
     block = [*((line, True) for line in drawn), ("", False), (text, True), (hint, False)]
     top = max(0, (height - len(block)) // 2)
     return [("", False)] * top + [(centred(line, width), bold) for line, bold in block]

@@ -15,10 +15,10 @@ from textual.pilot import Pilot, WaitForScreenTimeout
 
 from sar_tui.app.app import SarTui
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.messages import Prompt, StorageChanged, Waiting
+from sar_tui.framework.messages import FrameDue, Prompt, StorageChanged, Waiting
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import PROMPT, STORAGE, WAITING
+from sar_tui.framework.topics import FRAME, PROMPT, STORAGE, WAITING
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants, programmes
@@ -59,6 +59,7 @@ class AppDriver:
         self._watched: Session | None = None
         self._waiting: list[Waiting] = []
         self._prompts: list[Prompt] = []
+        self._frames: list[FrameDue] = []
 
     # --- what is done --------------------------------------------------------------------------------------
 
@@ -86,12 +87,12 @@ class AppDriver:
             await settle(self.app)
 
     async def wait(self, ms: float) -> None:
-        """Let time pass. A prompt that appears is displayed at once."""
+        """Let time pass. A prompt that appears, or a frame of it, is displayed at once."""
         until = self.clock.now() + round(ms * MS)
-        seen = len(self._prompts)
+        seen = self._drawn
         while self.clock.step(until):
-            if len(self._prompts) > seen:
-                seen = len(self._prompts)
+            if self._drawn > seen:
+                seen = self._drawn
                 await self.settle()
         self.clock.advance(until - self.clock.now())
         await self.settle()
@@ -112,7 +113,13 @@ class AppDriver:
             self._watched = session
             session.bus.subscribe(WAITING, self._waiting.append)
             session.bus.subscribe(PROMPT, self._prompts.append)
+            session.bus.subscribe(FRAME, self._frames.append)
         return session
+
+    @property
+    def _drawn(self) -> int:
+        """Number of prompts and of their later frames so far."""
+        return len(self._prompts) + len(self._frames)
 
     @property
     def session_id(self) -> str:

@@ -1,6 +1,5 @@
 """The task and the view of docs/write-your-own-task.md, taken from the page: they pass the check and run in the app."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -10,19 +9,13 @@ from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import open_app
-
-PAGE = (Path(__file__).parents[2] / "docs" / "write-your-own-task.md").read_text(encoding="utf-8")
+from tests.documented import write_documented
 
 
 @pytest.fixture
 def arrows(tmp_path: Path) -> Path:
     """The task's folder, as the page describes it."""
-    folder = tmp_path / "mytasks" / "arrows"
-    folder.mkdir(parents=True)
-    for file in ("task", "view"):
-        (source,) = re.findall(rf"`mytasks/arrows/{file}\.py`:\n\n```python\n(.*?)```", PAGE, re.DOTALL)
-        (folder / f"{file}.py").write_text(source, encoding="utf-8")
-    return folder
+    return write_documented(tmp_path / "mytasks", "arrows", "task", "view")
 
 
 @pytest.mark.slow

@@ -72,9 +72,9 @@ def only_session(data: Path) -> str:
     return str(session)
 
 
-def replays_identically(data: Path) -> bool:
+def replays_identically(data: Path, *options: str) -> bool:
     """Return True if the only session comes out as recorded when it is replayed, and has messages."""
-    words = command("replay", only_session(data), "--data", str(data), "--json")
+    words = command("replay", only_session(data), "--data", str(data), "--json", *options)
     called = subprocess.run(words, capture_output=True, text=True, check=False)
     result = json.loads(called.stdout or "{}")
     assert called.returncode == 0, called.stderr or result["first_difference"]

@@ -10,6 +10,7 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Prompt, Recall, SessionEnded, Waiting
 from sar_tui.framework.topics import MARKERS, RECALL
+from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
 
 
@@ -48,7 +49,18 @@ class SessionScreen(KeysScreen):
         report_onset(self, self._live, prompt)
         if self._shown != "prompt":
             self._stage("prompt")
-        self.query_one(BigPrompt).show(prompt)
+        self._draw(prompt, 0)
+
+    def show_frame(self, prompt: Prompt, frame: int) -> None:
+        """Show a later frame of the prompt, and report when it reached the terminal."""
+        report_onset(self, self._live, prompt, frame)
+        self._draw(prompt, frame)
+
+    def _draw(self, prompt: Prompt, frame: int) -> None:
+        widget = self.query_one(BigPrompt)
+        widget.show(prompt.shown(frame))
+        if prompt.frames:
+            paint_now(widget)
 
     def clear_prompt(self) -> None:
         self._gc.end_trial()

@@ -46,6 +46,12 @@ _TIMING = {
     "flags": stored(
         "trials.timing.flags", "string", "Reasons to look at the trial twice, with spaces between them; empty: none."
     ),
+    "frame_onsets_ns": stored(
+        "trials.timing.frame_onsets_ns",
+        "string",
+        "When each frame of the prompt was on the terminal, session's clock, with spaces between; missing: no frames.",
+        unit="ns",
+    ),
 }  # fmt: skip
 _PLAIN = (
     SESSION,

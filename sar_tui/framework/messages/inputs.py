@@ -86,7 +86,7 @@ class FocusChanged(Message, frozen=True, kw_only=True):
 
 
 class Shown(Message, frozen=True, kw_only=True):
-    """A prompt reached the terminal.
+    """A prompt reached the terminal, or one of its frames: ``frame`` is its place, from 0.
 
     ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh: less exact),
     ``virtual`` (simulated).
@@ -97,6 +97,7 @@ class Shown(Message, frozen=True, kw_only=True):
     presentation: int
     at: int
     source: Literal["flush", "refresh", "virtual"]
+    frame: int = 0
 
 
 class ImuBlock(Message, frozen=True, kw_only=True):

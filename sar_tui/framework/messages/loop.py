@@ -4,6 +4,7 @@ from typing import Literal
 
 import msgspec
 
+from sar_tui.framework.frames import Frame
 from sar_tui.framework.messages.base import Degree, Form, Json, Message, Outcome, Reference, Valence
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "Fault",
     "Feedback",
     "FeedbackChoice",
+    "FrameDue",
     "GoalChanged",
     "KeyPerceived",
     "LevelChanged",
@@ -138,6 +140,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     repeats it. ``timeout``: for the response, in ns. ``started``: when the participant started the trial, None if
     trials start by themselves. ``seat``: the seat it is for; empty for all. ``halves``: texts for the left and right
     half of the screen, instead of the glyph. ``cue``: the side to which the agent looked or pointed before.
+    ``frames``: shown one after the other, from the first; ``text`` then only says what the prompt is.
     """
 
     attempt: int
@@ -154,6 +157,23 @@ class Prompt(Message, frozen=True, kw_only=True):
     started: int | None = None
     halves: tuple[str, ...] = ()
     cue: str = ""
+    frames: tuple[Frame, ...] = ()
+
+    def shown(self, frame: int = 0) -> "Prompt":
+        """Return the prompt with the contents of a frame, to be drawn; of a prompt without frames, itself."""
+        if not self.frames:
+            return self
+        now = self.frames[frame]
+        return msgspec.structs.replace(self, text=now.line, glyph=now.glyph, hint=now.hint, halves=now.halves)
+
+
+class FrameDue(Message, frozen=True, kw_only=True):
+    """A later frame of a prompt is to be drawn now. ``frame``: its place, from 1: the first comes with the prompt."""
+
+    attempt: int
+    trial: int
+    presentation: int
+    frame: int
 
 
 class CueGiven(Message, frozen=True, kw_only=True):
@@ -184,13 +204,14 @@ class PromptVoided(Message, frozen=True, kw_only=True):
     reason: str
 
 
-class Timing(msgspec.Struct, frozen=True):
+class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
     """Timing quality of one trial, so that a bad trial can be excluded from analysis.
 
     ``handler_delay_ms``: from the key's time stamp until it was handled. ``loop_lag_ms``: largest delay of the event
     loop while the response was awaited. ``false_starts``: keys pressed in the foreperiod, each of which restarted it.
     ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``unreadable_input``, ``repeat_key``, ``late_key``,
-    ``other_seat`` (a key of a participant whose turn it was not), ``skipped``, ``onset_refresh``.
+    ``other_seat`` (a key of a participant whose turn it was not), ``skipped``, ``onset_refresh``, ``early_key`` (a key
+    before the frame from which responses are awaited). ``frame_onsets_ns``: onsets of the frames that were shown.
     """
 
     onset_source: str
@@ -200,6 +221,7 @@ class Timing(msgspec.Struct, frozen=True):
     presentation: int
     foreperiod_ms: float
     flags: tuple[str, ...]
+    frame_onsets_ns: tuple[int, ...] = ()
 
 
 class TrialEnded(Message, frozen=True, kw_only=True):

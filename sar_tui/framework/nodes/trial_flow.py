@@ -15,6 +15,7 @@ from sar_tui.framework.topics import (
     ACTING,
     CUE,
     FOCUS,
+    FRAME,
     PASTE,
     PERCEIVED,
     PROMPT,
@@ -158,13 +159,20 @@ class TrialFlow(TimedNode, ABC):
                 self.emit(CUE, self._trial.cue(self.now))
             case "foreperiod":
                 self._show_when_stored()
+            case "frame" if late > STALLED:
+                self._repeat_stalled()
+            case "frame":
+                self.emit(FRAME, self._trial.frame())
             case "timeout" if late > STALLED:
                 self._repeat_stalled()
             case "timeout":
+                self.cancel_timer("frame")
                 self._trial.lag = late
                 self.set_timer("grace", self.now + GRACE)
             case "grace":
-                self._finish(self.task.timed_out(self._trial.view()))
+                self._judge_early()
+                if self._phase is Phase.RESPONSE:
+                    self._finish(self.task.timed_out(self._trial.view()))
 
     def _restart_foreperiod(self) -> None:
         """Wait for quiet again after a key, and restart the foreperiod."""
@@ -187,18 +195,27 @@ class TrialFlow(TimedNode, ABC):
     def _show(self) -> None:
         if not self._focused:
             self._trial.flag("focus_lost")
-        self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms * MS))
+        self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms, self.now))
         self._wait(Phase.ONSET)
 
     @on(SHOWN)
     def shown(self, shown: m.Shown) -> None:
-        """Store the onset, judge the keys pressed since the prompt was published, and wait for a response."""
-        if self._phase is not Phase.ONSET or not self._trial.is_shown_by(shown):
+        """Store the onset, judge what was pressed since the prompt or its frame was published, and wait for more."""
+        if self._phase not in (Phase.ONSET, Phase.RESPONSE) or not self._trial.is_shown_by(shown):
             return
         self._phase = Phase.RESPONSE
+        was_timed = self._trial.timeout_at is not None
         self._trial.set_onset(shown)
-        self.set_timer("timeout", shown.at + self.parameters.response_timeout_ms * MS)
-        for percept in self._trial.early:
+        if (over := self._trial.timeout_at) is not None and not was_timed:
+            self.set_timer("timeout", over)
+        if (due := self._trial.next_frame_at) is not None:
+            self.set_timer("frame", due)
+        self._judge_early()
+
+    def _judge_early(self) -> None:
+        """Judge what was pressed while a prompt or a frame was on its way to the screen."""
+        early, self._trial.early = self._trial.early, []
+        for percept in early:
             if self._phase is Phase.RESPONSE:
                 self._judge(percept)
 
@@ -217,18 +234,20 @@ class TrialFlow(TimedNode, ABC):
                 self._start_trial(percept.at)
             case phase if phase in BEFORE_PROMPT and self.task.has_foreperiod:
                 self._restart_foreperiod()
-            case Phase.ONSET:
-                self._trial.early.append(percept)
-            case Phase.RESPONSE:
-                self._judge(percept)
+            case Phase.ONSET | Phase.RESPONSE:
+                self._respond(percept)
 
     @on(REACH)
     def reach_perceived(self, percept: m.ReachPerceived) -> None:
-        match self._phase:
-            case Phase.ONSET:
-                self._trial.early.append(percept)
-            case Phase.RESPONSE:
-                self._judge(percept)
+        if self._phase in (Phase.ONSET, Phase.RESPONSE):
+            self._respond(percept)
+
+    def _respond(self, percept: m.Percept) -> None:
+        """Judge a percept; while a prompt or a frame is on its way to the screen, as soon as its onset is known."""
+        if self._trial.is_drawing:
+            self._trial.early.append(percept)
+        else:
+            self._judge(percept)
 
     @on(PASTE)
     def pasted(self, paste: m.Pasted) -> None:
@@ -260,9 +279,12 @@ class TrialFlow(TimedNode, ABC):
         if percept.stalled and self._trial.stimulus.signals:
             self._repeat_stalled()
             return
+        if not self._trial.is_awaited(percept.at):
+            self._trial.flag("early_key")
+            return
         trial = self._trial.view()
         self._trial.remember(percept)
-        if trial.latency_ms(percept.at) > self.parameters.response_timeout_ms:
+        if trial.latency_ms(percept.at) > self._trial.timeout_ms:
             self._trial.flag("late_key")
             self._finish(self.task.timed_out(trial))
         elif isinstance(result := self.task.perceived(trial, percept), Again):

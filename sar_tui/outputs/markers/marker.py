@@ -14,6 +14,7 @@ CODES: dict[str, int] = {
     "sync_tone": 9,
     "prompt_onset": 10,
     "prompt_cancelled": 11,
+    "frame_onset": 12,
     "response": 20,
     "miss": 21,
     "movement_start": 22,

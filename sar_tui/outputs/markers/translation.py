@@ -30,7 +30,7 @@ class Translation:
         self._session = session
         self._has_seats = len(seats) > 1
         self._prompt: m.Prompt | None = None
-        self._onset: tuple[_Key, int] | None = None
+        self._onsets: tuple[_Key, dict[int, int]] = (0, 0, 0), {}
         self._kinds: dict[str, str] = {}
         self._started: set[tuple[str, str, str]] = set()
         self._translate: dict[Topic[Any], Callable[[int, Any], Sequence[Marker]]] = {
@@ -64,12 +64,19 @@ class Translation:
         return self._translate[topic](at, message)
 
     def shown(self, shown: m.Shown) -> Sequence[Marker]:
-        """Return the marker of an onset; none if it was returned before. May be called from the writing thread."""
+        """Return the marker of an onset of a prompt or of one of its later frames; none if it was returned before.
+
+        May be called from the writing thread.
+        """
         key = shown.attempt, shown.trial, shown.presentation
-        if self._onset is not None and self._onset[0] == key:
+        if self._onsets[0] != key:
+            self._onsets = key, {}
+        if shown.frame in self._onsets[1]:
             return ()
-        self._onset = key, shown.at
+        self._onsets[1][shown.frame] = shown.at
         fields: Fields = {"attempt": shown.attempt, "trial": shown.trial, "presentation": shown.presentation}
+        if shown.frame:
+            return [Marker("frame_onset", shown.at, fields | {"frame": shown.frame})]
         prompt = self._prompt
         if prompt and (prompt.attempt, prompt.trial, prompt.presentation) == key:
             fields |= self._seat(prompt) | {"level": prompt.level, "stimulus": prompt.stimulus}
@@ -101,8 +108,9 @@ class Translation:
         fields: Fields = self._trial(trial) | {"stimulus": trial.stimulus, "correct": trial.correct}
         if trial.response_at is None:
             return [Marker("miss", at, fields)]
-        shown = self._onset[1] if self._onset and self._onset[0][:2] == (trial.attempt, trial.trial) else trial.onset
-        if trial.onset is None or trial.onset == shown:
+        key, onsets = self._onsets
+        is_known = key[:2] == (trial.attempt, trial.trial)
+        if trial.onset is None or not is_known or trial.onset in onsets.values():
             return [Marker("response", trial.response_at, fields | {"response": trial.response or ""})]
         return [Marker("movement_start", trial.onset, fields), Marker("movement_end", trial.response_at, fields)]
 

@@ -89,6 +89,27 @@ def test_an_onset_that_the_writing_thread_has_sent_is_not_sent_again() -> None:
     assert translation.markers(t.SHOWN, AT, shown) == ()
 
 
+def test_each_frame_of_a_prompt_has_a_marker_and_a_key_after_it_is_a_response() -> None:
+    translation = Translation("s1")
+    shown = [m.Shown(attempt=1, trial=2, presentation=1, at=at, source="flush", frame=at // 10) for at in (0, 10)]
+    assert [marker.event for one in shown for marker in translation.shown(one)] == ["prompt_onset", "frame_onset"]
+    assert translation.markers(t.SHOWN, AT, shown[1]) == ()
+    trial = m.TrialEnded(
+        attempt=1,
+        trial=2,
+        stimulus="s",
+        response="f",
+        correct=True,
+        onset=10,
+        response_at=90,
+        reaction_time_ms=80.0,
+        value=None,
+        timing=m.Timing("flush", None, 0.0, 0, 1, 0.0, ()),
+        details={},
+    )
+    assert [marker.event for marker in translation.markers(t.TRIAL, AT, trial)] == ["response"]
+
+
 def test_markers_name_the_seat_only_if_there_are_two() -> None:
     started = m.AttemptStarted(attempt=1, practice=False, level=2, trials=3, seat="B")
     assert "seat" not in translated((t.ATTEMPT_STARTED, started))[0].fields

@@ -1,0 +1,14 @@
+"""Painting at a given moment: Textual paints at most 60 times a second, and may be up to 17 ms late."""
+
+from textual.widget import Widget
+
+
+def paint_now(widget: Widget) -> None:
+    """Write what has changed in a widget to the terminal, without waiting for Textual's next paint.
+
+    If the screen must be laid out first, or another one covers it, Textual paints as usual.
+    """
+    screen = widget.screen
+    if screen.is_current and not (screen._layout_required or screen._scroll_required):
+        screen._compositor.update_widgets({widget})
+        screen._compositor_refresh()

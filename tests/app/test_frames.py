@@ -1,0 +1,69 @@
+"""A prompt with frames on the session's screen: each frame is drawn in its time, and nothing else moves."""
+
+from pathlib import Path
+
+import pytest
+from textual.geometry import Region
+
+from sar_tui.framework.parameters import build
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from tests.app.app_driver import open_app
+from tests.app.test_quiet_screen import count_frames
+
+TASK = """
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Frame, Metric, Result, Stimulus
+
+
+class Masked(Task):
+    name = "masked"
+    title = "Masked"
+    metric = Metric("reaction_time", "ms", "lower")
+
+    def instructions(self):
+        return "Look."
+
+    def stimulus(self, situation):
+        frames = (Frame("<", 200, text="cue"), Frame("", 300), Frame("O", 50, text="target", timed=True), Frame("#"))
+        return Stimulus("masked", "f", "Press: f", frames=frames)
+
+    def perceived(self, trial, percept):
+        return Result(correct=True, response=percept.key, response_at=percept.at, value=trial.latency_ms(percept.at))
+"""
+
+
+@pytest.fixture
+def masked(tmp_path: Path) -> Catalogue:
+    folder = tmp_path / "mytasks" / "masked"
+    folder.mkdir(parents=True)
+    (folder / "task.py").write_text(TASK, encoding="utf-8")
+    return Catalogue(tasks=(folder.parent,))
+
+
+async def test_each_frame_replaces_the_one_before(
+    data: Path, masked: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = masked.task("masked")
+    plan = Plan(task, build(task.Parameters, {"attempts": 1}), "calm", "P01", seed=7)
+    async with open_app(data, masked, plan) as driver:
+        await driver.to_first_prompt()
+        stage = driver.app.screen.query_one("#prompt").region
+        assert driver.sees("cue")
+        frames = count_frames(driver, monkeypatch)
+        await driver.wait(210)
+        assert not driver.sees("cue")
+        assert not any(line.strip() for line in driver.rows[stage.y : stage.bottom]), "the second frame is empty"
+        await driver.wait(300)
+        assert driver.sees("target")
+        await driver.wait(50)
+        assert driver.sees("#")
+        assert not driver.sees("target")
+        await driver.wait(500)
+        drawn = [frame for frame in frames if frame is not None]
+        assert len(drawn) == 3
+        spans = [span for frame in drawn for span in frame.spans]  # type: ignore[attr-defined]
+        assert all(stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans)
+        await driver.press("f")
+        await driver.see_the_summary()
+        assert driver.session.faults == []

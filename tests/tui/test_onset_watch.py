@@ -1,0 +1,26 @@
+"""The onset of a prompt is the flush of its text, which control sequences do not contain."""
+
+import pytest
+
+from sar_tui.tui.timestamps import OnsetWatch
+
+
+@pytest.mark.parametrize(
+    ("text", "written", "is_onset"),
+    [
+        ("Press: f", "\x1b[5;10HPress: f\x1b[0m", True),
+        ("Press: f", "\x1b[5;10HPress: g\x1b[0m", False),
+        ("5", "\x1b[5;10H \x1b[0m", False),
+        ("5", "\x1b[5;10H5\x1b[0m", True),
+        ("", "\x1b[?2026h", False),
+        ("", "\x1b[5;10H   \x1b[0m", True),
+    ],
+)
+def test_a_text_is_stamped_when_it_is_flushed(text: str, written: str, is_onset: bool) -> None:
+    watch, stamps = OnsetWatch(), list[int]()
+    watch.arm(text, stamps.append)
+    watch.wrote(written)
+    watch.wrote("\x1b[?2026l")
+    watch.flushed()
+    watch.flushed()
+    assert len(stamps) == is_onset
