@@ -1,0 +1,36 @@
+"""Trunk excursion during a reach, from a second sensor on the sternum."""
+
+import math
+
+from sar_tui.motion.grid import even
+from sar_tui.motion.quaternions import angle, integrate
+from sar_tui.motion.samples import Recording
+
+REST_S = 1.0
+"""Stillness of the trunk that gives the sensor's bias."""
+
+
+def trunk_excursion_deg(recording: Recording, onset_s: float, end_s: float) -> float | None:
+    """Return the largest angle of the sternum from its orientation at the onset of a reach, in degrees.
+
+    It is an angle about any axis: leaning forward, to the side, and turning all count. After a stroke, many people move
+    the trunk even to reach targets within arm's length ("Use of the trunk for reaching targets placed within and beyond
+    the reach in adult hemiparesis", Levin et al. 2002, Exp Brain Res). Such studies measure displacement; this is a
+    rotation, so the figures cannot be compared.
+
+    None if the recording does not cover the reach, misses more than `grid.GAP_S` of it, or has no rest of ``REST_S``.
+
+    Args:
+        recording: of the sensor on the sternum, with a rest, on the clock of the hand's sensor.
+        onset_s, end_s: the reach, as found by the sensor on the hand.
+    """
+    grid = even(recording)
+    if len(grid.time_s) < 2 or not grid.time_s[0] <= onset_s < end_s <= grid.time_s[-1]:
+        return None
+    if grid.has_hole(onset_s, end_s):
+        return None
+    rest, rate, _ = grid.unbiased(REST_S)
+    inside = (grid.time_s >= onset_s) & (grid.time_s <= end_s)
+    if not rest.whole or not inside.any():
+        return None
+    return math.degrees(float(angle(integrate(rate[inside], 1.0 / grid.rate_hz)).max()))
