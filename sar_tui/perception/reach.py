@@ -1,11 +1,9 @@
 """Perception of reaches: turns the samples of the hand's sensor into one reach, out and back (thesis 4.2.2)."""
 
-from collections import deque
 from collections.abc import Sequence
 from typing import Literal
 
 import msgspec
-import numpy as np
 
 from sar_tui.framework.clock import MS, SECOND, STALLED
 from sar_tui.framework.held_key import HeldKey
@@ -23,10 +21,11 @@ from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, SESSION, TIMER, TRIAL, VOIDED
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
-from sar_tui.motion.samples import Samples, join, unpack
+from sar_tui.motion.samples import Samples, join
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 from sar_tui.perception.foreseen import STILL, Foreseen, Hand
+from sar_tui.perception.kept_samples import KeptSamples
 
 REST = 3 * SECOND
 """Time before a reach from which samples are kept: the hand at rest shows the sensor's bias."""
@@ -38,8 +37,6 @@ MARGIN_S = 0.05
 """Added to the stillness that the fixed-threshold detector needs."""
 PATIENCE = 300 * MS
 """Longest wait for samples after the tail."""
-EVER = -(2**63)
-"""Before all stamps."""
 UNMOVED = 1500 * MS
 """A key within this time of the start, without any movement, was pressed by mistake."""
 
@@ -68,9 +65,7 @@ class ReachPerception(TimedNode):
         self._analysis = analysis
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
-        self._blocks: deque[tuple[int, bytes]] = deque()
-        """The stamp of each block's newest sample, and its samples."""
-        self._kept_from = EVER
+        self._kept = KeptSamples()
         self._rate_hz = 0.0
         self._key = HeldKey()
         self._clear()
@@ -106,8 +101,7 @@ class ReachPerception(TimedNode):
         if sensor.seat != self._seat:
             return
         if sensor.state == "attached":
-            self._blocks.clear()
-            self._kept_from = EVER
+            self._kept.clear()
             self._rate_hz = sensor.rate_hz
         elif self._prompt and sensor.state in ("saturated", "error") and sensor.state not in self._flags:
             self._flags.append(sensor.state)
@@ -116,11 +110,10 @@ class ReachPerception(TimedNode):
     def add_samples(self, block: ImuBlock) -> None:
         if block.seat != self._seat:
             return
-        samples = unpack(block.samples)
+        samples = self._kept.add(block.samples)
         newest = int(samples["at"][-1])
-        self._blocks.append((newest, block.samples))
         if self._prompt is None:
-            self._forget_before(newest - REST)
+            self._kept.forget_before(newest - REST)
             return
         hand = self._look(samples)
         match self._reaction(newest, hand):
@@ -159,12 +152,6 @@ class ReachPerception(TimedNode):
             return "stillness"
         return None
 
-    def _forget_before(self, stamp: int) -> None:
-        """Drop blocks before a stamp. ``_samples`` cuts the oldest, as those of a replay may be divided differently."""
-        self._kept_from = stamp
-        while self._blocks and self._blocks[0][0] < stamp:
-            self._blocks.popleft()
-
     def _look(self, samples: Samples) -> Hand:
         """Return the state of the hand after the next samples, which are in the last block.
 
@@ -179,7 +166,7 @@ class ReachPerception(TimedNode):
         self._foreseen = None
         if self._segmenter is None:
             self._segmenter = Segmenter(self._rate_hz, self._analysis.single_axis)
-            samples = self._samples()
+            samples = self._kept.all()
         segmenter = self._segmenter
         segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
         self._hand = Hand(segmenter.still_for_s, segmenter.has_reached(started_s), segmenter.began_s)
@@ -187,12 +174,8 @@ class ReachPerception(TimedNode):
 
     def _segmented(self, samples: Samples) -> Foreseen:
         """Segment the samples so far and those that come next."""
-        before = self._samples()
+        before = self._kept.all()
         return Foreseen(join((before, samples)), len(before), self._rate_hz, self._analysis.single_axis)
-
-    def _samples(self) -> Samples:
-        samples = unpack(b"".join([block for _, block in self._blocks]))
-        return samples[np.searchsorted(samples["at"], self._kept_from) :]
 
     # --- the trial -----------------------------------------------------------------------------------------
 
@@ -260,7 +243,7 @@ class ReachPerception(TimedNode):
     def _report(self, closed: Literal["key", "stillness", "timeout"]) -> None:
         """Report the reach found in all the samples."""
         assert self._prompt
-        samples = self._samples()
+        samples = self._kept.all()
         first, last = (samples["at"][[0, -1]].tolist()) if len(samples) else (self._started, self._started)
         window = Window(
             from_ns=max(first, self._started - REST),
