@@ -63,7 +63,9 @@ def facts(watch: SensorWatch, tr: Language = _ENGLISH) -> list[Fact]:
     """Return the facts about the sensor, the most important first; without a sensor, only that."""
     found = [_sensor(watch, tr)]
     if watch.attached and not watch.stalled:
-        found += [_samples(watch, tr), _rest(watch, tr), _placing(watch, tr)]
+        found += [_samples(watch, tr), _rest(watch, tr)]
+        if watch.feed.part == "hand":  # on the trunk a sensor may point in any direction
+            found.append(_placing(watch, tr))
         if watch.trouble:
             found.append(Fact("wrong", tr("Trouble"), watch.trouble))
     return found

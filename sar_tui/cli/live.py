@@ -71,6 +71,15 @@ def run(
             help="The motion sensor: phidget, simulated, recorded:FILE, session:ID; the same as --set imu=NAME.",
         ),
     ] = None,
+    imu_trunk: Annotated[
+        str | None,
+        typer.Option(
+            "--imu-trunk",
+            metavar="NAME",
+            show_default=False,
+            help="A second motion sensor, on the breastbone; the same as --set imu_trunk=NAME.",
+        ),
+    ] = None,
     theme: Annotated[
         str | None,
         typer.Option(metavar="NAME", show_default=False, help="The theme. Default: the saved one."),
@@ -88,15 +97,17 @@ def run(
 ) -> None:
     """Start a session.
 
-    It starts from the participant's programme; --set, --imu, --theme, --outputs, --speech and --language apply to
-    this session only.
+    It starts from the participant's programme; --set, --imu, --imu-trunk, --theme, --outputs, --speech and --language
+    apply to this session only.
     """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
     if imu is not None:
-        _check_uses_sensor(kind)
-    given = read_settings(settings, imu=imu, outputs=outputs, language=language)
+        _check_uses_sensor(kind, "imu", "no motion sensor")
+    if imu_trunk is not None:
+        _check_uses_sensor(kind, "imu_trunk", "no sensor on the trunk")
+    given = read_settings(settings, imu=imu, imu_trunk=imu_trunk, outputs=outputs, language=language)
 
     from sar_tui.runs.plan import left_out_text, make_plan
     from sar_tui.store import programmes
@@ -149,11 +160,11 @@ def _open_link(
         yield broker
 
 
-def _check_uses_sensor(kind: "type[Task]") -> None:
+def _check_uses_sensor(kind: "type[Task]", parameter: str, which: str) -> None:
     from sar_tui.framework.parameters import fields
 
-    if not any(field.name == "imu" for field in fields(kind.Parameters)):
-        raise Refused(f"The task {kind.name} uses no motion sensor: leave out --imu.")
+    if not any(field.name == parameter for field in fields(kind.Parameters)):
+        raise Refused(f"The task {kind.name} uses {which}: leave out --{parameter.replace('_', '-')}.")
 
 
 def _check_sensor(plan: "Plan", home: Home) -> None:

@@ -35,14 +35,14 @@ class _StoredSamples(NamedTuple):
     def of(cls, database: "sqlite3.Connection", session: str) -> "_StoredSamples":
         """Read them. Raises StoreError if samples are damaged."""
         from sar_tui.framework.messages import ImuBlock
-        from sar_tui.framework.topics import SENSOR, TRIAL
+        from sar_tui.framework.topics import IMU, SENSOR, TRIAL
         from sar_tui.motion.samples import unpack
         from sar_tui.store import imu
 
         blocks = [
             (record.seq, unpack(record.message.samples))
             for record in imu.blocks(database, session)
-            if isinstance(record.message, ImuBlock)
+            if record.topic is IMU and isinstance(record.message, ImuBlock)
         ]
         attached = [seq for seq, message in _events(database, session, SENSOR.name) if message["state"] == "attached"]
         trials = _events(database, session, TRIAL.name)

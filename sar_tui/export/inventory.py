@@ -262,6 +262,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "acceleration_range_m_s2": "open",
         "layout": "inner",
         "attached_ns": "open",
+        "part": "open",
     },
     "imu_chunks": {
         "session": "open",
@@ -283,7 +284,14 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "rate": "open",
         "field": "open",
     },
-    "sensor": {"number": "open", "state": "open", "count": "open", "duration_ms": "open", "serial": "device"},
+    "sensor": {
+        "number": "open",
+        "part": "open",
+        "state": "open",
+        "count": "open",
+        "duration_ms": "open",
+        "serial": "device",
+    },
     "output": {
         "number": "open",
         "action": "open",

@@ -240,6 +240,7 @@ def _feedback(
         due=attempt.ended + choice.delay_ms * MS if choice.due else 0,
         choice=choice,
         advice=task.when_to_respond() if _is_unanswered(judgement, results) else "",
+        correction=task.tr(next((result.correction for result in reversed(results) if result.correction), "")),
     )
 
 

@@ -91,7 +91,12 @@ class FeedbackText:
         self._word = word
 
     def write(self, feedback: Feedback, recalled: RecalledAttempts) -> WrittenFeedback:
-        """Return the text of feedback, with the form and content of its choice."""
+        """Return the text of feedback, with the form and content of its choice, and the task's correction after it."""
+        written = self._written(feedback, recalled)
+        is_said = not feedback.correction or feedback.correction in written.text
+        return written if is_said else written._replace(text=f"{written.text} {feedback.correction}")
+
+    def _written(self, feedback: Feedback, recalled: RecalledAttempts) -> WrittenFeedback:
         choice = feedback.choice
         if choice.attempts > 1:
             summary = self._in_form(self._summary(feedback), choice.form)
@@ -215,6 +220,16 @@ class FeedbackText:
     # --- knowledge of performance --------------------------------------------------------------------------
 
     def _performance(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
+        """Return what improved since the last comparable attempt, else the task's correction, else advice.
+
+        None if nothing was measured.
+        """
+        found = self._change(feedback, recalled)
+        if found and feedback.correction and found.valence != "positive":
+            return found._replace(words=feedback.correction, figures=feedback.correction)
+        return found
+
+    def _change(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
         """Return what improved since the last comparable attempt, else advice; None if nothing was measured.
 
         Comparable attempts have the same level and nearly the same result: the qualities depend on speed.

@@ -240,6 +240,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         flags: added to ``trials.timing``; the framework adds ``anticipation``.
         remark: said instead of the theme's phrase if the attempt fails for lack of correct trials: a sentence without
             numbers.
+        correction: said after the feedback, however the attempt went: a sentence on how to move, without numbers. Of
+            several in an attempt, the last is said.
     """
 
     correct: bool
@@ -250,6 +252,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     details: Json = {}
     flags: tuple[str, ...] = ()
     remark: str = ""
+    correction: str = ""
 
     @property
     def counts(self) -> bool:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.messages import BodyPart
 from sar_tui.inputs.clock_map import ClockMap
 from sar_tui.inputs.imu import ImuSource, Info, Sample, Status, Vector
 from sar_tui.motion.samples import SAMPLE, Samples, unpack
@@ -54,6 +55,8 @@ class ImuFeed:
     Args:
         source: the source of samples.
         now: returns the present, in ns of the clock of the source's ``host_ns``.
+        seat: the participant with the sensor.
+        part: where they wear it.
 
     Attributes:
         is_running: True from start to stop.
@@ -62,8 +65,10 @@ class ImuFeed:
         dropped: number of samples that arrived and were discarded.
     """
 
-    def __init__(self, source: ImuSource, now: Callable[[], int]) -> None:
+    def __init__(self, source: ImuSource, now: Callable[[], int], seat: str = "A", part: BodyPart = "hand") -> None:
         self.source = source
+        self.seat = seat
+        self.part: BodyPart = part
         self.is_running = False
         self._now = now
         self._begin()

@@ -1,20 +1,22 @@
 """The motion sensor on the bus: its samples as a stream of blocks, its statuses as messages."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import msgspec
 
-from sar_tui.framework.bus import Bus
+from sar_tui.framework.bus import Bus, Topic
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.messages import ImuBlock, SensorChanged, SessionEnded
 from sar_tui.framework.node import Node, on
-from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED
+from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.inputs.imu import Info, Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.motion.samples import pack
 
 DRAIN = 10 * MS
 """Interval at which new samples are published."""
+TRUNK_DRAIN = 50 * MS
+"""The same for a sensor on the trunk."""
 _BEFORE_SAMPLES = ("attached", "flowing")
 
 
@@ -26,7 +28,7 @@ class SensorNode(Node):
     """
 
     name = "imu"
-    emits = (IMU, SENSOR)
+    emits: ClassVar[tuple[Topic[Any], ...]] = (IMU, SENSOR)
 
     def __init__(self, seat: str = "A") -> None:
         super().__init__()
@@ -62,7 +64,15 @@ class Imu(SensorNode):
     Args:
         feed: the sensor's; one that is running already, after the sensor check, is used as it is.
         seat: the participant with the sensor.
+
+    Attributes:
+        samples, statuses: topics on which they are published.
+        interval: time between two looks for new samples, in ns.
     """
+
+    samples: ClassVar[Topic[ImuBlock]] = IMU
+    statuses: ClassVar[Topic[SensorChanged]] = SENSOR
+    interval: ClassVar[int] = DRAIN
 
     def __init__(self, feed: ImuFeed, seat: str = "A") -> None:
         super().__init__(seat)
@@ -97,13 +107,26 @@ class Imu(SensorNode):
         for status in statuses[:before]:
             self._publish(status)
         if len(samples):
-            self.emit(IMU, ImuBlock(seat=self.seat, samples=pack(samples)))
+            self.emit(self.samples, ImuBlock(seat=self.seat, samples=pack(samples)))
         for status in statuses[before:]:
             self._publish(status)
-        self._next = self.bus.clock.call_at(self.bus.clock.now() + DRAIN, self._drain)
+        self._next = self.bus.clock.call_at(self.bus.clock.now() + self.interval, self._drain)
 
     def _publish(self, status: Status) -> None:
-        self.emit(SENSOR, changed(status, self.feed.info, self.seat))
+        self.emit(self.statuses, changed(status, self.feed.info, self.seat))
+
+
+class TrunkImu(Imu):
+    """Publishes the sensor on a participant's trunk, which no session waits for.
+
+    Its samples are not needed before a reach is over, so it looks for them less often.
+    """
+
+    name = "trunk_imu"
+    emits = (TRUNK_IMU, TRUNK_SENSOR)
+    samples = TRUNK_IMU
+    statuses = TRUNK_SENSOR
+    interval = TRUNK_DRAIN
 
 
 def changed(status: Status, info: Info | None, seat: str = "A") -> SensorChanged:

@@ -28,10 +28,12 @@ class SimulatedSource:
     Args:
         hand: the hand and its sensor.
         clock: the hand's clock; the host's, with its own thread, if None.
+        model: the sensor's description.
     """
 
-    def __init__(self, hand: SimulatedHand, clock: Clock | None = None) -> None:
+    def __init__(self, hand: SimulatedHand, clock: Clock | None = None, model: str = "Simulated hand") -> None:
         self.hand = hand
+        self._model = model
         self.info: Info | None = None
         self._pace = Pace(self._measure, clock)
         self._ahead: deque[Sample] = deque()
@@ -64,7 +66,7 @@ class SimulatedSource:
         if self.info is None:
             self.info = Info(
                 source="simulated",
-                model="Simulated hand",
+                model=self._model,
                 rate_hz=rate_hz,
                 rate_range_rad_s=profile.saturation_rad_s if saturates else 0.0,
             )

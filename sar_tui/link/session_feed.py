@@ -11,8 +11,7 @@ from sar_tui.framework.topics import FRAME, IMU, PRESENCE, PROMPT, SHOWN, TRIAL,
 SENT: tuple[Topic[Any], ...] = (
     # state of the session, and what the participant sees
     t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.GOAL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.FRAME, t.SHOWN,
-    t.VOIDED, t.FOCUS,
-    t.SENSOR, t.STORAGE, t.SESSION_ENDED,
+    t.VOIDED, t.FOCUS, t.SENSOR, t.TRUNK_SENSOR, t.STORAGE, t.SESSION_ENDED,
     # results; keys and percepts are not sent, as a trial holds their outcome
     t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
     # what the agent proposes and does
@@ -26,7 +25,8 @@ SENT: tuple[Topic[Any], ...] = (
 
 _LATEST: tuple[Topic[Any], ...] = (
     *(topic for topic in SENT if topic.keep),
-    t.ATTEMPT_STARTED, t.PROMPT, t.SHOWN, t.FOCUS, t.SENSOR, t.STORAGE, t.SESSION_ENDED, t.OUTPUT,
+    t.ATTEMPT_STARTED, t.PROMPT, t.SHOWN, t.FOCUS, t.SENSOR, t.TRUNK_SENSOR, t.STORAGE,
+    t.SESSION_ENDED, t.OUTPUT,
 )  # fmt: skip
 """A snapshot holds the last message of each seat and output."""
 _HISTORY: tuple[Topic[Any], ...] = (

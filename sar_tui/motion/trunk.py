@@ -34,3 +34,16 @@ def trunk_excursion_deg(recording: Recording, onset_s: float, end_s: float) -> f
     if not rest.whole or not inside.any():
         return None
     return math.degrees(float(angle(integrate(rate[inside], 1.0 / grid.rate_hz)).max()))
+
+
+def compensation_share(trunk_deg: float | None, hand_deg: float | None) -> float | None:
+    """Return the trunk's share in the turning of a reach: its excursion over the sum of its and the hand's, 0 to 1.
+
+    It is defined here, to compare a person with themselves; the share that studies report is of displacement. The
+    sensor on the hand turns with the trunk too, so the share stays below one half unless the arm hardly moves.
+
+    None if either excursion is not known, or both are 0.
+    """
+    if trunk_deg is None or hand_deg is None or not trunk_deg + hand_deg:
+        return None
+    return trunk_deg / (trunk_deg + hand_deg)

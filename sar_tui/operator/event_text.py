@@ -12,7 +12,6 @@ from sar_tui.framework.messages import (
     MarkersChanged,
     OperatorChanged,
     PeerRequestRefused,
-    SensorChanged,
     SessionCommand,
     SettingChanged,
     StorageChanged,
@@ -35,6 +34,7 @@ from sar_tui.framework.topics import (
     SENSOR,
     SETTING,
     STORAGE,
+    TRUNK_SENSOR,
 )
 from sar_tui.link.peer import Frame, Welcome
 from sar_tui.operator.event_log import Line, Tone
@@ -54,6 +54,13 @@ _SENSOR: dict[str, _Text] = {
     "stalled": ("The motion sensor sends no data.", "bad"),
     "flowing": ("The motion sensor sends data again.", "good"),
     "ended": ("The recording that replaces the sensor has ended.", "plain"),
+}
+_TRUNK_SENSOR: dict[str, _Text] = {
+    "attached": ("The trunk sensor is connected.", "good"),
+    "detached": ("The trunk sensor is disconnected; reaches count all the same.", "bad"),
+    "stalled": ("The trunk sensor sends no data; reaches count all the same.", "bad"),
+    "flowing": ("The trunk sensor sends data again.", "good"),
+    "ended": ("The recording that replaces the trunk sensor has ended.", "plain"),
 }
 PAUSE_REASONS = {"tired": "tired", "pain": "in pain", "finished": "wants to end"}
 """Reasons for which a participant pauses."""
@@ -118,7 +125,9 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
     elif topic == GOAL.name:
         text = _goal_changed(message)
     elif topic == SENSOR.name:
-        text = _sensor(message)
+        text = _SENSOR.get(message.state)
+    elif topic == TRUNK_SENSOR.name:
+        text = _TRUNK_SENSOR.get(message.state)
     elif topic == STORAGE.name:
         text = _storage(message)
     elif topic == MARKERS.name:
@@ -230,10 +239,6 @@ def _goal_changed(changed: GoalChanged) -> _Text:
 def _in_brackets(sentence: str) -> str:
     """Return a sentence as it reads in brackets: without capital and full stop."""
     return sentence[:1].lower() + sentence[1:].rstrip(".")
-
-
-def _sensor(changed: SensorChanged) -> _Text | None:
-    return _SENSOR.get(changed.state)
 
 
 def _storage(changed: StorageChanged) -> _Text:

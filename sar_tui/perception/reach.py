@@ -18,7 +18,19 @@ from sar_tui.framework.messages import (
     TrialEnded,
 )
 from sar_tui.framework.node import TimedNode, on
-from sar_tui.framework.topics import IMU, PERCEIVED, PROMPT, REACH, SENSOR, SESSION, TIMER, TRIAL, VOIDED
+from sar_tui.framework.topics import (
+    IMU,
+    PERCEIVED,
+    PROMPT,
+    REACH,
+    SENSOR,
+    SESSION,
+    TIMER,
+    TRIAL,
+    TRUNK_IMU,
+    TRUNK_SENSOR,
+    VOIDED,
+)
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
 from sar_tui.motion.samples import Samples, join
@@ -26,6 +38,7 @@ from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 from sar_tui.perception.foreseen import STILL, Foreseen, Hand
 from sar_tui.perception.kept_samples import KeptSamples
+from sar_tui.perception.trunk import Trunk
 
 REST = 3 * SECOND
 """Time before a reach from which samples are kept: the hand at rest shows the sensor's bias."""
@@ -66,6 +79,7 @@ class ReachPerception(TimedNode):
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
         self._kept = KeptSamples()
+        self._trunk = Trunk()
         self._rate_hz = 0.0
         self._key = HeldKey()
         self._clear()
@@ -124,6 +138,16 @@ class ReachPerception(TimedNode):
                 self._report("key")
             case "key" | "stillness" as closed:
                 self._report(closed)
+
+    @on(TRUNK_SENSOR)
+    def trunk_sensor_changed(self, sensor: SensorChanged) -> None:
+        if sensor.seat == self._seat:
+            self._trunk.sensor_changed(sensor)
+
+    @on(TRUNK_IMU)
+    def add_trunk_samples(self, block: ImuBlock) -> None:
+        if block.seat == self._seat:
+            self._trunk.add(block.samples, REST if self._prompt is None else None)
 
     def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
         """Return the first of ``ends`` at which a reach will be reported (see `inputs.simulated_sensor.Foresight`)."""
@@ -256,6 +280,9 @@ class ReachPerception(TimedNode):
             self._dismissed = self._began_s  # a small movement such as a flick of the wrist: keep waiting for the reach
             return
         at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)
+        turned = found.details.get("excursion_deg")
+        hand_deg = turned if isinstance(turned, float) else None
+        details = found.details | self._trunk.measures(window.from_ns, found.onset_ns, found.end_ns, hand_deg)
         trace = None
         if found.onset_ns is not None and found.end_ns is not None:
             trace = trace_of(samples, found.onset_ns, found.end_ns, found.details)
@@ -269,7 +296,7 @@ class ReachPerception(TimedNode):
                 turn=found.turn_ns,
                 end=found.end_ns,
                 closed=closed,
-                details=found.details,
+                details=details,
                 flags=found.flags,
                 invalid=found.invalid,
                 trace=tuple(trace.rate) if trace else (),

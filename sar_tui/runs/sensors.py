@@ -6,38 +6,49 @@ from typing import Any
 
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.declaration import ParameterError
+from sar_tui.framework.messages import BodyPart
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.task import Task
 from sar_tui.inputs.imu import ImuSource, SourceError
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recorded import RecordedSource
-from sar_tui.inputs.sensor import Imu
+from sar_tui.inputs.sensor import Imu, TrunkImu
+from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.inputs.simulated_sensor import SimulatedSensor
 from sar_tui.inputs.sources import open_source, simulated_hand, source_names
+from sar_tui.simulation.leaning import leaning
 from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 
 _EXCLUSIVE = ("phidget", "ros")
-"""Kinds of sensors that two seats cannot share."""
+"""Kinds of sensors that cannot be worn in two places."""
+_TRUNK = "imu_trunk"
+"""The parameter that names the sensor on the trunk."""
 
 
 def open_sensors(task: type[Task], parameters: TaskParameters, seed: int, clock: Clock, folder: Path) -> list[ImuFeed]:
-    """Open the sensor of each seat that has one, in the order of the seats; none is started yet.
+    """Open the sensor of each seat that has one, in the order of the seats, and last one on the trunk.
+
+    None is started yet.
 
     Raises:
-        ParameterError: as ``open_sensor``, or two seats name the same device.
+        ParameterError: as ``open_sensor``, or two sensors name the same device.
         StoreError: as ``open_sensor``.
     """
-    seats = task.sensor_seats(parameters)
-    _check_distinct(parameters, seats)
-    return [open_sensor(parameters, seed + number, clock, folder, seat) for number, seat in enumerate(seats)]
+    worn = _worn(parameters, task.sensor_seats(parameters))
+    _check_distinct(parameters, worn)
+    return [
+        open_sensor(parameters, seed + number, clock, folder, seat, part) for number, (seat, part) in enumerate(worn)
+    ]
 
 
-def open_sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Path, seat: str = "A") -> ImuFeed:
-    """Open the sensor that the parameter ``imu`` names (for seat B: ``imu_b``), without starting it.
+def open_sensor(
+    parameters: TaskParameters, seed: int, clock: Clock, folder: Path, seat: str = "A", part: BodyPart = "hand"
+) -> ImuFeed:
+    """Open the sensor that a parameter names, without starting it: ``imu``, for seat B ``imu_b``; ``imu_trunk``.
 
     The names are those of `inputs.sources.open_source`, and ``session:ID`` for the samples of an earlier session.
 
@@ -46,21 +57,24 @@ def open_sensor(parameters: TaskParameters, seed: int, clock: Clock, folder: Pat
         StoreError: there is no such session, or it cannot be read.
     """
     virtual = clock if isinstance(clock, VirtualClock) else None
-    kind, _, rest = _address(parameters, seat).partition(":")
+    kind, _, rest = _address(parameters, seat, part).partition(":")
     try:
         if kind == "session":
-            source: ImuSource = _stored_source(rest, folder, virtual, seat)
+            source: ImuSource = _stored_source(rest, folder, virtual, seat, part)
+        elif kind == "simulated" and part == "trunk":
+            source = _simulated_trunk(seed, virtual, rest)
         else:
             source = open_source(f"{kind}:{rest}" if rest else kind, seed=seed, clock=virtual)
     except SourceError as error:
-        raise ParameterError({_parameter(seat): str(error)}) from error
-    return ImuFeed(source, clock.now)
+        raise ParameterError({_parameter(seat, part): str(error)}) from error
+    return ImuFeed(source, clock.now, seat, part)
 
 
 def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
-    """Raise ParameterError if a seat names a kind of sensor that does not exist, or two seats the same device."""
+    """Raise ParameterError if a parameter names a kind of sensor that does not exist, or two the same device."""
     known = [*source_names(), "session"]
-    kinds = {_parameter(seat): _address(parameters, seat).strip().partition(":")[0] for seat in seats}
+    worn = _worn(parameters, seats)
+    kinds = {_parameter(*where): _address(parameters, *where).strip().partition(":")[0] for where in worn}
     problems = {
         name: f'There is no sensor "{kind}". Choose one of: {", ".join(known)}.'
         for name, kind in kinds.items()
@@ -68,30 +82,40 @@ def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
     }
     if problems:
         raise ParameterError(problems)
-    _check_distinct(parameters, seats)
+    _check_distinct(parameters, worn)
 
 
-def _check_distinct(parameters: TaskParameters, seats: Sequence[str]) -> None:
-    if len(seats) < 2 or (address := _address(parameters, seats[0])) != _address(parameters, seats[1]):
+def _worn(parameters: TaskParameters, seats: Sequence[str]) -> list[tuple[str, BodyPart]]:
+    """Return where sensors are worn: on the hand of each seat, and on the trunk if a sensor is named for it."""
+    worn: list[tuple[str, BodyPart]] = [(seat, "hand") for seat in seats]
+    return [*worn, ("A", "trunk")] if getattr(parameters, _TRUNK, "") else worn
+
+
+def _check_distinct(parameters: TaskParameters, worn: Sequence[tuple[str, BodyPart]]) -> None:
+    if len(worn) < 2 or (address := _address(parameters, *worn[0])) != _address(parameters, *worn[1]):
         return
     if address.partition(":")[0] in _EXCLUSIVE:
+        name = _parameter(*worn[1])
+        first, second = ("the hand", "the trunk") if name == _TRUNK else ("the left", "the right")
         problem = (
-            f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for the left, "
-            "--set imu_b=phidget:SERIAL for the right."
+            f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for {first}, "
+            f"--set {name}=phidget:SERIAL for {second}."
         )
-        raise ParameterError({_parameter(seats[1]): problem})
+        raise ParameterError({name: problem})
 
 
-def _parameter(seat: str) -> str:
-    """Return the name of the parameter that names a seat's sensor."""
+def _parameter(seat: str, part: BodyPart) -> str:
+    """Return the name of the parameter that names a sensor."""
+    if part == "trunk":
+        return _TRUNK
     return "imu" if seat == "A" else f"imu_{seat.lower()}"
 
 
-def _address(parameters: TaskParameters, seat: str) -> str:
-    return str(getattr(parameters, _parameter(seat), "phidget"))
+def _address(parameters: TaskParameters, seat: str, part: BodyPart) -> str:
+    return str(getattr(parameters, _parameter(seat, part), "phidget"))
 
 
-def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str) -> RecordedSource:
+def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str, part: BodyPart) -> RecordedSource:
     """Open the samples of a stored session's last run that has any.
 
     They come in real time, or at once if the name is ``ID?speed=fast``. If the session has no sensor at this seat,
@@ -103,40 +127,62 @@ def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str) -> R
         session = sessions.find(database, folder, name)["id"]
         streams = sessions.rows(database, "imu_streams", session)
         runs = sorted({stream["run"] for stream in streams}, reverse=True)
-        recorded_seat = seat if seat in {stream["seat"] for stream in streams} else "A"
+        known = seat if seat in {stream["seat"] for stream in streams} else "A"
         recorded = [
-            samples for run in runs if len(samples := imu.samples(database, session, run=run, seat=recorded_seat))
+            samples for run in runs if len(samples := imu.samples(database, session, run=run, seat=known, part=part))
         ]
     finally:
         database.close()
     if not recorded:
-        raise SourceError(f"The session {session} holds no samples of a sensor.")
+        raise SourceError(f"The session {session} holds no samples of a sensor on the {part}.")
     is_fast = option == "speed=fast"
     return RecordedSource(recorded[0], "fast" if is_fast else "real time", clock=clock, name=f"session {session}")
 
 
 def sensor_nodes(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
-    """Make the nodes of a live session's sensors, one per seat; a simulated one moves like an average hand."""
+    """Make the nodes of a live session's sensors; a simulated one moves like an average person's hand or trunk."""
+    trunk = next((feed for feed in feeds if feed.part == "trunk"), None)
     nodes: list[Node] = []
-    for seat, feed in zip(task.sensor_seats(task.parameters), feeds, strict=True):
-        nodes.append(Imu(feed, seat))
-        if move := _mover(feed.source):
-            nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move, seat))
+    for feed in feeds:
+        if feed is trunk:
+            nodes.append(TrunkImu(feed, feed.seat))
+            continue
+        nodes.append(Imu(feed, feed.seat))
+        move = _mover(feed.source)
+        if trunk and trunk.seat == feed.seat:
+            move = leaning(PEOPLE["average"], move, _mover(trunk.source))
+        if move:
+            nodes.append(SimulatedMover(PEOPLE["average"], task, seed, move, feed.seat))
     return nodes
 
 
 def simulated_nodes(person: Person, task: Task, seed: int, clock: Clock, partner: Person) -> list[Node]:
-    """Make a simulated participant with a simulated sensor on the hand; in a task for two, also a partner."""
+    """Make a simulated participant with a simulated sensor on the hand; in a task for two, also a partner.
+
+    If a sensor is named for the trunk, it is simulated too.
+    """
+    if getattr(task.parameters, _TRUNK, ""):
+        source = _simulated_trunk(seed + len(task.seats), clock)
+        trunk: list[Node] = [TrunkImu(ImuFeed(source, clock.now, part="trunk"))]
+        lean = _mover(source)
+    else:
+        trunk, lean = [], None
     if type(clock) is VirtualClock and not task.seats[1:]:
         sensor = SimulatedSensor(simulated_hand(person.hand, seed))
-        return [SimulatedParticipant(person, task, seed, sensor.move), sensor]
+        return [SimulatedParticipant(person, task, seed, leaning(person, sensor.move, lean)), *trunk, sensor]
     hand = open_source(f"simulated:{person.hand}", seed=seed, clock=clock)
-    nodes: list[Node] = [SimulatedParticipant(person, task, seed, _mover(hand)), Imu(ImuFeed(hand, clock.now))]
+    move = leaning(person, _mover(hand), lean)
+    nodes: list[Node] = [SimulatedParticipant(person, task, seed, move), *trunk, Imu(ImuFeed(hand, clock.now))]
     for seat in task.seats[1:]:
         other = open_source(f"simulated:{partner.hand}", seed=seed + 1, clock=clock)
         nodes.append(SimulatedPartner(partner, task, seed, _mover(other), seat))
         nodes.append(Imu(ImuFeed(other, clock.now), seat))
     return nodes
+
+
+def _simulated_trunk(seed: int, clock: Clock | None, profile: str = "") -> SimulatedSource:
+    """Make a simulated trunk: like a hand, as a sensor on it turns about one axis too."""
+    return SimulatedSource(simulated_hand(profile or "steady", seed), clock, "Simulated trunk")
 
 
 def _mover(source: ImuSource) -> Callable[[int, Any], None] | None:

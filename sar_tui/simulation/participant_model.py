@@ -31,6 +31,7 @@ class Person(msgspec.Struct, frozen=True):
         pace_sd: standard deviation of the logarithm of ``pace`` from movement to movement.
         unsteadiness: 0 for a hand that moves straight, 1 for one that halts and dwells.
         hand: tremor and sensor placement: one of `motion.synthesis.PROFILES`.
+        lean_deg: median angle by which the trunk leans forward in a reach.
         asks: share of attempts after which they request feedback, if it is given on request.
     """
 
@@ -48,6 +49,7 @@ class Person(msgspec.Struct, frozen=True):
     pace_sd: float = 0.05
     unsteadiness: float = 0.0
     hand: str = "steady"
+    lean_deg: float = 4.0
     asks: float = 0.35
 
     def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
@@ -105,6 +107,7 @@ PEOPLE = {
             pace_sd=0.12,
             unsteadiness=0.6,
             hand="patient",
+            lean_deg=16.0,
         ),
         Person(
             "average",
@@ -131,6 +134,7 @@ PEOPLE = {
             fatigue=0.002,
             pace=0.9,
             pace_sd=0.05,
+            lean_deg=2.0,
         ),
     )
 }

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.messages import ImuBlock, SensorChanged
-from sar_tui.framework.topics import IMU
+from sar_tui.framework.bus import Record, Topic
+from sar_tui.framework.messages import BodyPart, ImuBlock, SensorChanged
+from sar_tui.framework.topics import IMU, SENSOR, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 INSERT_STREAM = (
     "INSERT INTO imu_streams (session, stream, seat, run, source, model, serial, rate_hz, rate_range_rad_s,"
-    " acceleration_range_m_s2, layout, attached_ns) VALUES (?,?,?,?,?,?,?,?,?,?,?,?)"
+    " acceleration_range_m_s2, layout, attached_ns, part) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
 )
 INSERT_CHUNK = (
     "INSERT INTO imu_chunks (session, stream, seq, n, t0_ns, t1_ns, before_event, at_ns, crc32, data)"
@@ -25,7 +25,12 @@ INSERT_CHUNK = (
 )
 
 
-_OF_SENSORS = {ImuBlock, SensorChanged}
+_SAMPLES: dict[BodyPart, Topic[ImuBlock]] = {"hand": IMU, "trunk": TRUNK_IMU}
+_PARTS: dict[str, BodyPart] = {
+    IMU.name: "hand", SENSOR.name: "hand", TRUNK_IMU.name: "trunk", TRUNK_SENSOR.name: "trunk",
+}  # fmt: skip
+_Wearer = tuple[str, BodyPart]
+"""A seat and a part of the body: where a sensor is."""
 
 
 def layout() -> str:
@@ -38,15 +43,18 @@ def layout() -> str:
 class StreamRows:
     """Makes rows from sensor messages: a stream for each time a sensor is attached, a chunk for samples between events.
 
-    Events between samples end a chunk, so that a replay can feed both in order. Each seat has its own sensor.
+    Events between samples end a chunk, so that a replay can feed both in order. Each seat and part of the body has its
+    own sensor.
 
     Args:
         session, run: the session and the run that the rows belong to.
         stream: number of the last stored stream.
-        last: numbers of the last stored stream and chunk, by seat.
+        last: numbers of the last stored stream and chunk, by seat and part.
     """
 
-    def __init__(self, session: str, run: int, stream: int = 0, last: dict[str, tuple[int, int]] | None = None) -> None:
+    def __init__(
+        self, session: str, run: int, stream: int = 0, last: dict[_Wearer, tuple[int, int]] | None = None
+    ) -> None:
         self._session = session
         self._run = run
         self._stream = stream
@@ -56,36 +64,36 @@ class StreamRows:
         """Return rows for ``imu_streams`` and ``imu_chunks``, and the StreamRows that continues after them."""
         after = StreamRows(self._session, self._run, self._stream, self._last)
         streams, chunks = [], []
-        waiting: dict[str, list[Record]] = {}
+        waiting: dict[_Wearer, list[Record]] = {}
         for record in records:
-            if type(record.message) not in _OF_SENSORS:
+            if record.topic.name not in _PARTS:
                 continue
-            seat = record.message.seat
+            wearer = record.message.seat, _PARTS[record.topic.name]
             match record.message:
                 case ImuBlock():
-                    if seat in waiting and waiting[seat][-1].seq != record.seq:
-                        chunks.append(after._chunk(seat, waiting.pop(seat)))
-                    waiting.setdefault(seat, []).append(record)
+                    if wearer in waiting and waiting[wearer][-1].seq != record.seq:
+                        chunks.append(after._chunk(wearer, waiting.pop(wearer)))
+                    waiting.setdefault(wearer, []).append(record)
                 case SensorChanged(state="attached") as sensor:
-                    if seat in waiting:
-                        chunks.append(after._chunk(seat, waiting.pop(seat)))
-                    streams.append(after._opened(sensor))
-        chunks += [after._chunk(seat, records) for seat, records in waiting.items()]
+                    if wearer in waiting:
+                        chunks.append(after._chunk(wearer, waiting.pop(wearer)))
+                    streams.append(after._opened(wearer, sensor))
+        chunks += [after._chunk(wearer, records) for wearer, records in waiting.items()]
         return streams, chunks, after
 
-    def _opened(self, sensor: SensorChanged) -> tuple[Any, ...]:
+    def _opened(self, wearer: _Wearer, sensor: SensorChanged) -> tuple[Any, ...]:
         self._stream += 1
-        self._last[sensor.seat] = (self._stream, 0)
+        self._last[wearer] = (self._stream, 0)
         return (
             self._session, self._stream, sensor.seat, self._run, sensor.source, sensor.model, sensor.serial,
-            sensor.rate_hz, sensor.rate_range_rad_s, sensor.acceleration_range_m_s2, layout(), sensor.at,
+            sensor.rate_hz, sensor.rate_range_rad_s, sensor.acceleration_range_m_s2, layout(), sensor.at, wearer[1],
         )  # fmt: skip
 
-    def _chunk(self, seat: str, records: Sequence[Record]) -> tuple[Any, ...]:
+    def _chunk(self, wearer: _Wearer, records: Sequence[Record]) -> tuple[Any, ...]:
         from sar_tui.motion.samples import unpack
 
-        stream, seq = self._last.get(seat, (self._stream, 0))
-        self._last[seat] = (stream, seq := seq + 1)
+        stream, seq = self._last.get(wearer, (self._stream, 0))
+        self._last[wearer] = (stream, seq := seq + 1)
         data = b"".join(record.message.samples for record in records if isinstance(record.message, ImuBlock))
         stamps = unpack(data)["at"]
         return (
@@ -97,30 +105,32 @@ class StreamRows:
 def resume_streams(db: sqlite3.Connection, session: str, run: int) -> StreamRows:
     """Return StreamRows that continue the numbers of a session's stored streams and chunks."""
     last = db.execute(
-        "SELECT seat, max(imu_streams.stream), coalesce(max(seq), 0) FROM imu_streams"
+        "SELECT seat, part, max(imu_streams.stream), coalesce(max(seq), 0) FROM imu_streams"
         " LEFT JOIN imu_chunks USING (session, stream) WHERE session=? AND stream IN"
-        " (SELECT max(stream) FROM imu_streams WHERE session=? GROUP BY seat) GROUP BY seat",
+        " (SELECT max(stream) FROM imu_streams WHERE session=? GROUP BY seat, part) GROUP BY seat, part",
         (session, session),
     ).fetchall()
-    newest = {seat: (stream, seq) for seat, stream, seq in last}
+    newest: dict[_Wearer, tuple[int, int]] = {(seat, part): (stream, seq) for seat, part, stream, seq in last}
     return StreamRows(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
 
 
 def blocks(db: sqlite3.Connection, session: str, after: int = 0) -> Iterator[Record]:
     """Yield a session's blocks of samples after event ``after``, each numbered like the event that followed it.
 
+    Those of the trunk come first: perception had them when samples of the hand told it that a reach was over.
+
     Raises:
         StoreError: a block is damaged.
     """
-    for seat, stream, seq, before, at, crc, data in db.execute(
-        "SELECT seat, stream, seq, before_event, at_ns, crc32, data FROM imu_chunks"
+    for seat, part, stream, seq, before, at, crc, data in db.execute(
+        "SELECT seat, part, stream, seq, before_event, at_ns, crc32, data FROM imu_chunks"
         " LEFT JOIN imu_streams USING (session, stream) WHERE session=? AND before_event>?"
-        " ORDER BY before_event, stream, seq",
+        " ORDER BY before_event, part IS NOT 'trunk', stream, seq",
         (session, after),
     ):
         if zlib.crc32(data) != crc:
             raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")
-        yield Record(before, at, IMU, ImuBlock(seat=seat or "A", samples=data))
+        yield Record(before, at, _SAMPLES[part or "hand"], ImuBlock(seat=seat or "A", samples=data))
 
 
 def samples(
@@ -130,8 +140,9 @@ def samples(
     to_ns: int = 2**63 - 1,
     run: int | None = None,
     seat: str = "A",
+    part: BodyPart = "hand",
 ) -> "Samples":
-    """Return a seat's samples measured in [from_ns, to_ns).
+    """Return the samples of a seat's sensor measured in [from_ns, to_ns).
 
     Stamps of different runs may overlap; ``run`` selects one.
 
@@ -144,8 +155,9 @@ def samples(
     for stream, seq, crc, data in db.execute(
         "SELECT imu_chunks.stream, seq, crc32, data FROM imu_chunks JOIN imu_streams USING (session, stream)"
         " WHERE session=:session AND t1_ns>=:first AND t0_ns<:last AND (:run IS NULL OR run=:run) AND seat=:seat"
+        " AND part=:part"
         " ORDER BY imu_chunks.stream, seq",
-        {"session": session, "first": from_ns, "last": to_ns, "run": run, "seat": seat},
+        {"session": session, "first": from_ns, "last": to_ns, "run": run, "seat": seat, "part": part},
     ):
         if zlib.crc32(data) != crc:
             raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")

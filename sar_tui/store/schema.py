@@ -278,6 +278,14 @@ def version_15(db: sqlite_utils.Database) -> None:
     db.execute(views.REACHES)
 
 
+@migrations()
+def version_16(db: sqlite_utils.Database) -> None:
+    """Sensors on the trunk; what they tell of a reach."""
+    db.execute("ALTER TABLE imu_streams ADD COLUMN part TEXT NOT NULL DEFAULT 'hand'")
+    db.execute("DROP VIEW v_reaches")
+    db.execute(views.REACHES)
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

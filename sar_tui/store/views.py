@@ -10,8 +10,9 @@ _REACH = {
         "out_ms", "dwell_ms", "back_ms", "turn_after_ms", "peak_extension_rad_s", "peak_return_rad_s",
         "time_to_peak_ms", "time_to_peak_share", "movement_units_out", "movement_units_back", "movement_units",
         "sparc_out", "sparc_back", "sparc", "ldlj_out", "ldlj_back", "excursion_deg", "straightness",
-        "return_error_deg", "inclination_rest_deg", "inclination_target_deg", "tremor_index", "tremor_rest_hz",
-        "tremor_rest_rad_s", "tremor_action_rad_s", "reaches", "samples", "rate_hz", "measures_version",
+        "return_error_deg", "inclination_rest_deg", "inclination_target_deg", "trunk_excursion_deg",
+        "compensation_share", "tremor_index", "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s", "reaches",
+        "samples", "rate_hz", "measures_version",
     ),
 }  # fmt: skip
 """Fields of ``trials.details`` that are columns of the view of reaches."""

@@ -13,7 +13,7 @@ from sar_tui.validation import charts
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 TASKS = ("keyboard", "reaching")
-FOR_A_SENSOR = {"imu", "reach_perception", "view"}
+FOR_A_SENSOR = {"imu", "trunk_imu", "reach_perception", "view"}
 """Parts that a task with a motion sensor needs: the sensor, what finds reaches in its samples, and the view of them."""
 
 

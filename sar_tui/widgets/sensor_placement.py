@@ -31,6 +31,17 @@ _LEFT = """\
 │  ╰─z─╯     ╭╯
 ╰╮         ╭─╯
  │         │"""
+_TRUNK = """\
+      ╭───╮
+      │   │
+      ╰╮ ╭╯
+   ╭───╯ ╰───╮
+  ╭╯  ╭───╮  ╰╮
+  │ │ │ ⊙ │ │ │
+  │ │ ╰───╯ │ │
+  │ │       │ │
+  │ ╰╮     ╭╯ │
+  ╰──┤     ├──╯"""
 DRAWN: dict[Hand, str] = {"right": _RIGHT, "left": _LEFT}
 """Hands from above, palm down: y along the fingers, z out of the back of the hand, towards the viewer."""
 
@@ -38,6 +49,11 @@ DRAWN: dict[Hand, str] = {"right": _RIGHT, "left": _LEFT}
 def draw_hand(hand: Hand) -> Content:
     """Draw a hand with the sensor on it, its axes in the theme's accent colour."""
     return Content(DRAWN[hand]).highlight_regex("[xyz⊙↑→┴├]", style="bold $accent")
+
+
+def draw_trunk() -> Content:
+    """Draw a trunk from the front with the sensor on the breastbone, in the theme's accent colour."""
+    return Content(_TRUNK).highlight_regex("⊙", style="bold $accent")
 
 
 def bar(value: float, half: int) -> str:

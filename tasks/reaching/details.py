@@ -60,6 +60,12 @@ class ReachDetails(Details, frozen=True):
         float | None, msgspec.Meta(description="Fingers above the horizontal before the reach.")
     ] = None
     inclination_target_deg: Annotated[float | None, msgspec.Meta(description="The same at the marker.")] = None
+    trunk_excursion_deg: Annotated[
+        float | None, msgspec.Meta(description="Largest angle of the trunk from its orientation at the onset.")
+    ] = None
+    compensation_share: Annotated[
+        float | None, msgspec.Meta(description="The same over the sum of it and the hand's excursion, 0 to 1.")
+    ] = None
     tremor_rest_hz: Annotated[float | None, msgspec.Meta(description="Frequency of the tremor found at rest.")] = None
     tremor_rest_rad_s: Annotated[
         float | None, msgspec.Meta(description="Amplitude at 3-12 Hz in the second before the reach.")

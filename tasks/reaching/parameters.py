@@ -23,6 +23,15 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
             "Motion sensor", help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.", min_length=1
         ),
     ] = "phidget"
+    imu_trunk: Annotated[
+        str,
+        meta("Trunk sensor", help="A second sensor, on the breastbone: named like the motion sensor. Empty: none."),
+    ] = ""
+    trunk_limit_deg: Annotated[
+        float,
+        meta("Trunk limit", "deg", "A reach in which the trunk turns farther is marked as compensated. 0: never.",
+             ge=0, le=90),
+    ] = 0.0  # fmt: skip
     hand: Annotated[Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.")] = (
         "right"
     )
@@ -99,4 +108,6 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
         for name in ("start_level", "min_level"):
             if markers and getattr(self, name) > len(markers):
                 problems[name] = f"There are {len(markers)} markers, so there is no level {getattr(self, name)}."
+        if self.trunk_limit_deg and not self.imu_trunk:
+            problems["trunk_limit_deg"] = "A trunk limit needs a trunk sensor: name it, or set the limit to 0."
         return problems

@@ -38,8 +38,11 @@ _AGAIN = {
 
 LONGEST_DWELL_S = 5.0
 """Longest rest at the marker that is part of the reach; long, as each trial has one reach only."""
+LEANED = "trunk_compensation"
+"""Flag of a reach in which the trunk's sensor turned farther than the limit; the key F8 is a mark of its own."""
 _UNFINISHED = {"cut", "endless", "timed_out"}
 """Flags of a reach without an end, and so without a time."""
+_LEANED = "Try to keep your back against the chair."
 _NO_REACH = "I saw no whole reach. Rest your hand, then reach out and come back before you press Space again."
 
 
@@ -59,6 +62,7 @@ class ReachingTask(Task):
         Quality("tremor_index", "lower", "steadier", "with a steady hand", 0.02),
         Quality("time_to_peak_share", "lower", "quicker to its peak", "with a quick start", 0.05, praised_until=4),
         Quality("movement_units", "lower", "more direct", "without stopping on the way", 1.0),
+        Quality("trunk_excursion_deg", "lower", "stiller in the back", "with your back still", 3.0),
     )
     marks = (
         Mark("missed", "f7", "Marker missed", counts=False, remark="Try to touch the marker before you come back."),
@@ -212,6 +216,7 @@ class ReachingTask(Task):
         if percept.onset is None:
             return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"), remark=self.tr(_NO_REACH))
         value = percept.details["reach_time_ms"]
+        leaned = self._leaned(percept)
         return Result(
             correct=True,
             response="reach",
@@ -219,8 +224,15 @@ class ReachingTask(Task):
             response_at=percept.end,
             value=float(value) if isinstance(value, int | float) else None,
             details=details,
-            flags=percept.flags,
+            flags=(*percept.flags, LEANED) if leaned else percept.flags,
+            correction=self.tr(_LEANED) if leaned else "",
         )
+
+    def _leaned(self, reach: ReachPerceived) -> bool:
+        """Return True if the trunk turned farther than the therapist allows, as far as its sensor tells."""
+        turned = reach.details.get("trunk_excursion_deg")
+        limit = self.parameters.trunk_limit_deg
+        return bool(limit) and isinstance(turned, int | float) and turned > limit
 
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """Reach out and back, then press space. A slip is to forget the key.

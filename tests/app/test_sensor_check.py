@@ -623,3 +623,49 @@ async def test_snapshot_of_the_check(theme: str, open_check: Callable[..., Any])
 def test_a_sensor_in_degrees_is_named_where_no_reach_can_be_seen() -> None:
     ((mark, words),) = finding_text(Finding(details={}, flags=("too_far",)), "right")
     assert (mark, words) == ("wrong", FLAGS["too_far"])
+
+
+# --- a sensor on the trunk --------------------------------------------------------------------------------------------
+
+
+async def test_a_sensor_on_the_trunk_is_checked_after_that_on_the_hand(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, reaching_plan(catalogue, imu_trunk="simulated")) as driver:
+        await driver.wait(500)
+        assert driver.sees("On the hand")
+        assert driver.sees("Sensor ✓ Simulated hand")
+        await driver.press("enter")
+        assert driver.sees("Fasten this sensor to the breastbone")
+        assert driver.sees("Sensor ✓ Simulated trunk")
+        assert not driver.sees("Placing")
+        await driver.press("t")  # it has no test reach
+        assert not driver.sees("Rest the hand at the start")
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        await driver.wait(1000)
+        for topic in ("input/sensor", "input/trunk_sensor"):
+            assert [message["state"] for message in driver.messages(topic)] == ["attached"]
+    assert stored(data, "SELECT part, model FROM imu_streams ORDER BY part") == [
+        ("hand", "Simulated hand"),
+        ("trunk", "Simulated trunk"),
+    ]
+
+
+async def test_a_session_can_begin_without_the_sensor_on_the_trunk(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sources = {"hand": Plugged(), "trunk": Plugged(at_once=False)}
+
+    def open_source(name: str, *, clock: VirtualClock, **_: object) -> Plugged:
+        source = sources["trunk" if name == "phidget:2" else "hand"]
+        source.clock = clock
+        return source
+
+    monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
+    async with open_app(data, catalogue, reaching_plan(catalogue, imu="phidget:1", imu_trunk="phidget:2")) as driver:
+        await driver.wait(500)
+        await driver.press("enter", "enter")
+        assert driver.sees("There is no sensor on the trunk. Reaches count without it.")
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        await driver.wait(1000)
+        assert driver.sees("Rest your hand with the sensor at the start.")

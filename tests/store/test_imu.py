@@ -2,6 +2,7 @@
 
 import json
 import zlib
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import MS, VirtualClock
 from sar_tui.framework.messages import ImuBlock, KeyPressed, SensorChanged
 from sar_tui.framework.session import Session
-from sar_tui.framework.topics import IMU, KEY, REACH, SENSOR, STORAGE, STORED, TRIAL
+from sar_tui.framework.topics import IMU, KEY, REACH, SENSOR, STORAGE, STORED, TRIAL, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import StoreError, connect
@@ -74,7 +75,23 @@ def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_fr
     streams, rows, _ = imu.StreamRows("s", 4).rows(records)
     assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
     assert [row[:4] for row in streams] == [("s", 1, "A", 4), ("s", 2, "A", 4)]
-    assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.layout(), 3)
+    assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.layout(), 3, "hand")
+
+
+def test_sensors_on_hand_and_trunk_have_streams_of_their_own_and_a_replay_gets_the_trunk_first(data: Path) -> None:
+    trunk = Record(1, 1, TRUNK_SENSOR, SensorChanged(state="attached", at=1))
+    leaning = Record(5, 40, TRUNK_IMU, block(5, 10, 20).message)
+    with closing(connect(data)) as database:
+        streams, rows, _ = imu.StreamRows("s", 1).rows(
+            [attached(1), trunk, block(5, 30), leaning, block(5, 50), key(5)]
+        )
+        database.executemany(imu.INSERT_STREAM, streams)
+        database.executemany(imu.INSERT_CHUNK, rows)
+        found = [(record.topic, len(unpack(record.message.samples))) for record in imu.blocks(database, "s")]
+        assert found == [(TRUNK_IMU, 2), (IMU, 2)]
+        assert [len(imu.samples(database, "s", part=part)) for part in ("hand", "trunk")] == [2, 2]
+        resumed = imu.resume_streams(database, "s", 2)
+    assert [row[1:3] for row in resumed.rows([leaning, block(5, 60)])[1]] == [(2, 2), (1, 2)]
 
 
 @pytest.mark.parametrize("state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"])

@@ -23,7 +23,7 @@ from sar_tui.runs.plan import Plan
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import planned_language, translated
 from sar_tui.widgets.key_footer import KeyFooter
-from sar_tui.widgets.sensor_placement import bar, draw_hand
+from sar_tui.widgets.sensor_placement import bar, draw_hand, draw_trunk
 from sar_tui.widgets.speed_trace import SpeedTrace
 
 LOOK = 100 * MS
@@ -33,9 +33,14 @@ ZEROING = 3 * SECOND
 
 _BAR = 8
 _SIDES = ("On the left", "On the right")
+_PARTS = ("On the hand", "On the trunk")
+_PLACE_TRUNK = "Fasten this sensor to the breastbone, and lean against the back of the chair."
 _PLACE = "Fasten the sensor as drawn, and lay the hand flat on the table, palm down."
 _IDLE = "T: a test reach.  Z: zero the sensor.  Enter: begin the session."
 _ZEROED = "The sensor removes its bias: keep the hand still for two seconds."
+_IDLE_TRUNK = "Z: zero the sensor.  Enter: begin the session."
+_ZEROED_TRUNK = "The sensor removes its bias: sit still for two seconds."
+_NO_TRUNK = "There is no sensor on the trunk. Reaches count without it. Press Enter again to begin."
 _IDLE_FIRST = "T: a test reach.  Z: zero the sensor.  Enter: on to the other sensor."
 _NONE = "There is no sensor, so the session will wait for one. Press Enter again to begin it anyway."
 _NOT_BOTH = "A sensor is missing, so the session will wait for it. Press Enter again to begin it anyway."
@@ -46,6 +51,11 @@ _HELP = (
     "Zero removes that bias, if the sensor can. A test shows what a session would measure: "
     "rest, reach out and back, and rest. It is not stored.",
     "The session may begin at any time; without a sensor it waits for one.",
+)
+_HELP_WITH_TRUNK = (
+    *_HELP[:2],
+    "The sensor on the breastbone measures how far the trunk leans in a reach. It may point in any direction.",
+    "The session may begin at any time; without the sensor on the hand it waits for one.",
 )
 _HELP_OF_TWO = (*_HELP[:2], "The session may begin at any time; without both sensors it waits for them.")
 _WITHOUT = "To try the task without: Escape, then F2 on the first screen, and set Motion sensor to simulated."
@@ -58,11 +68,12 @@ _WITHOUT_BOTH = (
 class SensorCheckScreen(DismissedOnce[bool]):
     """Shows the data of started feeds; its result is True if the session is to begin.
 
-    Two sensors are checked one after the other; a line at the top shows the state of both.
+    Two sensors are checked one after the other; a line at the top shows the state of both. A sensor on the trunk has no
+    test reach, and no session waits for it.
 
     Args:
         plan: the session that waits.
-        feeds: the started feeds of its sensors, in the order of the seats.
+        feeds: the started feeds of its sensors, in the order of the seats; one on the trunk comes last.
         clock: the clock of the feeds.
     """
 
@@ -101,8 +112,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
         In patient mode it names no way to the settings, as there is none.
         """
-        are_two = len(self.sensors) > 1
-        paragraphs = [self.tr(paragraph) for paragraph in (_HELP_OF_TWO if are_two else _HELP)]
+        are_two = len(self.sensors) > 1 and not self._has_trunk
+        about = _HELP_WITH_TRUNK if self._has_trunk else _HELP_OF_TWO if are_two else _HELP
+        paragraphs = [self.tr(paragraph) for paragraph in about]
         if not self.app.patient:
             paragraphs.append(self.tr(_WITHOUT_BOTH if are_two else _WITHOUT))
         return "\n\n".join(paragraphs) + "\n"
@@ -142,6 +154,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
     def action_test(self) -> None:
         """Begin a test reach, or begin it again."""
+        if self._is_on_trunk:
+            return
         self._set_notice("")
         self.sensor.begin_test()
         self._show()
@@ -150,13 +164,15 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Take the present rate as zero."""
         if self.sensor.attached:
             self.sensor.zero()
-            self._set_notice(self.tr(_ZEROED), "wait", ZEROING)
+            self._set_notice(self.tr(_ZEROED_TRUNK if self._is_on_trunk else _ZEROED), "wait", ZEROING)
         else:
             self._set_notice(self.tr(_NOTHING_TO_ZERO), "wrong", ZEROING)
         self._show()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Offer the other sensor if there is one."""
+        """Offer the other sensor if there is one, and a test reach of a hand."""
+        if action == "test" and self._is_on_trunk:
+            return False
         return len(self.sensors) > 1 if action == "other" else super().check_action(action, parameters)
 
     def action_other(self) -> None:
@@ -165,7 +181,17 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self.sensor = self.sensors[number]
         self._unseen = [sensor for sensor in self._unseen if sensor is not self.sensor]
         self._set_notice("")
+        self.refresh_bindings()
         self._show()
+
+    @property
+    def _is_on_trunk(self) -> bool:
+        """True while the sensor on the trunk is shown."""
+        return self.sensor.feed.part == "trunk"
+
+    @property
+    def _has_trunk(self) -> bool:
+        return any(sensor.feed.part == "trunk" for sensor in self.sensors)
 
     @property
     def _missing(self) -> list[SensorWatch]:
@@ -207,8 +233,10 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Update what has changed on the screen."""
         if all(sensor.attached for sensor in self.sensors):
             self._asked = False
-        if self._is_new("hand", self.sensor.hand):
-            self.query_one("#hand", Static).update(draw_hand(self.sensor.hand))
+        if self._is_new("hand", self.sensor):
+            self.query_one("#hand", Static).update(draw_trunk() if self._is_on_trunk else draw_hand(self.sensor.hand))
+            self.query_one("#place", Static).update(self.tr(_PLACE_TRUNK if self._is_on_trunk else _PLACE))
+            self.query_one("#reach").border_title = self.tr(_PARTS[1] if self._is_on_trunk else "Test reach")
         for sides in self.query("#sides").results(Static):
             sides.update(self._sides())
         known, words = facts(self.sensor, self.tr), self._words()
@@ -233,23 +261,29 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Return the text of the test reach's box, the most urgent first."""
         words, mark, until = self._notice
         if self._asked:
-            return [("wrong", self.tr(_NONE) if len(self.sensors) == 1 else self.tr(_NOT_BOTH))]
+            return [("wrong", self.tr(self._missing_text()))]
         if words and self._clock.now() < until:
             return [(mark, words)]
         if self.sensor.test:
             return reach_test_text(self.sensor.test, self.sensor.hand, self.tr)
-        idle = self.tr(_IDLE_FIRST) if self._unseen else self.tr(_IDLE)
+        idle = self.tr(_IDLE_TRUNK if self._is_on_trunk else _IDLE_FIRST if self._unseen else _IDLE)
         return [("wait", idle)] if self.sensor.attached else []
+
+    def _missing_text(self) -> str:
+        if self._has_trunk:
+            return _NO_TRUNK if all(sensor.feed.part == "trunk" for sensor in self._missing) else _NONE
+        return _NONE if len(self.sensors) == 1 else _NOT_BOTH
 
     def _sides(self) -> Text:
         """Return a line with the participant and the state of each sensor; an arrow points to the one shown."""
-        codes = (self._plan.participant, self._plan.partner)
+        codes = ("", "") if self._has_trunk else (self._plan.participant, self._plan.partner)
+        titles = _PARTS if self._has_trunk else _SIDES
         text = Text()
-        for number, (sensor, code) in enumerate(zip(self.sensors, codes, strict=True)):
+        for title, sensor, code in zip(titles, self.sensors, codes, strict=True):
             is_shown = sensor is self.sensor
             text.append("▸ " if is_shown else "  ", f"bold {self._color('accent')}")
             color = self._color("accent" if is_shown else "text-muted")
-            text.append(f"{self.tr(_SIDES[number])}: {code} ", f"bold {color}")
+            text.append(f"{self.tr(title)}: {code} " if code else f"{self.tr(title)} ", f"bold {color}")
             text.append_text(self._mark(worst(facts(sensor, self.tr)))).append("     ")
         return text.append(self.tr("Tab: the other one"), self._color("text-muted"))
 

@@ -11,12 +11,14 @@ from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Colum
 from sar_tui.export.damage import Damage
 from sar_tui.export.messages_of_topic import messages_of_topic
 from sar_tui.export.seats import codes_by_seat
+from sar_tui.framework.topics import SENSOR, TRUNK_SENSOR
 from sar_tui.store.imu import layout
 
 if TYPE_CHECKING:
     from sar_tui.motion.samples import Floats
 
 _KEY = ("session", "stream")
+_PARTS = ("hand", "trunk")
 _STREAM = stored("imu_streams.stream", "integer", "Number of the stream in its session, from 1.", required=True)
 _TO_STREAM = Reference(_KEY, "imu_streams", _KEY)
 
@@ -24,7 +26,7 @@ _TO_STREAM = Reference(_KEY, "imu_streams", _KEY)
 def _streams(database: sqlite3.Connection, session: str) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
     for stream, seat, *rest in database.execute(
-        "SELECT stream, seat, run, model, rate_hz, rate_range_rad_s, acceleration_range_m_s2, attached_ns"
+        "SELECT stream, seat, part, run, model, rate_hz, rate_range_rad_s, acceleration_range_m_s2, attached_ns"
         " FROM imu_streams WHERE session=? ORDER BY stream",
         (session,),
     ):
@@ -39,6 +41,7 @@ IMU_STREAMS = Table(
         _STREAM,
         PARTICIPANT,
         SEAT,
+        stored("imu_streams.part", "string", "The part of the body with the sensor.", levels=_PARTS),
         stored("imu_streams.run", "integer", "The run of the program."),
         stored("imu_streams.model", "string", "Model of the sensor."),
         stored("imu_streams.rate_hz", "number", "Its nominal samples a second.", unit="Hz"),
@@ -137,13 +140,14 @@ _QUANTITIES = ("acceleration", "rate", "field")
 
 def _faults(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     number = 0
-    for run, at, found in messages_of_topic(database, session, "input/sensor", damage):
-        if found.get("state") not in _STATES:
-            continue
-        number += 1
-        lost = found.get("count") or None
-        yield (session, number, found.get("seat") or "A", run, found.get("at") or at, found["state"], lost,
-               found.get("duration_ms") or None)  # fmt: skip
+    for part, topic in zip(_PARTS, (SENSOR, TRUNK_SENSOR), strict=True):
+        for run, at, found in messages_of_topic(database, session, topic.name, damage):
+            if found.get("state") not in _STATES:
+                continue
+            number += 1
+            lost = found.get("count") or None
+            yield (session, number, found.get("seat") or "A", part, run, found.get("at") or at, found["state"], lost,
+                   found.get("duration_ms") or None)  # fmt: skip
 
 
 _STATES = ("detached", "error", "gap", "saturated", "stalled")
@@ -160,6 +164,7 @@ def sensor_faults(damage: Damage) -> Table:
                 "sensor.number", "integer", "Number of the fault in its session, from 1.", name="fault", required=True
             ),
             SEAT,
+            stored("sensor.part", "string", "The part of the body with the sensor.", levels=_PARTS),
             stored("messages.run", "integer", "The run of the program."),
             stored("messages.at_ns", "integer", "When it was noticed, steady clock of the run.", unit="ns"),
             stored("sensor.state", "string", "What happened; a gap is missing samples.", levels=_STATES, required=True),

@@ -14,7 +14,7 @@ from sar_tui.framework.declaration import Field
 Fields = Mapping[str, Mapping[str, Field]]
 """Declared parameters by the name of the task and their own."""
 
-_ADDRESSES = ("outputs", "speech", "imu", "imu_b")
+_ADDRESSES = ("outputs", "speech", "imu", "imu_b", "imu_trunk")
 """Parameters whose values may name a computer, a folder or a device after their first word, which leaves."""
 _HARMLESS = ("language", "levels")
 """Texts that are no choices, but say nothing about people."""

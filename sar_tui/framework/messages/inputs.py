@@ -6,6 +6,7 @@ from sar_tui.framework.messages.base import ActionPart, Message, PartState, Sens
 from sar_tui.framework.theme import Theme
 
 __all__ = [
+    "BodyPart",
     "FocusChanged",
     "ImuBlock",
     "InputDropped",
@@ -98,6 +99,10 @@ class Shown(Message, frozen=True, kw_only=True):
     at: int
     source: Literal["flush", "refresh", "virtual"]
     frame: int = 0
+
+
+BodyPart = Literal["hand", "trunk"]
+"""The place of a sensor on the body. Each part has topics of its own, so that nothing takes one sensor for another."""
 
 
 class ImuBlock(Message, frozen=True, kw_only=True):

@@ -342,9 +342,9 @@ class Feedback(Message, frozen=True, kw_only=True):
     ``reason``: ``goal`` (reached), ``missed``, ``band`` (close to the goal), ``accuracy`` (too low), ``empty`` (no
     response could be timed), and in a race ``won``, ``lost``, ``drawn``. ``remark``: the task's explanation of
     ``accuracy`` or ``empty``. ``advice``: the task's advice if prompts stayed unanswered (see `Task.when_to_respond`);
-    else empty. ``won``: trials won in a race. ``reached``: the number of summarised attempts that
-    reached their goal; of several, ``metric`` and ``goal`` are means. ``due``: when to give it (ns); ``choice``: how,
-    and why.
+    else empty. ``correction``: the task's sentence on how to move, said at the end. ``won``: trials won in a race.
+    ``reached``: the number of summarised attempts that reached their goal; of several, ``metric`` and ``goal`` are
+    means. ``due``: when to give it (ns); ``choice``: how, and why.
     """
 
     attempt: int
@@ -363,6 +363,7 @@ class Feedback(Message, frozen=True, kw_only=True):
     due: int = 0
     choice: FeedbackChoice
     advice: str = ""
+    correction: str = ""
 
 
 class SessionEnded(Message, frozen=True, kw_only=True):

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from sar_tui.framework.bus import Record
+from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import ImuBlock, ReachPerceived, TrialEnded
 from sar_tui.framework.node import Node
@@ -129,17 +129,21 @@ def ms(stamp: int) -> float:
     return stamp / MS
 
 
-def merged(records: Iterable[Record]) -> list[Record]:
-    """Return the records with adjacent sensor blocks joined, as in the database."""
+def merged(records: Iterable[Record], *topics: Topic[ImuBlock]) -> list[Record]:
+    """Return the records with blocks of a sensor joined that have no other message between them, as in the database."""
     found: list[Record] = []
+    last: dict[Topic[ImuBlock], int] = {}
     for record in records:
-        last = found[-1] if found else None
-        if record.topic is IMU and last and last.topic is IMU and last.seq == record.seq:
+        index = last.get(record.topic)
+        if index is not None and found[index].seq == record.seq:
             assert isinstance(record.message, ImuBlock)
-            assert isinstance(last.message, ImuBlock)
-            found[-1] = record._replace(message=ImuBlock(samples=last.message.samples + record.message.samples))
-        else:
-            found.append(record)
+            joined = found[index].message
+            assert isinstance(joined, ImuBlock)
+            found[index] = record._replace(message=ImuBlock(samples=joined.samples + record.message.samples))
+            continue
+        if record.topic in (topics or (IMU,)):
+            last[record.topic] = len(found)
+        found.append(record)
     return found
 
 

@@ -181,7 +181,7 @@ def test_a_reach_stores_the_declared_details() -> None:
     driver.start_session()
     stored = driver.reach(SLOW).details
     declared = set(Catalogue().task("reaching").Details.__struct_fields__)
-    assert set(stored) | {"mark"} == declared
+    assert set(stored) | {"mark", "trunk_excursion_deg", "compensation_share"} == declared
     assert [name for name, value in stored.items() if value is None] == ["tremor_rest_hz"]
 
 

@@ -36,13 +36,15 @@ _CHANNELS = (
     ("device_clock", None, "MISC", "ms", "The sensor's own clock."),
     ("arrival", None, "MISC", "s", "When the sample arrived at the host, since the first sample was measured."),
 )
+_PLACES = {"hand": ("hand", "back of the hand"), "trunk": ("trunk", "sternum")}
+"""Tracked point and placement of a sensor, by the part of the body."""
 _FRAME = {
     "reference_frame": {
         "Description": "The axes of a channel are those of this frame.",
         "Levels": {
             "sensor": {
                 "Description": "The axes printed on the sensor. As sar-tui asks for it to be worn: y along the "
-                "fingers, z out of the back of the hand.",
+                "fingers, z out of the back of the hand; on the trunk, in any way.",
             }
         },
     }
@@ -87,7 +89,9 @@ def write_motion(study: Study, session: Session, facts: dict[str, Any], folder: 
         recording = Recording(tracksys=tracksys, run=run, path=path)
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         _write_samples(recording, stream["rate_hz"] or 0.0, samples, folder / path)
-        _write_channels(recording, folder / session.path("motion", "channels.tsv", run, tracksys=tracksys))
+        _write_channels(
+            recording, stream["part"], folder / session.path("motion", "channels.tsv", run, tracksys=tracksys)
+        )
         about = {**facts, **_about(recording, stream)}
         write_json(folder / session.path("motion", "motion.json", run, tracksys=tracksys), about)
         yield recording
@@ -117,11 +121,11 @@ def _write_samples(recording: Recording, rate_hz: float, samples: Iterator[tuple
             recording.has_field = recording.has_field or measured[6:] != _NO_FIELD
 
 
-def _write_channels(recording: Recording, path: Path) -> None:
+def _write_channels(recording: Recording, part: str | None, path: Path) -> None:
     rows = []
     for name, component, kind, unit, meaning in _CHANNELS:
         unmeasured = kind == "MAGN" and not recording.has_field
-        point, place = ("hand", "back of the hand") if component else (None, None)
+        point, place = _PLACES[part or "hand"] if component else (None, None)
         status = ("bad", "Not measured by this sensor.") if unmeasured else (None, None)
         frame = "sensor" if component else None
         rows.append((name, component, kind, point, unit, place, frame, meaning, *status))
