@@ -41,7 +41,7 @@ def report(graphs: Mapping[str, Graph], nodes: Mapping[str, Mapping[str, str]]) 
     claims = [
         Claim("The reaching task has all parts of the keyboard task's loop.", ", ".join(removed)),
         Claim("Each of these parts is the same code in both.", ", ".join(changed)),
-        Claim("It adds only parts for its sensor.", ", ".join(_needless(rows))),
+        Claim("It adds only parts for its sensors.", ", ".join(_needless(rows))),
     ]
     return Report(rows, [_COLUMNS], claims, chart=charts.parts(rows))
 

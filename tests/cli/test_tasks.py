@@ -173,7 +173,7 @@ def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path
         ("    wrong_share: Annotated[\n", "    extra: int = 3\n    wrong_share: Annotated[\n",
          "extra lacks help and bounds (ge and le)."),
         ("] = 0.2", "]", "cannot be used: these parameters have no default: wrong_share."),
-        ("] = 3\n", "] = 0\n", "✗ makes the same one-line prompts when asked twice. It has 0 trials in an attempt at level 1"),
+        ("] = 3\n", "] = 0\n", "one-line prompts when asked twice. It has 0 trials in an attempt at level 1"),
         ('f"Tap: {keys}"', 'f"Tap:\\n{keys}"', "is not one line of plain text at level 1, trial 1"),
         ('f"Tap: {keys}"', 'f"Tap: {keys} {__import__(\'time\').monotonic_ns()}"', "differs when asked for"),
         ("SEQUENCES[situation.level - 1]", "SEQUENCES[situation.level]", "asked twice. It raised IndexError"),

@@ -212,7 +212,7 @@ def test_without_the_package_for_figures_all_else_is_written_and_the_page_draws_
 def test_the_state_of_each_part_is_written_and_not_told_by_colour_alone(call: Call, tmp_path: Path) -> None:
     assert call("validate", "--only", "figure-4.15", "--to", tmp_path).code == 0
     drawing = (tmp_path / "figure-4.15.svg").read_text(encoding="utf-8")
-    assert (drawing.count(">added</text>"), drawing.count(">the same</text>") > 5) == (3, True)
+    assert (drawing.count(">added</text>"), drawing.count(">the same</text>") > 5) == (4, True)
 
 
 def test_a_recorded_session_has_the_figures_that_its_data_allow(call: Call, tmp_path: Path) -> None:
