@@ -18,6 +18,8 @@ from sar_tui.framework.messages import (
     SessionEnded,
     Shown,
     TrialEnded,
+    TrialFeedback,
+    TrialFeedbackShown,
     TrialMarked,
     Waiting,
 )
@@ -37,6 +39,8 @@ from sar_tui.framework.topics import (
     SESSION_ENDED,
     SHOWN,
     TRIAL,
+    TRIAL_FEEDBACK,
+    TRIAL_FEEDBACK_SHOWN,
     VOIDED,
     WAITING,
 )
@@ -54,6 +58,9 @@ class Stage(AgentStage, Protocol):
 
     def clear_prompt(self) -> None:
         """Remove the prompt."""
+
+    def show_trial_feedback(self, feedback: TrialFeedback) -> None:
+        """Show the answer to a trial, and report its onset with ``ScreenOutput.trial_feedback_shown``."""
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         """Begin an attempt."""
@@ -83,7 +90,7 @@ class Stage(AgentStage, Protocol):
 class ScreenOutput(OutputNode):
     """Shows the session's messages on a stage."""
 
-    emits: ClassVar[tuple[Topic[Any], ...]] = (SHOWN, *OutputNode.emits)
+    emits: ClassVar[tuple[Topic[Any], ...]] = (SHOWN, TRIAL_FEEDBACK_SHOWN, *OutputNode.emits)
     name = "screen"
 
     def __init__(self, stage: Stage, theme: Theme, *, shows_agent: bool = True) -> None:
@@ -121,6 +128,14 @@ class ScreenOutput(OutputNode):
     def trial_ended(self, trial: TrialEnded) -> None:
         self._stage.clear_prompt()
         self._stage.progress(trial.trial)
+
+    @on(TRIAL_FEEDBACK)
+    def trial_feedback_due(self, feedback: TrialFeedback) -> None:
+        self._stage.show_trial_feedback(feedback)
+
+    def trial_feedback_shown(self, shown: TrialFeedbackShown) -> None:
+        """Report when the answer to a trial reached the terminal. Called by the stage, from any thread."""
+        self.bus.post(TRIAL_FEEDBACK_SHOWN, shown)
 
     @on(VOIDED)
     def voided(self, _: PromptVoided) -> None:

@@ -19,7 +19,7 @@ from sar_tui.app.screen_output import ScreenOutput
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session import SessionScreen
 from sar_tui.framework.bus import Record
-from sar_tui.framework.messages import Prompt, SessionCommand, SessionStarted, Shown, ThemeApplied
+from sar_tui.framework.messages import Prompt, SessionCommand, SessionStarted, Shown, ThemeApplied, TrialFeedback
 from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.parameters import build, current_values
 from sar_tui.framework.session import Session
@@ -168,6 +168,10 @@ class WatchScreen(SessionScreen):
     def show_frame(self, prompt: Prompt, frame: int) -> None:
         """Show a frame; its onset is in the record."""
         self.query_one(BigPrompt).show(prompt.shown(frame))
+
+    def show_trial_feedback(self, feedback: TrialFeedback) -> None:
+        """Show the answer to a trial; its onset is in the record."""
+        self.query_one(BigPrompt).show_answer(feedback.text, feedback.halves)
 
     def _stage(self, name: str | None) -> None:
         super()._stage(name)

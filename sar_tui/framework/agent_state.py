@@ -8,8 +8,8 @@ from msgspec.structs import replace
 
 from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, Waiting
 
-AWAITED = ("foreperiod", "storage", "response")
-"""Waits of a trial during which nothing on a screen may move."""
+AWAITED = ("foreperiod", "storage", "response", "result")
+"""Waits of a trial during which nothing on a screen may move, and the agent begins nothing."""
 
 
 PAUSED_FACES = {"": "encouraging", "tired": "sleeping", "pain": "encouraging", "finished": "encouraging"}

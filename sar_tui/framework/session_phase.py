@@ -22,6 +22,7 @@ class Phase(Enum):
     STORING = auto()  # the foreperiod is over, but the last trial is not on disk yet
     ONSET = auto()  # the prompt is on its way to the screen
     RESPONSE = auto()
+    RESULT = auto()  # the trial is over; the answer to it is shown
     FEEDBACK = auto()  # the attempt is over; its feedback comes after a delay
     REST = auto()  # a rest that must be taken, before the next attempt
     PAUSED = auto()
@@ -39,7 +40,7 @@ PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor":
 """Events that end a pause, by its reason; a pause for any other reason ends with a command to resume."""
 LEFT = "left"
 """Reason of a pause in which the session was left on purpose: a later run begins as after an interruption."""
-MARKABLE = {Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.REST, Phase.READY, Phase.REVIEW}
+MARKABLE = {Phase.RESULT, Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.REST, Phase.READY, Phase.REVIEW}
 """Phases in which a mark applies to the last trial."""
 REQUESTABLE = {Phase.REST, Phase.READY, Phase.REVIEW}
 """Phases in which a participant may request feedback on the last attempt."""
@@ -52,6 +53,7 @@ WAITS: dict[Phase, tuple[str, str]] = {
     Phase.FOREPERIOD: ("foreperiod", "trial"),
     Phase.STORING: ("storage", "trial"),
     Phase.ONSET: ("response", "trial"),
+    Phase.RESULT: ("result", "trial"),
     Phase.FEEDBACK: ("answer", "answer"),
     Phase.REST: ("rest", "rest"),
     Phase.REVIEW: ("enter", "review"),
@@ -95,7 +97,7 @@ def waiting_message(
         what=what,  # type: ignore[arg-type]
         stage=stage,  # type: ignore[arg-type]
         attempt=attempts.attempt,
-        trial=attempts.trial,
+        trial=attempts.trial - (phase is Phase.RESULT),
         level=attempts.level,
         attempt_name=attempts.name,
         trials=trials,

@@ -15,6 +15,9 @@ from sar_tui.framework.random_streams import RandomStreams
 DOUBTFUL = "disagree"
 """Flag of a trial whose measures are doubtful: it counts, but no change is reported from it."""
 
+LONGEST_SHOW_MS = 10_000
+"""Longest time for which an answer to a trial is shown."""
+
 
 class Metric(msgspec.Struct, frozen=True):
     """The measure of an attempt.
@@ -226,6 +229,25 @@ class Trial(msgspec.Struct, frozen=True):
         return (at - self.onset) / MS
 
 
+class Show(msgspec.Struct, frozen=True):
+    """An answer to a trial, shown after it: a sign, a number of points or a word, for a time in ms.
+
+    Raises:
+        ValueError: the text is not one line that can be printed, or the time is not above 0.
+    """
+
+    text: str
+    ms: int = 600
+
+    def __post_init__(self) -> None:
+        if not (self.text.strip() and self.text.isprintable()):
+            raise ValueError(f"what is shown after a trial is not one line of plain text: {self.text!r:.60}")
+        if not 0 < self.ms <= LONGEST_SHOW_MS:
+            raise ValueError(
+                f"what is shown after a trial is shown for {self.ms} ms; 1 to {LONGEST_SHOW_MS} are possible"
+            )
+
+
 class Result(msgspec.Struct, frozen=True, kw_only=True):
     """The outcome of a trial.
 
@@ -242,6 +264,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
             numbers.
         correction: said after the feedback, however the attempt went: a sentence on how to move, without numbers. Of
             several in an attempt, the last is said.
+        show: shown after the trial, before the next one begins.
     """
 
     correct: bool
@@ -253,6 +276,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     flags: tuple[str, ...] = ()
     remark: str = ""
     correction: str = ""
+    show: Show | None = None
 
     @property
     def counts(self) -> bool:

@@ -27,6 +27,7 @@ _WAITING = {
     "foreperiod": "A prompt is about to appear",
     "storage": "Waits for the disk",
     "response": "Waits for a response",
+    "result": "The answer to a prompt is shown",
     "resume": "Paused",
     "sensor": "Waits for the motion sensor",
     "nothing": "Waits for nothing",

@@ -6,11 +6,32 @@ from typing import Any, ClassVar, Protocol
 from sar_tui.framework.bus import Topic
 from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.frames import planned, timed
-from sar_tui.framework.messages import Action, FrameDue, KeyPressed, OutputReport, PartState, Prompt, Shown, Waiting
+from sar_tui.framework.messages import (
+    Action,
+    FrameDue,
+    KeyPressed,
+    OutputReport,
+    PartState,
+    Prompt,
+    Shown,
+    TrialFeedback,
+    TrialFeedbackShown,
+    Waiting,
+)
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTION, FRAME, KEY, PROMPT, REPORT, SHOWN, WAITING
+from sar_tui.framework.topics import (
+    ACTION,
+    FRAME,
+    KEY,
+    PROMPT,
+    REPORT,
+    SHOWN,
+    TRIAL_FEEDBACK,
+    TRIAL_FEEDBACK_SHOWN,
+    WAITING,
+)
 from sar_tui.framework.trial_types import Act, Cue, Performance, Stimulus
 
 SHOWING = 4 * MS
@@ -94,7 +115,7 @@ class SimulatedParticipant(_Performer):
     """Presses Enter when the session waits for it, and responds to each prompt as its person would."""
 
     name = "participant"
-    emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, REPORT)
+    emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT)
     _next: Handle | None = None
 
     @on(WAITING)
@@ -134,6 +155,12 @@ class SimulatedParticipant(_Performer):
         )
         self.bus.clock.call_at(onset, lambda: self.emit(SHOWN, shown))
         return onset
+
+    @on(TRIAL_FEEDBACK)
+    def trial_feedback_due(self, due: TrialFeedback) -> None:
+        onset = self.now + SHOWING
+        shown = TrialFeedbackShown(seat=due.seat, attempt=due.attempt, trial=due.trial, at=onset, source="virtual")
+        self.bus.clock.call_at(onset, lambda: self.emit(TRIAL_FEEDBACK_SHOWN, shown))
 
     @on(ACTION)
     def action_begun(self, action: Action) -> None:

@@ -1,5 +1,6 @@
 """Widget of the prompt: very large, and as a plain line for screen readers and tests."""
 
+import functools
 from collections.abc import Callable, Sequence
 
 from rich.cells import cell_len
@@ -10,7 +11,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from sar_tui.framework.messages import Prompt
-from sar_tui.widgets.prompt_lines import Line, plain_lines
+from sar_tui.widgets.prompt_lines import Line, answer_lines, plain_lines
 
 DrawPrompt = Callable[[Prompt | None, int, int], Sequence[Line]]
 """Draws a prompt, or the fixation point, in a number of columns and rows."""
@@ -29,12 +30,17 @@ class BigPrompt(Widget):
         super().__init__(id=id)
         self._draw = draw
         self._prompt: Prompt | None = None
+        self._answer: Callable[[int, int], Sequence[Line]] | None = None
         self._lines: Sequence[Line] = ()
         self._drawn_for: Size | None = None
 
     def show(self, prompt: Prompt) -> None:
         """Show a prompt."""
         self._change(prompt)
+
+    def show_answer(self, text: str, halves: tuple[str, ...] = ()) -> None:
+        """Show the answer to a trial, in the same place; for two seats, in the halves of the screen."""
+        self._change(None, lambda width, height: answer_lines(text, halves, width, height))
 
     def clear(self) -> None:
         """Show the fixation point only."""
@@ -47,9 +53,9 @@ class BigPrompt(Widget):
         if self._lines != before:
             self.refresh(*regions, *self._regions())
 
-    def _change(self, prompt: Prompt | None) -> None:
+    def _change(self, prompt: Prompt | None, answer: Callable[[int, int], Sequence[Line]] | None = None) -> None:
         before = self._regions()
-        self._prompt = prompt
+        self._prompt, self._answer = prompt, answer
         self._draw_lines()
         self.refresh(*before, *self._regions())
 
@@ -62,7 +68,8 @@ class BigPrompt(Widget):
         ]
 
     def _draw_lines(self) -> None:
-        self._lines = self._draw(self._prompt, *self.size) if self.size else ()
+        draw = self._answer or functools.partial(self._draw, self._prompt)
+        self._lines = draw(*self.size) if self.size else ()
         self._drawn_for = self.size
 
     def render_line(self, y: int) -> Strip:

@@ -17,8 +17,23 @@ def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
     """Draw a prompt in the middle of ``width`` by ``height`` cells; without a prompt, the fixation point."""
     if prompt and prompt.halves:
         return halves(prompt.halves, prompt.text, width, height)
-    glyph, text, hint = (prompt.glyph, prompt.text, prompt.hint) if prompt else ("", "", "")
-    drawn = draw(glyph, width - 2, height - 3) if glyph else () if prompt else (FIXATION,)
+    if prompt is None:
+        return _block((FIXATION,), "", "", width, height)
+    drawn = draw(prompt.glyph, width - 2, height - 3) if prompt.glyph else ()
+    return _block(drawn, prompt.text, prompt.hint, width, height)
+
+
+def answer_lines(text: str, sides: Sequence[str], width: int, height: int) -> list[Line]:
+    """Draw the answer to a trial in the place of its prompt; ``sides``: those of two seats, if they differ."""
+    return (
+        halves(sides, text, width, height)
+        if sides
+        else _block(draw(text, width - 2, height - 3), text, "", width, height)
+    )
+
+
+def _block(drawn: Sequence[str], text: str, hint: str, width: int, height: int) -> list[Line]:
+    """Put what is drawn large in the middle, with its plain line and a hint below it."""
     block = [*((line, True) for line in drawn), ("", False), (text, True), (hint, False)]
     top = max(0, (height - len(block)) // 2)
     return [("", False)] * top + [(centred(line, width), bold) for line, bold in block]

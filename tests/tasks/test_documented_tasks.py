@@ -5,12 +5,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.staircase import Staircase
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import PROMPT
+from sar_tui.framework.topics import PROMPT, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -23,10 +24,11 @@ SEED = 3
 
 
 class Played(NamedTuple):
-    """A simulated session of a task: its class, its prompts, attempts and trials."""
+    """A simulated session of a task: its class, its prompts, its messages, attempts and trials."""
 
     kind: type[Task]
     prompts: list[Any]
+    history: list[Record]
     attempts: list[sessions.Row]
     trials: list[sessions.Row]
 
@@ -34,7 +36,7 @@ class Played(NamedTuple):
 def documented(folder: Path, name: str) -> Catalogue:
     """The task of this name, written from the page into a folder of tasks."""
     (folder / name).mkdir(parents=True)
-    (source,) = re.findall(rf"`mytasks/{name}/task\.py`[^`]*?:\n\n```python\n(.*?)```", PAGE, re.DOTALL)
+    (source,) = re.findall(rf"`mytasks/{name}/task\.py`[^`]*?\n\n```python\n(.*?)```", PAGE, re.DOTALL)
     (folder / name / "task.py").write_text(source, encoding="utf-8")
     return Catalogue(tasks=(folder,))
 
@@ -53,7 +55,7 @@ def play(tmp_path: Path, name: str, parameters: Mapping[str, object] = {}) -> Pl
     finally:
         database.close()
     Session(kind(build(kind.Parameters, values)), catalogue.theme("calm"), VirtualClock(), SEED).replay(history)
-    return Played(kind, [record.message for record in history if record.topic is PROMPT], attempts, trials)
+    return Played(kind, [record.message for record in history if record.topic is PROMPT], history, attempts, trials)
 
 
 def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
@@ -64,3 +66,15 @@ def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
     expected = Staircase(start=24, steps=(8, 4, 2, 1), lowest=1, highest=40).track(answers)
     assert first == [round(value) for value in expected.values]
     assert [attempt["metric"] for attempt in played.attempts if attempt["metric"] is None] == []
+
+
+def test_points_after_each_choice_of_a_tree_that_reverses(tmp_path: Path) -> None:
+    played = play(tmp_path, "harvest")
+    shown = [record.message for record in played.history if record.topic is TRIAL_FEEDBACK]
+    answered = [record.message for record in played.history if record.topic is TRIAL and record.message.response]
+    assert {each.text for each in shown} == {"+10", "0"}
+    assert [int(each.text) for each in shown if each.text != "0"] == [trial.value for trial in answered if trial.value]
+    good = [trial["stimulus"] for trial in played.trials if trial["attempt"] == 1]
+    assert set(good) == {"left", "right"}
+    seen = [record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN]
+    assert len(seen) == len(shown)

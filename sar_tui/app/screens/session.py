@@ -7,8 +7,17 @@ from sar_tui.app.prompt_onset import report_onset
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_keys import KeysScreen
 from sar_tui.app.screens.summary import Summary
+from sar_tui.app.trial_feedback_onset import report_trial_feedback
 from sar_tui.framework.agent_state import AWAITED
-from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Prompt, Recall, SessionEnded, Waiting
+from sar_tui.framework.messages import (
+    AttemptEnded,
+    AttemptStarted,
+    Prompt,
+    Recall,
+    SessionEnded,
+    TrialFeedback,
+    Waiting,
+)
 from sar_tui.framework.topics import MARKERS, RECALL
 from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
@@ -66,6 +75,11 @@ class SessionScreen(KeysScreen):
         self._gc.end_trial()
         self.query_one(BigPrompt).clear()
 
+    def show_trial_feedback(self, feedback: TrialFeedback) -> None:
+        """Show the answer to a trial, and report when it reached the terminal."""
+        report_trial_feedback(self, self._live, feedback)
+        self.query_one(BigPrompt).show_answer(feedback.text, feedback.halves)
+
     def begin_attempt(self, started: AttemptStarted) -> None:
         if self._has_warned:
             self.app.clear_notifications()  # nothing may vanish while a response is awaited
@@ -95,7 +109,9 @@ class SessionScreen(KeysScreen):
             self.clear_agent("listening")
         self._update_motion(waiting)
         self._warn_of_markers()
-        if waiting.what in ("foreperiod", "response"):
+        if before is not None and before.what == "result":
+            self.query_one(BigPrompt).clear()
+        if waiting.what in ("foreperiod", "response", "result"):
             if waiting.what == "response":
                 self._gc.begin_trial()
             return

@@ -23,6 +23,7 @@ __all__ = [
     "SyncSignal",
     "ThemeApplied",
     "TimerFired",
+    "TrialFeedbackShown",
 ]
 
 
@@ -103,6 +104,15 @@ class Shown(Message, frozen=True, kw_only=True):
 
 BodyPart = Literal["hand", "trunk"]
 """The place of a sensor on the body. Each part has topics of its own, so that nothing takes one sensor for another."""
+
+
+class TrialFeedbackShown(Message, frozen=True, kw_only=True):
+    """The answer to a trial reached the terminal. ``source``: as of a prompt (see `Shown`)."""
+
+    attempt: int
+    trial: int
+    at: int
+    source: Literal["flush", "refresh", "virtual"]
 
 
 class ImuBlock(Message, frozen=True, kw_only=True):

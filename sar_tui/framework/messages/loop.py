@@ -30,6 +30,7 @@ __all__ = [
     "Spread",
     "Timing",
     "TrialEnded",
+    "TrialFeedback",
     "TrialMarked",
     "Waiting",
 ]
@@ -83,16 +84,17 @@ class Waiting(Message, frozen=True, kw_only=True):
 
     ``what``: ``enter`` (the Return key), ``start`` (the key that starts a trial), ``agent`` (until it is still),
     ``answer`` (until delayed feedback is given), ``rest`` (until a rest is over), ``quiet`` (no keys for a moment),
-    ``foreperiod``, ``storage`` (the disk), ``response``, ``resume`` (paused), ``sensor`` (no data), ``nothing``
-    (ended). ``stage``: ``instructions``, ``attempt`` (before one), ``trial``, ``answer``, ``rest``, ``paused``,
-    ``review`` (all attempts are done), ``ended``, ``broken`` (something failed). ``attempt_name``: for people, "attempt
-    3 of 20". ``goal``: of the attempt; empty in trials. ``seat``: whose turn it is, or whose sensor is awaited; empty
-    for everybody's, or if it is unknown before the prompt. ``notice``: shown to the participant first: a new level, a
-    trial to repeat, a limit. ``why``: why level or goal have changed, for the participant. ``reason``, in a pause: how
-    the participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also
-    at the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet: ``held`` (a key is
-    held down). ``detail``: the error of disk or sensor, for the experimenter. ``ask``: the key that requests feedback
-    on the last attempt, if there is some. ``until``: when a rest is over (ns).
+    ``foreperiod``, ``storage`` (the disk), ``response``, ``result`` (the answer to a trial is shown), ``resume``
+    (paused), ``sensor`` (no data), ``nothing`` (ended). ``stage``: ``instructions``, ``attempt`` (before one),
+    ``trial``, ``answer``, ``rest``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something
+    failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in trials. ``seat``: whose
+    turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before the prompt. ``notice``:
+    shown to the participant first: a new level, a trial to repeat, a limit. ``why``: why level or goal have changed,
+    for the participant. ``reason``, in a pause: how the participant is (see `SessionCommand`), ``interrupted`` (the
+    program had ended), ``storage`` (writing fails; also at the end), ``restored`` (writing works again), ``sensor`` (no
+    data); while it waits for quiet: ``held`` (a key is held down). ``detail``: the error of disk or sensor, for the
+    experimenter. ``ask``: the key that requests feedback on the last attempt, if there is some. ``until``: when a rest
+    is over (ns).
     """
 
     what: Literal[
@@ -105,6 +107,7 @@ class Waiting(Message, frozen=True, kw_only=True):
         "foreperiod",
         "storage",
         "response",
+        "result",
         "resume",
         "sensor",
         "nothing",
@@ -241,6 +244,20 @@ class TrialEnded(Message, frozen=True, kw_only=True):
     value: float | None
     timing: Timing
     details: Json
+
+
+class TrialFeedback(Message, frozen=True, kw_only=True):
+    """An answer to a trial, to be shown now: quiet, and before the next trial begins.
+
+    ``seat``: of the participant it is for; empty for all. ``halves``: texts for the left and right half of the screen,
+    if the seats get different ones. ``duration``: from when it reached the terminal, in ns.
+    """
+
+    attempt: int
+    trial: int
+    text: str
+    halves: tuple[str, ...] = ()
+    duration: int
 
 
 class TrialMarked(Message, frozen=True, kw_only=True):

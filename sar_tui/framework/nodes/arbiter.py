@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from sar_tui.framework import messages as m
 from sar_tui.framework.action_queue import LASTING
 from sar_tui.framework.actions import edited, initiated
+from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import (
     Action,
@@ -120,7 +121,7 @@ class Arbiter(Approvals):
     @on(WAITING)
     def waiting(self, waiting: m.Waiting) -> None:
         """Hold back actions in trials and pauses; stop the instructions when the participant leaves them."""
-        in_trial = waiting.what in ("foreperiod", "storage", "response") and waiting.stage == "trial"
+        in_trial = waiting.what in AWAITED and waiting.stage == "trial"
         self._is_held_back = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
         if not self._is_idle:  # in trials it nearly always is
             self._make_way(waiting)

@@ -61,7 +61,8 @@ class AttemptFlow(TrialFlow):
     @property
     def _is_under_way(self) -> bool:
         """True if an attempt has begun and not ended."""
-        return (self._paused_from if self._phase is Phase.PAUSED else self._phase) in IN_TRIAL
+        phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
+        return phase in IN_TRIAL or phase is Phase.RESULT
 
     # --- trials, score, feedback ----------------------------------------------------------------------------
 

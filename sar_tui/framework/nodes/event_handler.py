@@ -46,6 +46,7 @@ from sar_tui.framework.topics import (
     STORED,
     TIMER,
     TRIAL,
+    TRIAL_FEEDBACK,
     UNSAID_FEEDBACK,
     VOIDED,
     WAITING,
@@ -66,6 +67,7 @@ class EventHandler(AttemptFlow):
         FRAME,
         VOIDED,
         TRIAL,
+        TRIAL_FEEDBACK,
         MARKED,
         ATTEMPT_ENDED,
         LEVEL,
@@ -135,6 +137,7 @@ class EventHandler(AttemptFlow):
                 if self._phase is Phase.PAUSED and not self._blockers.has_disk_failed:
                     self._resume()
             case "end":
+                self._end_result()
                 self._void("ended")
                 from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
                 self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
@@ -189,7 +192,8 @@ class EventHandler(AttemptFlow):
         """Pause the session when a sensor sends no data, and resume it when it does again."""
         if self._phase in OVER or not self._blockers.update_sensor(sensor):
             return
-        lost = self._blockers.is_sensor_lost
+        if lost := self._blockers.is_sensor_lost:
+            self._end_result()
         waits_for_sensor = self._phase is Phase.PAUSED and self._pause_reason == "sensor"
         if lost and self._phase is not Phase.PAUSED and self._needs_sensor(self._phase):
             self._pause("sensor")
@@ -208,6 +212,7 @@ class EventHandler(AttemptFlow):
 
     def _pause(self, reason: str) -> None:
         if self._phase is not Phase.PAUSED:
+            self._end_result()
             self._paused_from = self._phase
             self._void(reason or "pause")
         self._pause_reason = reason

@@ -23,10 +23,13 @@ from sar_tui.framework.topics import (
     SHOWN,
     STORED,
     TRIAL,
+    TRIAL_FEEDBACK,
+    TRIAL_FEEDBACK_SHOWN,
     UNREADABLE,
     VOIDED,
 )
 from sar_tui.framework.trial import OpenTrial
+from sar_tui.framework.trial_feedback import trial_feedback
 from sar_tui.framework.trial_types import Again, Mark, Result, Results, complete
 
 GRACE = 50 * MS
@@ -40,10 +43,10 @@ HELD_NOTICE = 3 * SECOND
 class TrialFlow(TimedNode, ABC):
     """Runs one trial after the other. Subclasses run the attempts and the session.
 
-    A trial runs (start) → quiet → foreperiod → (storing) → onset → response. A key in the foreperiod restarts it. A
-    pause, a lost sensor or the end of the program voids the trial, which is then repeated under the same number with
-    the same prompt. No prompt is shown while the agent speaks or moves. With several seats, a trial ends for all of
-    them at once, and keys of a seat whose turn it is not are ignored.
+    A trial runs (start) → quiet → foreperiod → (storing) → onset → response → (result). A key in the foreperiod
+    restarts it. A pause, a lost sensor or the end of the program voids the trial, which is then repeated under the same
+    number with the same prompt. No prompt is shown while the agent speaks or moves. With several seats, a trial ends
+    for all of them at once, and keys of a seat whose turn it is not are ignored.
     """
 
     def __init__(self, task: Task) -> None:
@@ -58,6 +61,7 @@ class TrialFlow(TimedNode, ABC):
         self._rules = 3
         self._repeats = 0
         self._last_key: int | None = None
+        self._result_lasts = 0
         self._start_key = HeldKey()
         self._awaiting_quiet_since = 0
         self._notice = ""
@@ -169,6 +173,8 @@ class TrialFlow(TimedNode, ABC):
                 self.cancel_timer("frame")
                 self._trial.lag = late
                 self.set_timer("grace", self.now + GRACE)
+            case "result":
+                self._next()
             case "grace":
                 self._judge_early()
                 if self._phase is Phase.RESPONSE:
@@ -319,7 +325,26 @@ class TrialFlow(TimedNode, ABC):
         stored = self._trial_done({seat: self._flagged(mine) for seat, mine in complete_results.items()})
         for seat, mine in stored.items():
             self.emit(TRIAL, self._trial.ended(mine, seat))
-        self._next()
+        shown = trial_feedback(self._trial.situation, stored, self.task.seats, self.parameters.trial_feedback_ms)
+        if shown is None:
+            self._next()
+        else:
+            self._result_lasts = shown.duration
+            self.emit(TRIAL_FEEDBACK, shown)
+            self.set_timer("result", self.now + shown.duration)
+            self._wait(Phase.RESULT)
+
+    @on(TRIAL_FEEDBACK_SHOWN)
+    def trial_feedback_shown(self, shown: m.TrialFeedbackShown) -> None:
+        """Show the answer to a trial for its time, from when it reached the terminal."""
+        if self._phase is Phase.RESULT and (shown.attempt, shown.trial) == self._last_trial:
+            self.set_timer("result", shown.at + self._result_lasts)
+
+    def _end_result(self) -> None:
+        """Go on at once if the answer to a trial is shown: that trial is over."""
+        if self._phase is Phase.RESULT:
+            self.cancel_timer("result")
+            self._next()
 
     def _flagged(self, result: Result) -> Result:
         """Flag a result that came too soon to be a response."""

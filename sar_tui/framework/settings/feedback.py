@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from sar_tui.framework.declaration import Settings, meta
 from sar_tui.framework.policies.feedback import POLICIES
+from sar_tui.framework.trial_types import LONGEST_SHOW_MS
 
 if TYPE_CHECKING:
     ScheduleName = str
@@ -48,6 +49,17 @@ class FeedbackSettings(Settings, frozen=True, kw_only=True):
             "Time from the end of an attempt to its feedback.",
             ge=0,
             le=60_000,
+            group="Feedback",
+        ),
+    ] = 0
+    trial_feedback_ms: Annotated[
+        int,
+        meta(
+            "Sign after each prompt",
+            "ms",
+            "A tick or a cross is shown this long after each prompt, unless the task shows something else; 0: never.",
+            ge=0,
+            le=LONGEST_SHOW_MS,
             group="Feedback",
         ),
     ] = 0

@@ -19,6 +19,7 @@ CODES: dict[str, int] = {
     "miss": 21,
     "movement_start": 22,
     "movement_end": 23,
+    "trial_feedback": 24,
     "utterance_start": 30,
     "utterance_end": 31,
     "text_start": 32,

@@ -44,6 +44,7 @@ class Translation:
             t.SHOWN: lambda _, shown: self.shown(shown),
             t.VOIDED: lambda at, voided: [Marker("prompt_cancelled", at, self._trial(voided))],
             t.TRIAL: self._trial_ended,
+            t.TRIAL_FEEDBACK_SHOWN: lambda _, seen: [Marker("trial_feedback", seen.at, self._trial(seen))],
             t.ACTION: self._acted,
             t.REPORT: self._reported,
             t.DECISION: lambda at, made: [self._act("decision", at, made, action=made.action, is_=made.verdict)],

@@ -1,0 +1,42 @@
+"""The answer to a trial on the screen: in the prompt's place for its time, then gone."""
+
+from pathlib import Path
+
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import AppDriver, open_app, plan
+
+
+def glyphs(driver: AppDriver) -> list[str]:
+    """The signs on the screen, each as often as it stands there."""
+    return [character for character in driver.text if character in "✓✗"]
+
+
+async def test_a_tick_and_a_cross_are_shown_and_stamped(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)) as driver:
+        prompt = await driver.to_first_prompt()
+        assert glyphs(driver) == []
+        await driver.answer(prompt)
+        assert "✓" in glyphs(driver)
+        assert not driver.sees(prompt.text)
+        assert driver.waiting.what == "result"
+        await driver.wait(800)
+        assert glyphs(driver) == []
+        await driver.wait(1500)
+        await driver.press("#")
+        assert "✗" in glyphs(driver)
+        await driver.wait(800)
+        assert glyphs(driver) == []
+        shown = driver.messages("screen/trial_feedback")
+        assert [(one["attempt"], one["trial"], one["source"]) for one in shown] == [
+            (1, 1, "refresh"),
+            (1, 2, "refresh"),
+        ]
+
+
+async def test_a_pause_covers_it(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        await driver.press("escape")
+        assert driver.waiting.stage == "paused"
+        assert glyphs(driver) == []
