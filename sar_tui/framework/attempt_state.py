@@ -64,6 +64,7 @@ class AttemptState(msgspec.Struct, frozen=True):
         goal: its goal, if the difficulty policy made one; None: the task's own.
         past: results at each level so far, oldest first, if the difficulty policy makes goals from them.
         scored: the attempts before it, by seat, oldest first.
+        restarts: number of attempts so far that were interrupted and began again under the next number.
     """
 
     attempt: int
@@ -80,6 +81,7 @@ class AttemptState(msgspec.Struct, frozen=True):
     goal: Goal | None = None
     past: Mapping[int, tuple[float | None, ...]] = {}
     scored: tuple[Mapping[str, PastAttempt], ...] = ()
+    restarts: int = 0
 
 
 def start(task: Task) -> AttemptState:
@@ -95,12 +97,19 @@ def aimed(task: Task, state: AttemptState) -> Task:
 
 def is_practice(task: Task, state: AttemptState) -> bool:
     """Return True if the attempt is for practice: it always gets feedback, and leaves the level alone."""
-    return state.attempt <= task.parameters.practice_attempts
+    return state.attempt - state.restarts <= task.parameters.practice_attempts
 
 
-def total(task: Task) -> int:
-    """Return the number of attempts, practice included."""
-    return task.parameters.practice_attempts + task.parameters.attempts
+def total(task: Task, state: AttemptState) -> int:
+    """Return the number of attempts, practice and those that began again included."""
+    return task.parameters.practice_attempts + task.parameters.attempts + state.restarts
+
+
+def number(task: Task, state: AttemptState) -> int:
+    """Return the number of the attempt among those of practice, or those that count, from 1."""
+    if is_practice(task, state):
+        return state.attempt - state.restarts
+    return state.attempt - state.restarts - task.parameters.practice_attempts
 
 
 def begin(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, AttemptStarted]:
@@ -126,8 +135,7 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories, state.scored)
     following, change = state.difficulty, None
     if not (practice or state.is_overridden or state.is_level_held):
-        number = state.attempt - task.parameters.practice_attempts
-        attempt = ScoredAttempt(number, scored.outcome, scored.result, scored.reached, scored.prompts)
+        attempt = ScoredAttempt(number(task, state), scored.outcome, scored.result, scored.reached, scored.prompts)
         following = level_choice.step(following, attempt, task.parameters, task.levels)
         reason = level_choice.reason(task.parameters, scored.outcome)
         change = _change(state.level, following.level, reason, following.why)
@@ -147,7 +155,7 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
 
 def advance(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
     """Move to the next attempt; False if there is none."""
-    if state.attempt == total(task):
+    if state.attempt == total(task, state):
         return state, False
     return replace(state, attempt=state.attempt + 1, results=()), True
 
@@ -158,6 +166,23 @@ def skip(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
     False if there is none after it.
     """
     return advance(task, replace(state, results=(), ended=None))
+
+
+def restart(task: Task, state: AttemptState) -> AttemptState:
+    """Begin the attempt again under the next number, at the level that an operator may have set meanwhile.
+
+    What was done of it stays, and is not scored.
+    """
+    level = state.difficulty.level
+    return replace(
+        state,
+        attempt=state.attempt + 1,
+        level=level,
+        results=(),
+        ended=None,
+        goal=_goal(task, state.past, level),
+        restarts=state.restarts + 1,
+    )
 
 
 def requestable(state: AttemptState) -> tuple[SeatScore, ...]:

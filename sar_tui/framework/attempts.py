@@ -70,7 +70,7 @@ class Attempts:
     @property
     def total(self) -> int:
         """Number of attempts, practice included."""
-        return steps.total(self._task)
+        return steps.total(self._task, self.state)
 
     @property
     def name(self) -> str:
@@ -81,10 +81,11 @@ class Attempts:
         return self._named[2]
 
     def _name(self) -> str:
-        practice, tr = self._task.parameters.practice_attempts, self._task.tr
+        parameters, tr = self._task.parameters, self._task.tr
+        number = steps.number(self._task, self.state)
         if steps.is_practice(self._task, self.state):
-            return tr("practice {number} of {total}", number=self.attempt, total=practice)
-        return tr("attempt {number} of {total}", number=self.attempt - practice, total=self._task.parameters.attempts)
+            return tr("practice {number} of {total}", number=number, total=parameters.practice_attempts)
+        return tr("attempt {number} of {total}", number=number, total=parameters.attempts)
 
     @property
     def last_trial(self) -> tuple[int, int]:
@@ -106,7 +107,8 @@ class Attempts:
     @property
     def is_first_after_practice(self) -> bool:
         """True if the attempt is the first that counts, and practice came before it."""
-        return 0 < self._task.parameters.practice_attempts == self.attempt - 1
+        is_first = not steps.is_practice(self._task, self.state) and steps.number(self._task, self.state) == 1
+        return self._task.parameters.practice_attempts > 0 and is_first
 
     @property
     def can_request_feedback(self) -> bool:
@@ -155,6 +157,10 @@ class Attempts:
     def skip(self) -> bool:
         """Leave out the attempt that runs or comes next; False if there is none after it."""
         return self._go_on(steps.skip(self._task, self.state))
+
+    def restart(self) -> None:
+        """Begin the attempt that runs again, under the next number."""
+        self._go_on((steps.restart(self._task, self.state), True))
 
     def _go_on(self, step: tuple[steps.AttemptState, bool]) -> bool:
         self.state, is_next = step

@@ -126,6 +126,10 @@ class TimedNode(Node):
         handle = self.bus.clock.call_at(due, lambda: self.bus.publish(TIMER, fired))
         self._timers[name] = (self._token, handle)
 
+    def has_timer(self, name: str) -> bool:
+        """Return True if a timer is set."""
+        return name in self._timers
+
     def cancel_timer(self, name: str) -> None:
         """Cancel a timer, if it is set."""
         if name in self._timers:

@@ -107,6 +107,7 @@ def waiting_message(
         detail=detail,
         ask=REQUEST_KEY if phase in REQUESTABLE and attempts.can_request_feedback else "",
         until=until,
+        restarts=attempts.state.restarts,
     )
 
 

@@ -116,6 +116,16 @@ class Task(ABC):
         return self.trials_per_attempt
 
     @property
+    def continuous(self) -> bool:
+        """True if an attempt begins by itself after the one before it, without Enter."""
+        return False
+
+    @property
+    def restarts_attempts(self) -> bool:
+        """True if an attempt that was interrupted begins again from its first prompt, rather than going on."""
+        return False
+
+    @property
     def start_key(self) -> str:
         """The key with which the participant starts each trial; empty if trials start by themselves."""
         return ""

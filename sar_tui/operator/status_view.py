@@ -77,6 +77,7 @@ def _attempt_name(state: SessionState, attempt: int) -> str:
     done = [seat.attempt.attempt for seat in state.seats.values() if seat.attempt]
     if waiting and waiting.stage in ("answer", "review") and done:
         attempt = max(done)
+    attempt -= waiting.restarts if waiting else 0
     practice = int(welcome.parameters.get("practice_attempts", 0)) if welcome else 0
     total = welcome.attempts if welcome else 0
     if attempt <= practice:

@@ -126,7 +126,7 @@ class SimulatedParticipant(_Performer):
         """
         if self._next:
             self._next.cancel()
-        key = {"enter": "enter", "start": self._task.start_key}.get(waiting.what)
+        key = {"enter": "" if waiting.until else "enter", "start": self._task.start_key}.get(waiting.what)
         if waiting.ask and self._wants_feedback(waiting):
             key = waiting.ask
         self._next = self._press(key, self.now + READING) if key else None

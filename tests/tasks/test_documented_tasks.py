@@ -11,7 +11,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.staircase import Staircase
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import PROMPT, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN
+from sar_tui.framework.topics import KEY, PROMPT, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -78,3 +78,14 @@ def test_points_after_each_choice_of_a_tree_that_reverses(tmp_path: Path) -> Non
     assert set(good) == {"left", "right"}
     seen = [record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN]
     assert len(seen) == len(shown)
+
+
+def test_two_back_in_one_stream(tmp_path: Path) -> None:
+    played = play(tmp_path, "twoback")
+    letters = [prompt.stimulus for prompt in played.prompts if prompt.attempt == 2]
+    targets = [bool(prompt.expected) for prompt in played.prompts if prompt.attempt == 2]
+    assert targets == [place > 1 and letter == letters[place - 2] for place, letter in enumerate(letters)]
+    assert any(targets)
+    assert [attempt["trials"] for attempt in played.attempts] == [20, 20, 20]
+    keys = [record.message.key for record in played.history if record.topic is KEY]
+    assert keys.count("enter") == 3, "for the instructions, the first attempt, and the end"

@@ -96,6 +96,7 @@ class LayoutScreen(AgentScreen):
     def _show_attempts(self, done: int) -> None:
         """Show the number of attempts done; practice attempts are counted separately."""
         parameters = self._live.run.session.task.parameters
+        done -= self._waiting.restarts if self._waiting else 0
         kind, total = "Practice", parameters.practice_attempts
         if done >= total:
             kind, total, done = "Attempts", parameters.attempts, done - total

@@ -91,15 +91,18 @@ def key_name(key: str, tr: Language) -> str:
 
 def _before_attempt(waiting: Waiting, tr: Language, *, is_goal_shown: bool) -> WaitingText:
     """Return what is new, and the key; the number of the attempt and its goal where they are not seen otherwise."""
-    if waiting.attempt == 1:
+    key = tr("Enter")
+    if waiting.until:
+        press, key = tr("The next one begins by itself."), ""
+    elif waiting.attempt == 1:
         press = tr("Press Enter to begin {attempt}.", attempt=waiting.attempt_name)
     else:
         press = tr("Press Enter for {attempt}.", attempt=waiting.attempt_name)
     if is_goal_shown:
-        return WaitingText(waiting.notice, waiting.why, press, tr("Enter"))
+        return WaitingText(waiting.notice, waiting.why, press, key)
     headline = waiting.notice or waiting.attempt_name.capitalize()
     text = f"{waiting.why}\n\n{waiting.goal}" if waiting.why else waiting.goal
-    return WaitingText(headline, text, press, tr("Enter"))
+    return WaitingText(headline, text, press, key)
 
 
 def _paused(waiting: Waiting, task: Task, tr: Language, is_recording_over: bool) -> WaitingText | None:

@@ -94,7 +94,8 @@ class Waiting(Message, frozen=True, kw_only=True):
     program had ended), ``storage`` (writing fails; also at the end), ``restored`` (writing works again), ``sensor`` (no
     data); while it waits for quiet: ``held`` (a key is held down). ``detail``: the error of disk or sensor, for the
     experimenter. ``ask``: the key that requests feedback on the last attempt, if there is some. ``until``: when a rest
-    is over (ns).
+    is over, or the attempt begins by itself (ns). ``restarts``: number of attempts so far that were interrupted and
+    began again under the next number.
     """
 
     what: Literal[
@@ -125,6 +126,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     detail: str = ""
     ask: str = ""
     until: int = 0
+    restarts: int = 0
 
 
 class AttemptStarted(Message, frozen=True, kw_only=True):

@@ -10,7 +10,7 @@ from sar_tui.framework import change_text, marks
 from sar_tui.framework import messages as m
 from sar_tui.framework.attempt_state import AttemptScore, AttemptState
 from sar_tui.framework.attempts import Attempts, NextAttempt
-from sar_tui.framework.clock import SECOND
+from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.marks import MarkedResults, TrialMark
 from sar_tui.framework.node import on
@@ -33,6 +33,10 @@ from sar_tui.framework.topics import (
 from sar_tui.framework.trial_types import Mark, Results
 
 _MINUTE = 60 * SECOND
+CONTINUES_AFTER = 1500 * MS
+"""Time between two attempts of a continuous task."""
+READING = 5 * SECOND
+"""The same if there was feedback."""
 
 
 class AttemptFlow(TrialFlow):
@@ -57,6 +61,9 @@ class AttemptFlow(TrialFlow):
         self._rest_until = 0
         self._level_change: m.LevelChanged | None = None
         self._goal_change: m.GoalChanged | None = None
+        self._has_feedback = False
+        self._continues_at = 0
+        self._is_restarted = False
 
     @property
     def _is_under_way(self) -> bool:
@@ -103,7 +110,15 @@ class AttemptFlow(TrialFlow):
             self._must_rest, self._attempts_since_rest = False, 0
             self._rest(self.now + self.task.parameters.rest_seconds * SECOND)
         else:
+            self._continue_after(READING if self._has_feedback else CONTINUES_AFTER)
             self._wait(self._after_feedback)
+
+    def _continue_after(self, duration: int) -> None:
+        """Let the next attempt of a continuous task begin by itself after a time in ns, unless it is the first."""
+        goes_on = self._after_feedback is Phase.READY and not self._attempts.is_first_after_practice
+        if self.task.continuous and goes_on:
+            self._continues_at = self.now + duration
+            self.set_timer("continue", self._continues_at)
 
     def _rest(self, until: int) -> None:
         """Rest until a time (ns), then wait for the next attempt."""
@@ -130,6 +145,8 @@ class AttemptFlow(TrialFlow):
             self._rest_until = self.now
 
     def _begin_attempt(self) -> None:
+        self.cancel_timer("continue")
+        self._is_restarted = False
         self._attempt_began_at = self.now
         self.emit(ATTEMPT_STARTED, self._attempts.begin(self.now))
         self._announced_level = self._attempts.level
@@ -163,6 +180,7 @@ class AttemptFlow(TrialFlow):
         minutes = (self.now - self._rested_at) / _MINUTE
         self._must_rest = goes_on and is_rest_due(self.task.parameters, self._attempts_since_rest, minutes)
         self._feedback_due_at = max(one.feedback.due for one in scored.seats)
+        self._has_feedback = any(one.is_feedback_due for one in scored.seats)
         self._await_feedback()
 
     def _give_feedback(self, scored: AttemptScore, seats: Collection[str]) -> None:
@@ -176,6 +194,8 @@ class AttemptFlow(TrialFlow):
         if requested := self._attempts.request_feedback(self.now):
             self._publish_score(requested, before)
             self._give_feedback(requested, self.task.seats)
+            if self.has_timer("continue"):
+                self._continue_after(READING)
             self._wait(self._phase)
 
     # --- waiting for feedback -------------------------------------------------------------------------------

@@ -223,7 +223,7 @@ class EventHandler(AttemptFlow):
             self._pause("sensor")
         elif self._is_under_way:
             self._last_key = self.now
-            self._begin_trial()
+            self._go_on()
         elif self._paused_from is Phase.FEEDBACK:
             self._await_feedback()
         elif self._paused_from is Phase.REST:
@@ -231,6 +231,23 @@ class EventHandler(AttemptFlow):
         else:
             self._wait(self._paused_from)
             self._wait_for_decision()
+
+    def _go_on(self) -> None:
+        """Go on with the attempt, or wait for Enter to begin it again if its trials build on each other."""
+        if self.task.restarts_attempts and self._attempts.trial > 1:
+            self._attempts.restart()
+            self._is_restarted = True
+            self._wait(Phase.READY)
+            self._wait_for_decision()
+        else:
+            super()._go_on()
+
+    def timer(self, name: str, late: int) -> None:
+        """Begin the next attempt of a continuous task."""
+        if name != "continue":
+            super().timer(name, late)
+        elif self._phase is Phase.READY:
+            self._begin_attempt_or_end()
 
     def _needs_sensor(self, phase: Phase) -> bool:
         """Return True if movements follow: not in the instructions, and not after the last attempt."""
@@ -299,10 +316,16 @@ class EventHandler(AttemptFlow):
             reason=why,
             detail=detail,
             seat=seat,
-            until=self._rest_until if phase is Phase.REST else 0,
+            until=self._ends_at(phase),
         )
         changed = self._why_changed if phase is Phase.READY else ""
         self.emit(WAITING, replace(message, why=changed) if changed else message)
+
+    def _ends_at(self, phase: Phase) -> int:
+        """Return when a wait ends by itself (ns); 0 if that is not known."""
+        if phase is Phase.REST:
+            return self._rest_until
+        return self._continues_at if phase is Phase.READY and self.has_timer("continue") else 0
 
     @property
     def _turn(self) -> str:
@@ -318,7 +341,8 @@ class EventHandler(AttemptFlow):
         """
         if phase is Phase.READY:
             counts = self.task.tr("Practice is over. From here on it counts.")
-            parts = [counts if self._attempts.is_first_after_practice else "", self._level_notice]
+            again = self.task.tr("This attempt begins again.") if self._is_restarted else ""
+            parts = [again, counts if self._attempts.is_first_after_practice else "", self._level_notice]
             return " ".join(filter(None, parts))
         if phase is Phase.REVIEW:
             return self._limit

@@ -301,6 +301,10 @@ class TrialFlow(TimedNode, ABC):
     def _repeat_stalled(self) -> None:
         """Repeat the trial: the program was suspended in it, so the time of its response is not known."""
         self._void("stalled")
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Go on with the attempt after an interruption: with the trial that was voided."""
         self._begin_trial()
 
     # --- the end of a trial -----------------------------------------------------------------------------------
