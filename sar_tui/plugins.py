@@ -17,6 +17,7 @@ import platformdirs
 import sar_tui
 from sar_tui.framework.entry_points import entry_points
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.task_pictures import pictures_in
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 
 if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
@@ -70,6 +71,11 @@ class Catalogue:
             if entry.name == name:
                 return _from_entry_point(entry)
         raise PluginError(f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}.")
+
+    def may_have_pictures(self) -> bool:
+        """Return True if there is a picture in a task's folder, or there are tasks of packages, which may have some."""
+        folders = (path.parent for path in _children(self._tasks, "task.py"))
+        return any(map(pictures_in, folders)) or bool(entry_points(_GROUP))
 
     def replaced_tasks(self) -> dict[str, Path]:
         """Return the folders of the user's own tasks that replace a built-in one, by name."""

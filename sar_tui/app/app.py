@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # loaded with a session, so that the first screen is there so
     from sar_tui.framework.clock import Clock
     from sar_tui.link.broker_process import BrokerProcess
     from sar_tui.runs.plan import Plan
+    from sar_tui.widgets.prompt_pictures import Way
 
 _KEY_NAMES = {"escape": "Esc", "question_mark": "?", "slash": "/", "delete": "Del"}
 
@@ -42,8 +43,12 @@ class SarTui(LeavingApp):
         patient: begin in patient mode, with this participant.
         markers: addresses to which each session's markers are sent.
         sync_flash: begin each session with a flash and a tone for cameras.
+
+    Attributes:
+        picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or it cannot.
     """
 
+    picture_way: "Way | None" = None
     CSS_PATH = "app.tcss"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f2", "stop", "Stop voice", priority=True, id="stop"),
@@ -137,6 +142,14 @@ class SarTui(LeavingApp):
             self.push_screen(HelpScreen(self.screen))
 
 
+def find_picture_way(app: SarTui) -> None:
+    """Ask the terminal how it shows pictures, if a task may have some. Before the app runs."""
+    if app.catalogue.may_have_pictures():
+        from sar_tui.widgets.prompt_pictures import find_way
+
+        app.picture_way = find_way()
+
+
 def run_app(
     folder: Path,
     catalogue: Catalogue,
@@ -163,6 +176,7 @@ def run_app(
         StoreError, PluginError: before the app opens.
     """
     app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient, markers=markers, sync_flash=sync_flash)
+    find_picture_way(app)
     if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures
 

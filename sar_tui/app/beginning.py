@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import functools
 import sqlite3
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -160,6 +161,7 @@ class BeginningApp(PatientModeApp):
     def _enter_session(self, what: "Plan | str", feeds: "Sequence[ImuFeed]" = ()) -> None:
         """Open a session on a screen of its own."""
         from sar_tui.app.live import LiveSession
+        from sar_tui.app.prompt_needs import refusal
         from sar_tui.app.screens.session import SessionScreen
         from sar_tui.app.session_link import link_of
         from sar_tui.framework.declaration import ParameterError
@@ -171,7 +173,8 @@ class BeginningApp(PatientModeApp):
             what = msgspec.structs.replace(what, id=new_id())
         try:
             link = self._link or self._own_link.enter_context(link_of(what, self.database, self.folder))
-            live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link, self._markers)
+            refuse = functools.partial(refusal, no_color=self.no_color)
+            live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link, self._markers, refuse)
             screen = SessionScreen(live)
             live.open(screen, what)
         except EnoughToday as error:

@@ -17,7 +17,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import COMMAND, MARKERS, SYNC
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import Plan
+from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import Run, output_nodes, resume, start
 from sar_tui.store.database import StoreError
 
@@ -39,6 +39,9 @@ class LiveSession:
     It has two Textual workers: ``session`` runs the bus with perception and event handling; ``storage`` is the thread
     that writes to the database. ``close`` ends both.
 
+    Args:
+        refusal: returns why the prompts of a task cannot be shown here, with this seed; empty if they can.
+
     Attributes:
         markers: sends markers; None if nobody asked for them.
         markers_trouble: says to the therapist why markers are lost, until somebody was told; else empty.
@@ -52,7 +55,9 @@ class LiveSession:
         feeds: "Sequence[ImuFeed]" = (),
         link: "BrokerProcess | None" = None,
         markers: Sequence[str] = (),
+        refusal: Callable[[Task, int], str] = lambda task, seed: "",
     ) -> None:
+        self._refusal = refusal
         self.clock = clock or LiveClock(asyncio.get_running_loop())
         self._feeds = feeds
         self._link = link
@@ -95,8 +100,11 @@ class LiveSession:
     def _nodes(self, task: Task, theme: Theme, seed: int) -> list[Node]:
         """Make the nodes for keyboard, sensors, the task's view, the outputs and the link.
 
-        The link comes first, so that it is told which sensors and outputs there are.
+        The link comes first, so that it is told which sensors and outputs there are. Raises Failed if the task's
+        prompts cannot be shown here.
         """
+        if why := self._refusal(task, seed):
+            raise Failed(why)
         shows_agent = "screen" in task.parameters.outputs
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)

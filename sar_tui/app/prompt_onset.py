@@ -9,6 +9,7 @@ from sar_tui.app.live import LiveSession
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Prompt, Shown
 from sar_tui.framework.visible_text import visible
+from sar_tui.widgets.prompt_pictures import Way
 
 _READ_AFTER = 0.03
 """Seconds until a prompt's time stamp is read: work before then would delay the drawing of the prompt."""
@@ -16,28 +17,36 @@ _UNSEEN = 2 * SECOND
 """A prompt whose flush was not seen by then counts as shown, with the less certain source ``refresh``."""
 
 
-def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0) -> None:
+def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0) -> "Onset":
     """Report to the session when a prompt, or a frame of it, that is about to be drawn has reached the terminal.
 
     The writing thread takes the time stamp, and this thread does nothing until the terminal has read what was flushed;
     of a prompt with frames the stamp is reported at once, as the next frame may be due soon. If flushes cannot be seen
     (tests, Windows), the onset is the refresh of the screen, and its source says so.
+
+    Returns the onset, which the caller tells how the picture is drawn.
     """
-    onset = _Onset(live, prompt, frame)
+    onset = Onset(live, prompt, frame)
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
         app.onset_watch.arm(visible(prompt.shown(frame).text), onset.flushed)
         asyncio.get_running_loop().call_later(_READ_AFTER, onset.read)
     else:
         screen.call_after_refresh(onset.refreshed)
+    return onset
 
 
-class _Onset:
-    """An onset that is awaited. Each has its own stamp, so that a voided prompt's is not taken for the next one's."""
+class Onset:
+    """An onset that is awaited. Each has its own stamp, so that a voided prompt's is not taken for the next one's.
+
+    Attributes:
+        picture: how the picture is drawn, which is in the same flush.
+    """
 
     def __init__(self, live: LiveSession, prompt: Prompt, frame: int) -> None:
         self._live = live
         self._prompt, self._frame = prompt, frame
+        self.picture: Way | Literal["", "none"] = ""
         self._at: int | None = None
         self._unseen_at = live.clock.now() + _UNSEEN
 
@@ -71,4 +80,5 @@ class _Onset:
             at=at,
             source=source,
             frame=self._frame,
+            picture=self.picture,
         )

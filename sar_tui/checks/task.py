@@ -177,8 +177,15 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             yield _check(name, _outcome(simulated, parameters))
             done.append(simulated)
     yield _check("stores only the details that it declares", _details(kind, done))
-    prompts = [record.message for each in done for record in each.history if isinstance(record.message, Prompt)]
-    yield Check("draws its prompts large", warning=task_prompts.size_warning(kind, prompts))
+    prompts = [
+        prompt.shown(frame)
+        for each in done
+        for record in each.history
+        if isinstance(prompt := record.message, Prompt)
+        for frame in range(max(1, len(prompt.frames)))
+    ]
+    themes = [Catalogue().theme(name) for name in Catalogue().theme_names()]
+    yield from task_prompts.checks(kind, prompts, themes)
     yield _check("changes its level", _level_moves(kind, parameters, done))
     yield _levels_apart(kind, parameters)
     yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))

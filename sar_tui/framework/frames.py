@@ -23,6 +23,8 @@ class Frame(msgspec.Struct, frozen=True, omit_defaults=True):
         text: the plain line below, as in `trial_types.Stimulus`; defaults to ``glyph``.
         hint: shown under it.
         halves: the contents of the left and right half of the screen, instead of ``glyph``.
+        colour: as in `trial_types.Stimulus`.
+        picture: as in `trial_types.Stimulus`, instead of ``glyph``; it needs a ``text``.
         timed: True if reaction time and time-out count from its onset; by default they count from the first frame.
         awaited: True if responses are awaited from its onset on; by default they are from the first frame on.
     """
@@ -32,6 +34,8 @@ class Frame(msgspec.Struct, frozen=True, omit_defaults=True):
     text: str = ""
     hint: str = ""
     halves: tuple[str, ...] = ()
+    colour: str = ""
+    picture: str = ""
     timed: bool = False
     awaited: bool = False
 
@@ -72,6 +76,8 @@ def problem(frames: Sequence[Frame]) -> str:
     for name in ("timed", "awaited"):
         if sum(getattr(frame, name) for frame in frames) > 1:
             return f"More than one frame is {name}."
+    if any(frame.picture and not frame.text for frame in frames):
+        return "A frame with a picture has no text."
     if any(not before.line and not frame.line for before, frame in pairwise(frames)):
         return "Two empty frames follow each other: make them one."
     return next(

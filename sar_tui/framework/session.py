@@ -119,6 +119,11 @@ class Session:
         return self._event_handler.trial_mark
 
     @property
+    def pictures_to_come(self) -> tuple[str, ...]:
+        """Pictures of the prompt that comes next, so that they can be prepared."""
+        return self._event_handler.pictures_to_come
+
+    @property
     def is_recording_over(self) -> bool:
         """True if a recording that replaces a sensor is at its end, so that the session cannot go on in this run."""
         return self._event_handler.is_recording_over

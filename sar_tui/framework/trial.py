@@ -122,6 +122,8 @@ class OpenTrial:
             halves=self.stimulus.halves,
             cue=self.stimulus.cue.side if self.stimulus.cue else "",
             frames=self._frames,
+            colour=self.stimulus.colour,
+            picture=self.stimulus.picture,
         )
 
     def frame(self) -> FrameDue:
@@ -154,6 +156,8 @@ class OpenTrial:
         self.is_drawing = False
         if shown.source == "refresh":
             self.flag("onset_refresh")
+        if shown.picture == "none":
+            self.flag("no_picture")
 
     @property
     def _onset(self) -> int | None:

@@ -188,6 +188,8 @@ class Stimulus(msgspec.Struct, frozen=True):
         cue: given before the prompt; nothing else then announces whose turn it is.
         timeout_ms: time for the response to this prompt; None: the parameter ``response_timeout_ms``.
         frames: shown one after the other instead of ``glyph`` and ``text``, each for its time.
+        colour: of what is drawn large: a name of `prompt_colors.OKABE_ITO`; empty for the colour of texts.
+        picture: a file in the task's folder, shown instead of ``glyph``: "pictures/cat.png".
     """
 
     name: str
@@ -202,6 +204,8 @@ class Stimulus(msgspec.Struct, frozen=True):
     cue: Cue | None = None
     timeout_ms: float | None = None
     frames: tuple[Frame, ...] = ()
+    colour: str = ""
+    picture: str = ""
 
 
 class Trial(msgspec.Struct, frozen=True):

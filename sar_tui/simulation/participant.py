@@ -71,6 +71,8 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
         halves=prompt.halves,
         cue=Cue(prompt.cue, 0) if prompt.cue else None,  # type: ignore[arg-type]
         frames=prompt.frames,
+        colour=prompt.colour,
+        picture=prompt.picture,
     )
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 

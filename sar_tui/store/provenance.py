@@ -12,6 +12,7 @@ import msgspec
 
 import sar_tui
 from sar_tui.framework.task import Task
+from sar_tui.framework.task_pictures import pictures_in
 from sar_tui.framework.trial_types import Metric
 from sar_tui.store import connection
 
@@ -21,8 +22,10 @@ _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
 def software(task: type[Task], source: str, task_code: Path, theme_folder: Path) -> dict[str, Any]:
     """Describe the software: versions, the task's declaration, and hashes of the task's code and the theme's folder.
 
-    ``source``: where the task comes from, as its own one may have the name of a built-in one.
+    ``source``: where the task comes from, as its own one may have the name of a built-in one. ``pictures``: the hash of
+    each picture in the task's folder, if it has some.
     """
+    pictures = _picture_hashes(task_code)
     return {
         "sar_tui": sar_tui.__version__,
         "python": platform.python_version(),
@@ -33,8 +36,17 @@ def software(task: type[Task], source: str, task_code: Path, theme_folder: Path)
             "metric": msgspec.to_builtins(task.metric),
             "source": source,
             "hash": folder_hash(task_code),
+            **({"pictures": pictures} if pictures else {}),
         },
         "theme": {"hash": folder_hash(theme_folder)},
+    }
+
+
+def _picture_hashes(folder: Path) -> dict[str, str]:
+    """Return the SHA-256 of each picture in a task's folder, by its name there."""
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in pictures_in(folder)
     }
 
 

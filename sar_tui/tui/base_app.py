@@ -55,9 +55,7 @@ class BaseApp(App[int]):
     ]
 
     def __init__(self) -> None:
-        self.terminal_probe = TerminalProbe(
-            self._write_to_terminal, is_relayed=lambda: not self.is_web and is_relayed()
-        )
+        self.terminal_probe = TerminalProbe(self.write_to_terminal, is_relayed=lambda: not self.is_web and is_relayed())
         super().__init__()
         self.failure = ""
         self.key_seconds = 0.0
@@ -118,7 +116,8 @@ class BaseApp(App[int]):
         screen = self.screen
         self._display(screen, screen._compositor.render_update(full=True, screen_stack=self._background_screens))
 
-    def _write_to_terminal(self, text: str) -> None:
+    def write_to_terminal(self, text: str) -> None:
+        """Write to the terminal at once, after the frames before."""
         if self._driver is not None and not self.is_headless:
             self._driver.write(text)
             self._driver.flush()

@@ -1,9 +1,12 @@
-"""Widget of the prompt: very large, and as a plain line for screen readers and tests."""
+"""Widget of the prompt: very large or as a picture, and as a plain line for screen readers and tests."""
 
 import functools
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Iterator, Sequence
+from typing import Literal
 
 from rich.cells import cell_len
+from rich.color import Color
 from rich.segment import Segment
 from rich.style import Style
 from textual.geometry import Region, Size
@@ -11,10 +14,14 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from sar_tui.framework.messages import Prompt
-from sar_tui.widgets.prompt_lines import Line, answer_lines, plain_lines
+from sar_tui.widgets.prompt_lines import Line, answer_lines, plain_lines, room, with_text
+from sar_tui.widgets.prompt_pictures import Drawn, Pictures, Way, overlay
+from sar_tui.widgets.prompt_style import prompt_color
 
 DrawPrompt = Callable[[Prompt | None, int, int], Sequence[Line]]
 """Draws a prompt, or the fixation point, in a number of columns and rows."""
+_FRAMES = re.compile("([─│┌┐└┘]+)")
+"""Frames, and the wall between halves: never in the colour of the prompt."""
 
 
 class BigPrompt(Widget):
@@ -22,21 +29,29 @@ class BigPrompt(Widget):
 
     Args:
         draw: draws the prompt (see `task_view.TaskView.prompt_lines`).
+        pictures: of the task; None if none can be shown.
     """
 
     DEFAULT_CSS = "BigPrompt { height: 1fr; width: 1fr; }"
 
-    def __init__(self, id: str | None = None, draw: DrawPrompt = plain_lines) -> None:
+    def __init__(self, id: str | None = None, draw: DrawPrompt = plain_lines, pictures: Pictures | None = None) -> None:
         super().__init__(id=id)
         self._draw = draw
+        self._pictures = pictures
         self._prompt: Prompt | None = None
         self._answer: Callable[[int, int], Sequence[Line]] | None = None
         self._lines: Sequence[Line] = ()
+        self._picture: Drawn | None = None
+        self._to_come: Sequence[str] = ()
+        self._top = 0
         self._drawn_for: Size | None = None
 
-    def show(self, prompt: Prompt) -> None:
-        """Show a prompt."""
+    def show(self, prompt: Prompt) -> Way | Literal["", "none"]:
+        """Show a prompt. Returns how its picture is drawn; empty if it has none."""
         self._change(prompt)
+        if not prompt.picture:
+            return ""
+        return self._pictures.way_of(prompt.picture) if self._pictures else "none"
 
     def show_answer(self, text: str, halves: tuple[str, ...] = ()) -> None:
         """Show the answer to a trial, in the same place; for two seats, in the halves of the screen."""
@@ -53,6 +68,18 @@ class BigPrompt(Widget):
         if self._lines != before:
             self.refresh(*regions, *self._regions())
 
+    def prepare(self, pictures: Sequence[str]) -> None:
+        """Prepare pictures that a prompt will soon show, so that its frame takes no longer for them."""
+        self._to_come = pictures
+        for name in pictures if self.size else ():
+            picture = self._drawn_picture(name)
+            for row in picture.rows if picture else ():
+                Strip(row).render(self.app.console)  # its styles keep their escape sequences
+
+    def on_resize(self) -> None:
+        """Prepare for the new size, also for the first one: nothing could be prepared before."""
+        self.prepare(self._to_come)
+
     def _change(self, prompt: Prompt | None, answer: Callable[[int, int], Sequence[Line]] | None = None) -> None:
         before = self._regions()
         self._prompt, self._answer = prompt, answer
@@ -60,23 +87,44 @@ class BigPrompt(Widget):
         self.refresh(*before, *self._regions())
 
     def _regions(self) -> list[Region]:
-        """Return the regions that hold text: a small frame reaches the terminal in one piece."""
+        """Return the regions that hold something: a small frame reaches the terminal in one piece."""
+        rows = range(self._top, self._top + len(self._picture.rows)) if self._picture else range(0)
         return [
-            Region(_indent(line), y, cell_len(line.strip()), 1)
+            Region(0, y, self.size.width, 1) if y in rows else Region(_indent(line), y, cell_len(line.strip()), 1)
             for y, (line, _) in enumerate(self._lines)
-            if line.strip()
+            if line.strip() or y in rows
         ]
 
     def _draw_lines(self) -> None:
-        draw = self._answer or functools.partial(self._draw, self._prompt)
-        self._lines = draw(*self.size) if self.size else ()
+        self._picture, self._lines = None, ()
         self._drawn_for = self.size
+        if not self.size:
+            return
+        prompt = self._prompt
+        if prompt and prompt.picture:
+            self._picture = self._drawn_picture(prompt.picture)
+        if prompt and self._picture:
+            blank = ("",) * len(self._picture.rows)
+            self._lines = with_text(blank, prompt.text, prompt.hint, *self.size)
+            self._top = len(self._lines) - len(blank) - 3
+        else:
+            draw = self._answer or functools.partial(self._draw, prompt)
+            self._lines = draw(*self.size)
+
+    def _drawn_picture(self, name: str) -> Drawn | None:
+        """Return a picture for the present size; None if it cannot be shown."""
+        if self._pictures is None:
+            return None
+        background = _hex(self.background_colors[1].rgb)
+        return self._pictures.drawn(name, *room(*self.size), background)
 
     def render_line(self, y: int) -> Strip:
         if self._drawn_for != self.size:
             self._draw_lines()
         width = self.size.width
         style = self.rich_style
+        if self._picture and 0 <= y - self._top < len(self._picture.rows):
+            return Strip(list(self._picture_row(y - self._top, self._picture, style)), width)
         if y >= len(self._lines):
             return Strip.blank(width, style)
         line, bold = self._lines[y]
@@ -85,10 +133,50 @@ class BigPrompt(Widget):
         return Strip(
             [
                 Segment(" " * left, style),
-                Segment(text, style + Style(bold=bold)),
+                *self._coloured(text, style + Style(bold=bold)),
                 Segment(" " * max(0, width - left - cell_len(text)), style),
             ]
         ).adjust_cell_length(width, style)
+
+    def render_lines(self, crop: Region) -> list[Strip]:
+        """Add what is painted over a picture to its last row, behind the filters of lines, which show no such thing."""
+        strips = super().render_lines(crop)
+        picture = self._picture
+        if not picture or not picture.overlay:
+            return strips
+        last = self._top + len(picture.rows) - 1 - crop.y
+        if 0 <= last < len(strips):
+            left = (self.size.width - picture.columns) // 2
+            segment = overlay(picture, self.region.x + left, self.region.y + self._top)
+            strips[last] = Strip([*strips[last], segment], strips[last].cell_length)
+        return strips
+
+    def _picture_row(self, row: int, picture: Drawn, style: Style) -> Iterator[Segment]:
+        """Yield a row of the picture, in the middle."""
+        left = (self.size.width - picture.columns) // 2
+        yield Segment(" " * left, style)
+        for text, own, _ in picture.rows[row]:
+            yield Segment(text, own or style)
+        yield Segment(" " * (self.size.width - left - picture.columns), style)
+
+    def _coloured(self, text: str, style: Style) -> list[Segment]:
+        """Return a line in the prompt's colour, except frames, and except the plain line."""
+        color = self._color
+        if color is None or not style.bold or not self._prompt or self._prompt.text == text:
+            return [Segment(text, style)]
+        parts = (part for part in _FRAMES.split(text) if part)
+        return [Segment(part, style if _FRAMES.match(part) else style + Style(color=color)) for part in parts]
+
+    @property
+    def _color(self) -> Color | None:
+        """The colour of the prompt; None for that of texts."""
+        if not self._prompt or not self._prompt.colour:
+            return None
+        return prompt_color(self._prompt.colour, _hex(self.background_colors[1].rgb), self.app.console.color_system)
+
+
+def _hex(rgb: tuple[int, int, int]) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*rgb)
 
 
 def _indent(line: str) -> int:

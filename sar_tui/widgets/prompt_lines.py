@@ -18,21 +18,24 @@ def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
     if prompt and prompt.halves:
         return halves(prompt.halves, prompt.text, width, height)
     if prompt is None:
-        return _block((FIXATION,), "", "", width, height)
-    drawn = draw(prompt.glyph, width - 2, height - 3) if prompt.glyph else ()
-    return _block(drawn, prompt.text, prompt.hint, width, height)
+        return with_text((FIXATION,), "", "", width, height)
+    drawn = draw(prompt.glyph, *room(width, height)) if prompt.glyph else ()
+    return with_text(drawn, prompt.text, prompt.hint, width, height)
 
 
 def answer_lines(text: str, sides: Sequence[str], width: int, height: int) -> list[Line]:
     """Draw the answer to a trial in the place of its prompt; ``sides``: those of two seats, if they differ."""
-    return (
-        halves(sides, text, width, height)
-        if sides
-        else _block(draw(text, width - 2, height - 3), text, "", width, height)
-    )
+    if sides:
+        return halves(sides, text, width, height)
+    return with_text(draw(text, *room(width, height)), text, "", width, height)
 
 
-def _block(drawn: Sequence[str], text: str, hint: str, width: int, height: int) -> list[Line]:
+def room(width: int, height: int) -> tuple[int, int]:
+    """Return the columns and rows that a prompt's drawing has on a stage of ``width`` by ``height`` cells."""
+    return width - 2, height - 3
+
+
+def with_text(drawn: Sequence[str], text: str, hint: str, width: int, height: int) -> list[Line]:
     """Put what is drawn large in the middle, with its plain line and a hint below it."""
     block = [*((line, True) for line in drawn), ("", False), (text, True), (hint, False)]
     top = max(0, (height - len(block)) // 2)

@@ -1,9 +1,14 @@
-"""The check of a task names each character that is not drawn large."""
+"""The check of a task names each character that is not drawn large, and tells of colours and pictures."""
+
+from pathlib import Path
 
 import msgspec
 import pytest
+from PIL import Image
 
-from sar_tui.checks.task_prompts import size_warning
+from sar_tui.app.prompt_needs import NO_COLOR
+from sar_tui.checks.check import Check
+from sar_tui.checks.task_prompts import checks, size_warning
 from sar_tui.framework.messages import Prompt
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
@@ -37,3 +42,44 @@ def test_halves_are_checked_for_the_room_they_have(keyboard: type[Task]) -> None
 
 def test_a_task_that_draws_its_prompts_itself_is_not_warned(catalogue: Catalogue) -> None:
     assert size_warning(catalogue.task("pairs"), [prompt("語", "Say it")]) == ""
+
+
+def checked(kind: type[Task], catalogue: Catalogue, **changes: str) -> dict[str, Check]:
+    shown = msgspec.structs.replace(prompt("f", "Press: f"), **changes)
+    themes = [catalogue.theme(name) for name in ("calm", "playful")]
+    return {each.check: each for each in checks(kind, [shown], themes)}
+
+
+def test_contrasts_of_colours_are_told_for_each_theme(
+    keyboard: type[Task], catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    found = checked(keyboard, catalogue, colour="blue")["has colours of the colour-blind-safe set"]
+    assert found.ok
+    assert found.found == "least contrast: calm 3.48, playful 4.73"
+    yellow = checked(keyboard, catalogue, colour="yellow")["has colours of the colour-blind-safe set"]
+    assert yellow.warning == "With the theme playful, these are darker or lighter: yellow."
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert NO_COLOR in checked(keyboard, catalogue, colour="blue")["has colours of the colour-blind-safe set"].warning
+
+
+def test_an_unknown_colour_is_a_problem(keyboard: type[Task], catalogue: Catalogue) -> None:
+    found = checked(keyboard, catalogue, colour="pink")["has colours of the colour-blind-safe set"]
+    assert found.problems[0].startswith("There is no colour 'pink'.")
+
+
+def test_missing_and_large_pictures_are_named(
+    tmp_path: Path, keyboard: type[Task], catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.checks.task_prompts.task_folder", lambda _: tmp_path)
+    name = "has the pictures of its prompts"
+    missing = checked(keyboard, catalogue, picture="cat.png")[name]
+    assert missing.problems == (f"There is no picture cat.png in {tmp_path}.",)
+    Image.new("L", (2000, 2001)).save(tmp_path / "cat.png")
+    large = checked(keyboard, catalogue, picture="cat.png")[name]
+    assert large.ok
+    assert "cat.png (2000×2001)" in large.warning
+
+
+def test_without_colours_and_pictures_nothing_is_said_of_them(keyboard: type[Task], catalogue: Catalogue) -> None:
+    assert list(checked(keyboard, catalogue)) == ["draws its prompts large"]

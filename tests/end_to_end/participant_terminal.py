@@ -57,9 +57,18 @@ class ScreenReader:
 
     def text(self) -> str:
         """Return the text on the screen."""
+        self._feed()
+        return "\n".join(line.rstrip() for line in self._screen.display)
+
+    def color_of(self, character: str) -> str:
+        """Return the colour of a character that is on the screen, as rrggbb or a name."""
+        self._feed()
+        cells = (cell for row in self._screen.buffer.values() for cell in row.values())
+        return str(next(cell.fg for cell in cells if cell.data == character))
+
+    def _feed(self) -> None:
         self._stream.feed(bytes(self._terminal.output[self._seen :]))
         self._seen = len(self._terminal.output)
-        return "\n".join(line.rstrip() for line in self._screen.display)
 
 
 def rows(data: Path, query: str, *values: object) -> list[tuple[Any, ...]]:

@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Sequence
 
-from sar_tui.app.prompt_onset import report_onset
+from sar_tui.app.prompt_onset import Onset, report_onset
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_keys import KeysScreen
 from sar_tui.app.screens.summary import Summary
@@ -55,19 +55,18 @@ class SessionScreen(KeysScreen):
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Show the prompt, and report when it reached the terminal."""
-        report_onset(self, self._live, prompt)
+        onset = report_onset(self, self._live, prompt)
         if self._shown != "prompt":
             self._stage("prompt")
-        self._draw(prompt, 0)
+        self._draw(prompt, 0, onset)
 
     def show_frame(self, prompt: Prompt, frame: int) -> None:
         """Show a later frame of the prompt, and report when it reached the terminal."""
-        report_onset(self, self._live, prompt, frame)
-        self._draw(prompt, frame)
+        self._draw(prompt, frame, report_onset(self, self._live, prompt, frame))
 
-    def _draw(self, prompt: Prompt, frame: int) -> None:
+    def _draw(self, prompt: Prompt, frame: int, onset: Onset) -> None:
         widget = self.query_one(BigPrompt)
-        widget.show(prompt.shown(frame))
+        onset.picture = widget.show(prompt.shown(frame))
         if prompt.frames:
             paint_now(widget)
 
@@ -111,6 +110,7 @@ class SessionScreen(KeysScreen):
         self._warn_of_markers()
         if before is not None and before.what == "result":
             self.query_one(BigPrompt).clear()
+        self._prepare_pictures(waiting)
         if waiting.what in ("foreperiod", "response", "result"):
             if waiting.what == "response":
                 self._gc.begin_trial()
@@ -130,6 +130,12 @@ class SessionScreen(KeysScreen):
             can_skip = bool(self.app.patient) and self._live.run.session.can_skip_attempt
             self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip)
             self._stage("menu")
+
+    def _prepare_pictures(self, waiting: Waiting) -> None:
+        """Prepare what the next prompt shows, before it comes."""
+        to_come = self._live.run.session.pictures_to_come if self._pictures else ()
+        if to_come and waiting.what != "response":
+            self.call_after_refresh(self.query_one(BigPrompt).prepare, to_come)
 
     def _warn_of_markers(self) -> None:
         """Tell a therapist who is there, once and never in a trial, that markers are lost."""

@@ -14,9 +14,11 @@ from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
 from sar_tui.framework.messages import Waiting
+from sar_tui.plugins import task_folder
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.progress_line import ProgressLine
+from sar_tui.widgets.prompt_pictures import Pictures
 
 
 class LayoutScreen(AgentScreen):
@@ -35,6 +37,18 @@ class LayoutScreen(AgentScreen):
         session = self._live.run.session
         return MarkKeys(session.task.marks, self.tr, lambda: session.trial_mark)
 
+    @functools.cached_property
+    def _pictures(self) -> Pictures | None:
+        """The pictures of the task; None if it draws its prompts itself, or if none can be shown here."""
+        if self.app.picture_way is None or self._live.view.draws_prompts:
+            return None
+        folder = task_folder(type(self._live.run.session.task))
+        return Pictures(folder, self.app.picture_way, self.app.write_to_terminal)
+
+    def on_unmount(self) -> None:
+        if self._pictures:
+            self._pictures.close()
+
     def compose(self) -> ComposeResult:
         session = self._live.run.session
         with Horizontal(id="top"):
@@ -45,7 +59,7 @@ class LayoutScreen(AgentScreen):
         yield Static("", id="above")
         with ContentSwitcher(initial="message", id="stage"):
             yield MessagePanel(id="message")
-            yield BigPrompt(id="prompt", draw=self._live.view.prompt_lines)
+            yield BigPrompt(id="prompt", draw=self._live.view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
             yield Summary(session.task.metric, self._live.view.facts, id="summary")
         yield from self.compose_agent()

@@ -40,7 +40,9 @@ def colours() -> Finding:
     from rich.console import Console
 
     if "NO_COLOR" in os.environ:
-        return Finding("Colours", "ok", "off, as NO_COLOR asks; nothing is shown by colour alone")
+        return Finding(
+            "Colours", "ok", "off, as NO_COLOR asks; only tasks whose prompts have colours cannot be done here"
+        )
     system = Console(force_terminal=True).color_system
     if system in (None, "standard"):
         return Finding(

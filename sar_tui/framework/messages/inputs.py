@@ -91,7 +91,7 @@ class Shown(Message, frozen=True, kw_only=True):
     """A prompt reached the terminal, or one of its frames: ``frame`` is its place, from 0.
 
     ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh: less exact),
-    ``virtual`` (simulated).
+    ``virtual`` (simulated). ``picture``: how its picture was drawn; ``none`` if it could not be; empty if it has none.
     """
 
     attempt: int
@@ -100,6 +100,7 @@ class Shown(Message, frozen=True, kw_only=True):
     at: int
     source: Literal["flush", "refresh", "virtual"]
     frame: int = 0
+    picture: Literal["", "kitty", "sixel", "half blocks", "blocks", "none"] = ""
 
 
 BodyPart = Literal["hand", "trunk"]

@@ -145,7 +145,9 @@ class Prompt(Message, frozen=True, kw_only=True):
     repeats it. ``timeout``: for the response, in ns. ``started``: when the participant started the trial, None if
     trials start by themselves. ``seat``: the seat it is for; empty for all. ``halves``: texts for the left and right
     half of the screen, instead of the glyph. ``cue``: the side to which the agent looked or pointed before.
-    ``frames``: shown one after the other, from the first; ``text`` then only says what the prompt is.
+    ``frames``: shown one after the other, from the first; ``text`` then only says what the prompt is. ``colour``: the
+    name of the glyph's colour, empty for that of texts. ``picture``: a file in the task's folder, shown instead of the
+    glyph.
     """
 
     attempt: int
@@ -163,13 +165,23 @@ class Prompt(Message, frozen=True, kw_only=True):
     halves: tuple[str, ...] = ()
     cue: str = ""
     frames: tuple[Frame, ...] = ()
+    colour: str = ""
+    picture: str = ""
 
     def shown(self, frame: int = 0) -> "Prompt":
         """Return the prompt with the contents of a frame, to be drawn; of a prompt without frames, itself."""
         if not self.frames:
             return self
         now = self.frames[frame]
-        return msgspec.structs.replace(self, text=now.line, glyph=now.glyph, hint=now.hint, halves=now.halves)
+        return msgspec.structs.replace(
+            self,
+            text=now.line,
+            glyph=now.glyph,
+            hint=now.hint,
+            halves=now.halves,
+            colour=now.colour,
+            picture=now.picture,
+        )
 
 
 class FrameDue(Message, frozen=True, kw_only=True):
@@ -216,7 +228,8 @@ class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
     loop while the response was awaited. ``false_starts``: keys pressed in the foreperiod, each of which restarted it.
     ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``unreadable_input``, ``repeat_key``, ``late_key``,
     ``other_seat`` (a key of a participant whose turn it was not), ``skipped``, ``onset_refresh``, ``early_key`` (a key
-    before the frame from which responses are awaited). ``frame_onsets_ns``: onsets of the frames that were shown.
+    before the frame from which responses are awaited), ``no_picture`` (its glyph was drawn instead).
+    ``frame_onsets_ns``: onsets of the frames that were shown.
     """
 
     onset_source: str

@@ -88,6 +88,14 @@ class TrialFlow(TimedNode, ABC):
     def _mark_open_trial(self, mark: Mark | None) -> None:
         """Mark the open trial, or remove its mark."""
 
+    @property
+    def pictures_to_come(self) -> tuple[str, ...]:
+        """Pictures of the prompt that comes next, and of its frames; none if no trial has begun."""
+        if self._phase not in IN_TRIAL:
+            return ()
+        stimulus = self._trial.stimulus
+        return tuple(filter(None, (stimulus.picture, *(frame.picture for frame in stimulus.frames))))
+
     # --- before the prompt -----------------------------------------------------------------------------------
 
     def _begin_trial(self, notice: str = "") -> None:

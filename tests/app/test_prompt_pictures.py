@@ -1,0 +1,179 @@
+"""Sessions whose prompts have pictures and colours: all they need is there before they begin."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from sar_tui.app.app import SarTui
+from sar_tui.app.prompt_needs import NO_COLOR
+from sar_tui.framework.parameters import build
+from sar_tui.framework.topics import PROMPT
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
+from sar_tui.widgets.prompt_pictures import MISSING
+from tests.app.app_driver import AppDriver, open_app
+from tests.documented import write_documented
+
+STROOP = """
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric, Result, Stimulus
+
+
+class Stroop(Task):
+    name = "stroop"
+    title = "Stroop"
+    metric = Metric("reaction_time", "ms", "lower")
+
+    def instructions(self):
+        return "Press the first letter of the ink's colour."
+
+    def stimulus(self, situation):
+        return Stimulus("RED in INK", "b", "Which ink?", glyph="RED", colour="INK")
+
+    def perceived(self, trial, percept):
+        return Result(correct=percept.key == "b", response=percept.key, response_at=percept.at, value=1.0)
+"""
+
+
+@pytest.fixture
+def naming(tmp_path: Path) -> Path:
+    """The documented task, with its pictures."""
+    folder = write_documented(tmp_path / "mytasks", "naming")
+    (folder / "pictures").mkdir()
+    for name, color in (("apple", "red"), ("banana", "yellow")):
+        Image.new("RGB", (60, 40), color).save(folder / "pictures" / f"{name}.png")
+    return folder
+
+
+def stroop(folder: Path, ink: str) -> Path:
+    task = folder / "mytasks" / "stroop"
+    task.mkdir(parents=True)
+    (task / "task.py").write_text(STROOP.replace("INK", ink), encoding="utf-8")
+    return task
+
+
+@asynccontextmanager
+async def session_of(data: Path, folder: Path) -> AsyncIterator[AppDriver]:
+    catalogue = Catalogue(tasks=(folder.parent,))
+    task = catalogue.task(folder.name)
+    plan = Plan(task, build(task.Parameters, {"attempts": 1}), "calm", "P01", seed=7)
+    async with open_app(data, catalogue, plan) as driver:
+        yield driver
+
+
+@pytest.fixture
+def half_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal that shows pictures in half blocks."""
+    monkeypatch.setattr(SarTui, "picture_way", "half blocks")
+
+
+@pytest.mark.usefixtures("half_blocks")
+async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
+    data: Path, naming: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with session_of(data, naming) as driver:
+        await driver.press("enter")
+        order: list[str] = []
+        driver.session.bus.subscribe(PROMPT, lambda _: order.append("prompt"))
+        opened = Image.open
+        monkeypatch.setattr(Image, "open", lambda *how: (order.append("read"), opened(*how))[1])
+        await driver.wait(300)
+        await driver.press("enter")
+        await driver.wait(1700)  # the agent is done, and the foreperiod has begun
+        assert order == ["read"]
+        prompt = await driver.to_prompt()
+        assert order == ["read", "prompt"]
+        assert "▀" * 20 in driver.text
+        assert driver.sees("What is it?")
+        assert prompt.picture == f"pictures/{prompt.stimulus}.png"
+        assert [each["picture"] for each in driver.messages("screen/shown")] == ["half blocks"]
+        await driver.press(prompt.expected)
+        assert "▀" not in driver.text
+        assert driver.session.faults == []
+
+
+@pytest.mark.usefixtures("half_blocks")
+async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph(data: Path, naming: Path) -> None:
+    async with session_of(data, naming) as driver:
+        for picture in (naming / "pictures").iterdir():
+            picture.unlink()
+        prompt = await driver.to_first_prompt()
+        assert any(block in driver.text for block in "█▀▄"), "its name, in large letters"
+        await driver.press(prompt.expected)
+        (timing,) = driver.stored("SELECT timing FROM trials")
+        assert "no_picture" in timing[0]
+        assert driver.session.faults == []
+
+
+@pytest.mark.usefixtures("half_blocks")
+async def test_pictures_of_frames_are_prepared_and_drawn(data: Path, naming: Path) -> None:
+    source = (naming / "task.py").read_text(encoding="utf-8")
+    source = source.replace("import Metric", "import Frame, Metric").replace(
+        'text="What is it?", picture=f"pictures/{thing}.png"',
+        'text="Naming", frames=(Frame("+", 200), Frame(text="What is it?", picture=f"pictures/{thing}.png"))',
+    )
+    (naming / "task.py").write_text(source, encoding="utf-8")
+    async with session_of(data, naming) as driver:
+        prompt = await driver.to_first_prompt()
+        assert not driver.sees("What is it?")
+        await driver.wait(250)
+        assert driver.sees("What is it?")
+        assert "▀" * 20 in driver.text
+        await driver.press(prompt.expected)
+        assert [(each["frame"], each["picture"]) for each in driver.messages("screen/shown")] == [
+            (0, ""),
+            (1, "half blocks"),
+        ]
+        assert driver.session.faults == []
+
+
+async def refusal(data: Path, folder: Path) -> str:
+    """The sentence with which the app ends instead of beginning a session."""
+    async with session_of(data, folder) as driver:
+        assert driver.app.live is None
+        return driver.app.failure
+
+
+async def test_a_session_does_not_begin_without_its_pictures(
+    data: Path, naming: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (naming / "pictures" / "banana.png").write_bytes(b"no picture")
+    assert await refusal(data, naming) == "The picture banana.png cannot be read (UnidentifiedImageError)."
+    (naming / "pictures" / "banana.png").unlink()
+    assert await refusal(data, naming) == f"There is no picture pictures/banana.png in {naming}."
+    monkeypatch.setattr("sar_tui.app.prompt_needs.has_pictures_extra", lambda: False)
+    assert await refusal(data, naming) == MISSING
+
+
+async def test_a_session_does_not_begin_with_a_picture_from_elsewhere(data: Path, naming: Path) -> None:
+    source = (naming / "task.py").read_text(encoding="utf-8").replace('f"pictures/', 'f"../')
+    (naming / "task.py").write_text(source, encoding="utf-8")
+    assert "is outside the task's folder" in await refusal(data, naming)
+
+
+async def test_a_session_with_colours_begins_only_where_there_are_colours(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "There is no colour 'pink'" in await refusal(data, stroop(tmp_path / "pink", "pink"))
+    blue = stroop(tmp_path / "blue", "blue")
+    async with session_of(data, blue) as driver:
+        prompt = await driver.to_first_prompt()
+        assert prompt.colour == "blue"
+        await driver.press("b")
+        assert driver.session.faults == []
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert await refusal(data, blue) == NO_COLOR
+
+
+async def test_a_prompt_without_colour_and_picture_is_stored_as_before(data: Path, tmp_path: Path) -> None:
+    async with session_of(data, stroop(tmp_path / "plain", "")) as driver:
+        await driver.to_first_prompt()
+        await driver.press("b")
+        driver.stored("SELECT 1")
+        ((stored,),) = driver.stored(
+            "SELECT m.message FROM messages m JOIN topics t ON m.topic=t.id WHERE t.name='event_handler/prompt' LIMIT 1"
+        )
+        assert not stored.rstrip("]").endswith('""')
