@@ -11,7 +11,21 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, FOCUS, FRAME, KEY, PASTE, PROMPT, SHOWN, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.framework.topics import (
+    COMMAND,
+    FOCUS,
+    FRAME,
+    KEY,
+    PASTE,
+    PROMPT,
+    SHOWN,
+    STORAGE,
+    STORED,
+    TONE_BEGAN,
+    TONE_DUE,
+    TRIAL,
+    WAITING,
+)
 
 M = TypeVar("M", bound=m.Message)
 
@@ -23,13 +37,14 @@ class Screen(Node):
     """Shows prompts after ``SHOWING``, and acknowledges storage, unless switched off."""
 
     name = "screen"
-    emits = (SHOWN, STORED)
+    emits = (SHOWN, STORED, TONE_BEGAN)
 
     def __init__(self) -> None:
         super().__init__()
         self.shows = True
         self.stores = True
         self.source: Any = "flush"
+        self.hears: Any = "device"
         self.prompt: m.Prompt | None = None
         self.onset: int | None = None
         self.waiting: m.Waiting | None = None
@@ -50,6 +65,19 @@ class Screen(Node):
     def frame_due(self, due: m.FrameDue) -> None:
         if self.shows:
             self.bus.clock.call_at(self.now + SHOWING, lambda: self.show_frame(due.frame))
+
+    @on(TONE_DUE)
+    def tone_due(self, due: m.ToneDue) -> None:
+        at = max(due.at, self.now + SHOWING)
+        began = m.ToneBegan(
+            attempt=due.attempt,
+            trial=due.trial,
+            presentation=due.presentation,
+            frame=due.frame,
+            at=at,
+            source=self.hears,
+        )
+        self.bus.clock.call_at(at, lambda: self.emit(TONE_BEGAN, began))
 
     def show_frame(self, frame: int, at: int | None = None) -> None:
         assert self.prompt

@@ -46,9 +46,9 @@ class EndingApp(BeginningApp):
         if self.live and self.live.unsaved:
             self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
 
-        if self.live and self.live.markers_trouble:
-            self.notify(self.live.markers_trouble, severity="error", timeout=30)
-            self.live.markers_trouble = ""
+        if self.live and self.live.trouble:
+            self.notify(self.live.trouble, severity="error", timeout=30)
+            self.live.trouble = ""
 
     def _patient_left(self) -> None:
         """Keep what went wrong for the therapist, and go on to the participant's next exercise."""
@@ -60,8 +60,8 @@ class EndingApp(BeginningApp):
             self.note_trouble(f"{self.live.rescued} `sar-tui rescue` brings it back.")
         if self.live.unsaved:
             self.note_trouble(UNSAVED)
-        if self.live.markers_trouble:
-            self.note_trouble(self.live.markers_trouble)
+        if self.live.trouble:
+            self.note_trouble(self.live.trouble)
         self.check_database()
         self._exercise_left(ended=self.live.run.session.ended)
 

@@ -88,8 +88,8 @@ class LeavingApp(EndingApp):
         one = self.is_for_one_session
         lines = exit_message(code, self.failure, self.live, self.folder, tasks, names_ended_session=one)
         troubles = self._troubles if self.patient else ()  # nobody was there to be told
-        markers_trouble = self.live.markers_trouble if self.live and not self.patient else ""
-        return [*lines, *troubles, *filter(None, (self.pending_notice, markers_trouble))]
+        trouble = self.live.trouble if self.live and not self.patient else ""
+        return [*lines, *troubles, *filter(None, (self.pending_notice, trouble))]
 
     def abandon(self, plugin: str) -> None:
         """End the program at once. For another thread, while this app's own hangs in the code of a plug-in."""

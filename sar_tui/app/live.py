@@ -10,12 +10,13 @@ from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.messages import Fault, MarkersChanged, SessionCommand, SyncSignal
+from sar_tui.framework.messages import Fault, MarkersChanged, SessionCommand, SyncSignal, ToneBegan
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, MARKERS, SYNC
+from sar_tui.framework.topics import COMMAND, MARKERS, SYNC, TONE_BEGAN
 from sar_tui.inputs.keyboard import Keyboard
+from sar_tui.outputs.prompt_tones import PromptTones
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import Run, output_nodes, resume, start
@@ -44,7 +45,7 @@ class LiveSession:
 
     Attributes:
         markers: sends markers; None if nobody asked for them.
-        markers_trouble: says to the therapist why markers are lost, until somebody was told; else empty.
+        trouble: says to the therapist why markers are lost or tones not heard, until somebody was told; else empty.
     """
 
     def __init__(
@@ -64,7 +65,7 @@ class LiveSession:
         self._peers: LinkNode | None = None
         self._destinations = markers
         self.markers: MarkerNode | None = None
-        self.markers_trouble = ""
+        self.trouble = ""
         self.keyboard = Keyboard()
         self.screen: ScreenOutput
         self.view: GuardedView
@@ -109,7 +110,7 @@ class LiveSession:
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
         inputs = [*self._linked(), self.keyboard, *self._marked(task)]
-        outputs = [self.view, self.screen, *output_nodes(task, theme)]
+        outputs = [self.view, self.screen, PromptTones(task.parameters.speech), *output_nodes(task, theme)]
         if not task.sensor_seats(task.parameters):
             return [*inputs, *outputs]
         from sar_tui.runs.sensors import open_sensors, sensor_nodes
@@ -152,13 +153,18 @@ class LiveSession:
 
         self.run.session.bus.subscribe(FAULT, faulted)
         self.run.session.bus.subscribe(MARKERS, self._markers_changed)
+        self.run.session.bus.subscribe(TONE_BEGAN, self._tone_began)
         self.clock.call_soon(self.run.begin)
 
     def _markers_changed(self, change: MarkersChanged) -> None:
         if change.state == "failing":
-            self.markers_trouble = f"No markers go to {change.destination}: {change.detail}"
-        elif change.state == "working" and self.markers_trouble:
-            self.markers_trouble = f"{self.markers_trouble} Later they did again."
+            self.trouble = f"No markers go to {change.destination}: {change.detail}"
+        elif change.state == "working" and self.trouble:
+            self.trouble = f"{self.trouble} Later they did again."
+
+    def _tone_began(self, began: ToneBegan) -> None:
+        if began.source == "failed":
+            self.trouble = f"The tones of the prompts are not heard. {began.detail}"
 
     def signal(self, what: Literal["flash", "tone"], at: int, source: Literal["flush", "refresh", "sound"]) -> None:
         """Report a signal for cameras to the session, from any thread."""

@@ -69,7 +69,7 @@ class WatchedSession(LiveSession):
         session = Session(task, theme, self.clock, row["seed"], rules=started.rules)
         session.bus = self.player.bus
         self.markers = None
-        self.markers_trouble = ""
+        self.trouble = ""
         self.codes = codes
         self.view = GuardedView(task)
         self.run: Any = SimpleNamespace(id=row["id"], session=session, participants=codes, rescue_file=None)

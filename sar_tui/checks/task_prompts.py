@@ -75,7 +75,7 @@ def size_warning(kind: type[Task], prompts: Iterable[Prompt]) -> str:
     if not _is_drawn_plainly(kind):
         return ""
     strange, long, wide = dict[str, None](), dict[str, None](), dict[str, None]()
-    for prompt in prompts:
+    for prompt in (one.shown(place) for one in prompts for place in range(max(1, len(one.frames)))):
         for glyph, columns in _drawings(prompt):
             if missing := unknown(glyph):
                 strange.update(dict.fromkeys(missing))

@@ -153,6 +153,8 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "foreperiod_ms": "open",
         "flags": "open",
         "frame_onsets_ns": "open",
+        "tone_onsets_ns": "open",
+        "tone_source": "open",
     },
     "actions": {
         "session": "open",

@@ -7,7 +7,9 @@ from itertools import pairwise
 import msgspec
 from msgspec.structs import replace
 
+from sar_tui.framework import tone
 from sar_tui.framework.clock import MS
+from sar_tui.framework.tone import Tone
 
 SHORTEST_MS = 10
 """No terminal draws a frame that stands for less."""
@@ -27,6 +29,7 @@ class Frame(msgspec.Struct, frozen=True, omit_defaults=True):
         picture: as in `trial_types.Stimulus`, instead of ``glyph``; it needs a ``text``.
         timed: True if reaction time and time-out count from its onset; by default they count from the first frame.
         awaited: True if responses are awaited from its onset on; by default they are from the first frame on.
+        tone: sounds from its onset on.
     """
 
     glyph: str = ""
@@ -38,6 +41,7 @@ class Frame(msgspec.Struct, frozen=True, omit_defaults=True):
     picture: str = ""
     timed: bool = False
     awaited: bool = False
+    tone: Tone | None = None
 
     @property
     def line(self) -> str:
@@ -79,10 +83,10 @@ def problem(frames: Sequence[Frame]) -> str:
     if any(frame.picture and not frame.text for frame in frames):
         return "A frame with a picture has no text."
     if any(not before.line and not frame.line for before, frame in pairwise(frames)):
-        return "Two empty frames follow each other: make them one."
-    return next(
-        filter(None, (_duration_problem(frame.ms, place, len(frames)) for place, frame in enumerate(frames))), ""
-    )
+        return "Two empty frames follow each other: make them one, or give them a glyph such as ·."
+    problems = [_duration_problem(frame.ms, place, len(frames)) for place, frame in enumerate(frames)]
+    problems += [tone.problem(frame.tone) for frame in frames if frame.tone is not None]
+    return next(filter(None, problems), "")
 
 
 def _duration_problem(ms: float | None, place: int, count: int) -> str:

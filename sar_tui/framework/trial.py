@@ -4,9 +4,21 @@ import math
 
 import msgspec
 
-from sar_tui.framework import frames
+from sar_tui.framework import frames, tone
 from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import CueGiven, FrameDue, Percept, Prompt, PromptVoided, Shown, Timing, TrialEnded
+from sar_tui.framework.messages import (
+    CueGiven,
+    FrameDue,
+    Percept,
+    Prompt,
+    PromptVoided,
+    Shown,
+    Timing,
+    ToneBegan,
+    ToneDue,
+    TrialEnded,
+)
+from sar_tui.framework.tone import Tone
 from sar_tui.framework.trial_types import Mark, Result, Situation, Stimulus, Trial
 
 LONGEST_LEAD = 10 * MS
@@ -54,6 +66,8 @@ class OpenTrial:
         self._lead = 0
         self._onsets: tuple[int, ...] = ()
         self._onset_source = ""
+        self._tone_onsets: dict[int, int] = {}
+        self._tone_source = ""
         self._percepts: tuple[Percept, ...] = ()
         self._flags: list[str] = []
 
@@ -124,6 +138,7 @@ class OpenTrial:
             frames=self._frames,
             colour=self.stimulus.colour,
             picture=self.stimulus.picture,
+            tone=self.stimulus.tone,
         )
 
     def frame(self) -> FrameDue:
@@ -182,6 +197,48 @@ class OpenTrial:
         return self._onsets[0] + frames.planned(self._frames, len(self._onsets)) - self._lead
 
     @property
+    def tones(self) -> tuple[Tone, ...]:
+        """The tones of the prompt, each once."""
+        tones = (self.stimulus.tone, *(frame.tone for frame in self._frames))
+        return tuple(dict.fromkeys(filter(None, tones)))
+
+    def next_tone(self) -> ToneDue | None:
+        """Return the tone of the frame that comes next, and when it is to sound; None if that has none.
+
+        The tone of a later frame is requested when the frame before it is shown, so that it can be prepared.
+        """
+        place = len(self._onsets)
+        wanted = self._frames[place].tone if place < len(self._frames) else None
+        if place == 0:
+            wanted = wanted or self.stimulus.tone
+        if wanted is None:
+            return None
+        at = self._onsets[0] + frames.planned(self._frames, place) if self._onsets else self._requested
+        return ToneDue(
+            seat=self._seat,
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            presentation=self.presentation,
+            frame=place,
+            tone=wanted,
+            at=at,
+        )
+
+    def tone_began(self, began: ToneBegan) -> None:
+        """Store the onset of a tone of this presentation, or that it failed."""
+        if (began.attempt, began.trial, began.presentation) != (
+            self.situation.attempt,
+            self.situation.trial,
+            self.presentation,
+        ):
+            return
+        if began.source == "failed":
+            self.flag("tone_failed")
+        else:
+            self._tone_onsets[began.frame] = began.at
+            self._tone_source = began.source
+
+    @property
     def timeout_at(self) -> int | None:
         """Time (ns) at which the time for the response is over, as soon as that is known."""
         return None if self._onset is None else self._onset + round(self.timeout_ms * MS)
@@ -201,6 +258,7 @@ class OpenTrial:
             started=self.started,
             cued=self.cued,
             frames=self._onsets if self._frames else (),
+            tones=tuple(self._tone_onsets.values()),
         )
 
     def remember(self, percept: Percept) -> None:
@@ -272,6 +330,8 @@ class OpenTrial:
                 foreperiod_ms=self.foreperiod / MS,
                 flags=(*self._flags, *result.flags),
                 frame_onsets_ns=self._onsets if self._frames else (),
+                tone_onsets_ns=tuple(self._tone_onsets.values()),
+                tone_source=self._tone_source,
             ),
             details=result.details,
         )
@@ -281,4 +341,6 @@ def stimulus_problem(stimulus: Stimulus) -> str:
     """Return a sentence that says why a prompt cannot be shown and timed as declared; empty if it can."""
     if stimulus.timeout_ms is not None and not 0 < stimulus.timeout_ms < math.inf:
         return f"The timeout_ms of a prompt is {stimulus.timeout_ms}; it is a time above 0, or None."
+    if stimulus.tone is not None and (problem := tone.problem(stimulus.tone)):
+        return problem
     return frames.problem(stimulus.frames)

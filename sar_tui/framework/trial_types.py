@@ -11,6 +11,7 @@ from sar_tui.framework.clock import MS
 from sar_tui.framework.frames import Frame
 from sar_tui.framework.messages import Json
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.tone import Tone
 
 DOUBTFUL = "disagree"
 """Flag of a trial whose measures are doubtful: it counts, but no change is reported from it."""
@@ -190,6 +191,7 @@ class Stimulus(msgspec.Struct, frozen=True):
         frames: shown one after the other instead of ``glyph`` and ``text``, each for its time.
         colour: of what is drawn large: a name of `prompt_colors.OKABE_ITO`; empty for the colour of texts.
         picture: a file in the task's folder, shown instead of ``glyph``: "pictures/cat.png".
+        tone: sounds from the onset of the prompt on; with frames, each may have its own instead.
     """
 
     name: str
@@ -206,6 +208,7 @@ class Stimulus(msgspec.Struct, frozen=True):
     frames: tuple[Frame, ...] = ()
     colour: str = ""
     picture: str = ""
+    tone: Tone | None = None
 
 
 class Trial(msgspec.Struct, frozen=True):
@@ -213,7 +216,8 @@ class Trial(msgspec.Struct, frozen=True):
 
     ``started``: when the participant started the trial, if they do (ns). ``cued``: when the agent gave its cue (ns).
     ``frames``: onsets of the frames shown so far (ns), in a prompt that has some; ``onset`` is then that of the timed
-    one, and if that is still to come, the time at which it is due.
+    one, and if that is still to come, the time at which it is due. ``tones``: onsets of the tones that have begun (ns),
+    of a repeated one the first.
     """
 
     situation: Situation
@@ -223,6 +227,7 @@ class Trial(msgspec.Struct, frozen=True):
     started: int | None = None
     cued: int | None = None
     frames: tuple[int, ...] = ()
+    tones: tuple[int, ...] = ()
 
     def frame_at(self, at: int) -> int:
         """Return the place of the frame that was on the screen at a time stamp, counted from 0; -1 before the first."""

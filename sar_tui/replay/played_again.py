@@ -23,7 +23,7 @@ from sar_tui.framework.node import on
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_ENDED, KEY, REPORT, SHOWN, STORED, TRIAL, TRIAL_FEEDBACK_SHOWN
+from sar_tui.framework.topics import ATTEMPT_ENDED, KEY, REPORT, SHOWN, STORED, TONE_BEGAN, TRIAL, TRIAL_FEEDBACK_SHOWN
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.simulation.participant import Person, SimulatedParticipant
 from sar_tui.store import sessions
@@ -99,7 +99,7 @@ class _Participant(SimulatedParticipant):
         forked_at: the attempt of that prompt; None before it.
     """
 
-    emits = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, STORED)
+    emits = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN, STORED)
 
     def __init__(self, person: Person | None, task: Task, seed: int, record: Responses | None) -> None:
         super().__init__(person, task, seed)  # type: ignore[arg-type]
@@ -135,13 +135,14 @@ class _Participant(SimulatedParticipant):
 
 
 def _is_same_prompt(was: Prompt, now: Prompt) -> bool:
-    return (was.stimulus, was.expected, was.level, was.choices, was.cue, was.frames) == (
+    return (was.stimulus, was.expected, was.level, was.choices, was.cue, was.frames, was.tone) == (
         now.stimulus,
         now.expected,
         now.level,
         now.choices,
         now.cue,
         now.frames,
+        now.tone,
     )
 
 

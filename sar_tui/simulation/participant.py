@@ -14,6 +14,8 @@ from sar_tui.framework.messages import (
     PartState,
     Prompt,
     Shown,
+    ToneBegan,
+    ToneDue,
     TrialFeedback,
     TrialFeedbackShown,
     Waiting,
@@ -28,6 +30,8 @@ from sar_tui.framework.topics import (
     PROMPT,
     REPORT,
     SHOWN,
+    TONE_BEGAN,
+    TONE_DUE,
     TRIAL_FEEDBACK,
     TRIAL_FEEDBACK_SHOWN,
     WAITING,
@@ -73,6 +77,7 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
         frames=prompt.frames,
         colour=prompt.colour,
         picture=prompt.picture,
+        tone=prompt.tone,
     )
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 
@@ -117,7 +122,7 @@ class SimulatedParticipant(_Performer):
     """Presses Enter when the session waits for it, and responds to each prompt as its person would."""
 
     name = "participant"
-    emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT)
+    emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN)
     _next: Handle | None = None
 
     @on(WAITING)
@@ -143,6 +148,20 @@ class SimulatedParticipant(_Performer):
     @on(FRAME)
     def frame_due(self, due: FrameDue) -> None:
         self._show(due, due.frame)
+
+    @on(TONE_DUE)
+    def tone_due(self, due: ToneDue) -> None:
+        """Report that a tone is heard at its time, and that of a prompt as it is shown."""
+        at = max(due.at, self.now + SHOWING)
+        began = ToneBegan(
+            attempt=due.attempt,
+            trial=due.trial,
+            presentation=due.presentation,
+            frame=due.frame,
+            at=at,
+            source="virtual",
+        )
+        self.bus.clock.call_at(at, lambda: self.emit(TONE_BEGAN, began))
 
     def _show(self, prompt: Prompt | FrameDue, frame: int = 0) -> int:
         """Report that a prompt or a frame of it is shown in a moment, and return its onset (ns)."""

@@ -126,7 +126,7 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
             await driver.do_attempt(prompt)
             await failed(driver)
             assert driver.app.live
-            assert driver.app.live.markers_trouble.endswith("takes no markers (Input/output error).")
+            assert driver.app.live.trouble.endswith("takes no markers (Input/output error).")
             assert driver.sees("takes no markers"), "a therapist who is there is told between attempts"
             prompt = await driver.begin()
             assert not driver.sees("takes no markers"), "nothing vanishes from the screen in a trial"

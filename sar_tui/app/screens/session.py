@@ -36,7 +36,7 @@ class SessionScreen(KeysScreen):
     def on_mount(self) -> None:
         self._show_attempts(0)
         self._live.begin(self.app, self._broken)
-        self._live.run.session.bus.subscribe(MARKERS, lambda _: self._warn_of_markers())
+        self._live.run.session.bus.subscribe(MARKERS, lambda _: self._warn())
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 
@@ -107,7 +107,7 @@ class SessionScreen(KeysScreen):
         if waiting.what == "foreperiod" and before is not None and before.reason == "held":
             self.clear_agent("listening")
         self._update_motion(waiting)
-        self._warn_of_markers()
+        self._warn()
         if before is not None and before.what == "result":
             self.query_one(BigPrompt).clear()
         self._prepare_pictures(waiting)
@@ -137,9 +137,9 @@ class SessionScreen(KeysScreen):
         if to_come and waiting.what != "response":
             self.call_after_refresh(self.query_one(BigPrompt).prepare, to_come)
 
-    def _warn_of_markers(self) -> None:
-        """Tell a therapist who is there, once and never in a trial, that markers are lost."""
-        trouble, in_trial = self._live.markers_trouble, self._waiting is None or self._waiting.stage == "trial"
+    def _warn(self) -> None:
+        """Tell a therapist who is there, once and never in a trial, that markers are lost or tones not heard."""
+        trouble, in_trial = self._live.trouble, self._waiting is None or self._waiting.stage == "trial"
         if trouble and trouble != self._warned_of and not in_trial and not self.app.patient:
             self._warned_of, self._has_warned = trouble, True
             self.app.notify(trouble, severity="warning", timeout=30)

@@ -52,6 +52,17 @@ _TIMING = {
         "When each frame of the prompt was on the terminal, session's clock, with spaces between; missing: no frames.",
         unit="ns",
     ),
+    "tone_onsets_ns": stored(
+        "trials.timing.tone_onsets_ns",
+        "string",
+        "When each tone of the prompt began, session's clock, with spaces between; missing: no tones.",
+        unit="ns",
+    ),
+    "tone_source": stored(
+        "trials.timing.tone_source",
+        "string",
+        "The onsets of tones are by the clock of the sound card (device), by that of the program (host), or virtual.",
+    ),
 }  # fmt: skip
 _PLAIN = (
     SESSION,

@@ -23,6 +23,7 @@ __all__ = [
     "SyncSignal",
     "ThemeApplied",
     "TimerFired",
+    "ToneBegan",
     "TrialFeedbackShown",
 ]
 
@@ -114,6 +115,22 @@ class TrialFeedbackShown(Message, frozen=True, kw_only=True):
     trial: int
     at: int
     source: Literal["flush", "refresh", "virtual"]
+
+
+class ToneBegan(Message, frozen=True, kw_only=True):
+    """A tone of a prompt began to sound, or is about to, ``at`` (ns). ``frame``: that it belongs to.
+
+    ``source``: ``device`` (by the clock of the sound card, with the time in its buffer), ``host`` (when its samples
+    were handed over: less exact), ``virtual`` (simulated), ``failed`` (it is not heard; ``detail`` says why).
+    """
+
+    attempt: int
+    trial: int
+    presentation: int
+    frame: int
+    at: int
+    source: Literal["device", "host", "virtual", "failed"]
+    detail: str = ""
 
 
 class ImuBlock(Message, frozen=True, kw_only=True):

@@ -6,6 +6,7 @@ import msgspec
 
 from sar_tui.framework.frames import Frame
 from sar_tui.framework.messages.base import Degree, Form, Json, Message, Outcome, Reference, Valence
+from sar_tui.framework.tone import Tone
 
 __all__ = [
     "AttemptEnded",
@@ -29,6 +30,8 @@ __all__ = [
     "SessionEnded",
     "Spread",
     "Timing",
+    "ToneDue",
+    "TonesAhead",
     "TrialEnded",
     "TrialFeedback",
     "TrialMarked",
@@ -147,7 +150,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     half of the screen, instead of the glyph. ``cue``: the side to which the agent looked or pointed before.
     ``frames``: shown one after the other, from the first; ``text`` then only says what the prompt is. ``colour``: the
     name of the glyph's colour, empty for that of texts. ``picture``: a file in the task's folder, shown instead of the
-    glyph.
+    glyph. ``tone``: sounds with it.
     """
 
     attempt: int
@@ -167,6 +170,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     frames: tuple[Frame, ...] = ()
     colour: str = ""
     picture: str = ""
+    tone: Tone | None = None
 
     def shown(self, frame: int = 0) -> "Prompt":
         """Return the prompt with the contents of a frame, to be drawn; of a prompt without frames, itself."""
@@ -191,6 +195,26 @@ class FrameDue(Message, frozen=True, kw_only=True):
     trial: int
     presentation: int
     frame: int
+
+
+class TonesAhead(Message, frozen=True, kw_only=True):
+    """The tones of the next prompt, so that they can be prepared before it is shown."""
+
+    tones: tuple[Tone, ...]
+
+
+class ToneDue(Message, frozen=True, kw_only=True):
+    """A tone of a prompt is to sound from ``at`` (ns) on, or as soon after it as it can. ``frame``: that it belongs to.
+
+    What of it has not sounded when the trial ends is dropped.
+    """
+
+    attempt: int
+    trial: int
+    presentation: int
+    frame: int
+    tone: Tone
+    at: int
 
 
 class CueGiven(Message, frozen=True, kw_only=True):
@@ -228,8 +252,9 @@ class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
     loop while the response was awaited. ``false_starts``: keys pressed in the foreperiod, each of which restarted it.
     ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``unreadable_input``, ``repeat_key``, ``late_key``,
     ``other_seat`` (a key of a participant whose turn it was not), ``skipped``, ``onset_refresh``, ``early_key`` (a key
-    before the frame from which responses are awaited), ``no_picture`` (its glyph was drawn instead).
-    ``frame_onsets_ns``: onsets of the frames that were shown.
+    before the frame from which responses are awaited), ``no_picture`` (its glyph was drawn instead), ``tone_failed``.
+    ``frame_onsets_ns``: onsets of the frames that were shown; ``tone_onsets_ns``: of the tones that began, by
+    ``tone_source`` (see `ToneBegan`).
     """
 
     onset_source: str
@@ -240,6 +265,8 @@ class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
     foreperiod_ms: float
     flags: tuple[str, ...]
     frame_onsets_ns: tuple[int, ...] = ()
+    tone_onsets_ns: tuple[int, ...] = ()
+    tone_source: str = ""
 
 
 class TrialEnded(Message, frozen=True, kw_only=True):

@@ -22,6 +22,9 @@ from sar_tui.framework.topics import (
     REACH,
     SHOWN,
     STORED,
+    TONE_BEGAN,
+    TONE_DUE,
+    TONES_AHEAD,
     TRIAL,
     TRIAL_FEEDBACK,
     TRIAL_FEEDBACK_SHOWN,
@@ -101,6 +104,8 @@ class TrialFlow(TimedNode, ABC):
     def _begin_trial(self, notice: str = "") -> None:
         """Wait for the participant to start the trial, if the task has a start key; else prepare its prompt."""
         self._notice = notice
+        if self._trial.tones:
+            self.emit(TONES_AHEAD, m.TonesAhead(tones=self._trial.tones))
         self._when_agent_is_still(self._await_start if self.task.start_key else self._prepare_prompt)
 
     def _when_agent_is_still(self, step: Callable[[], None]) -> None:
@@ -210,6 +215,7 @@ class TrialFlow(TimedNode, ABC):
         if not self._focused:
             self._trial.flag("focus_lost")
         self.emit(PROMPT, self._trial.prompt(self.parameters.response_timeout_ms, self.now))
+        self._request_tone()
         self._wait(Phase.ONSET)
 
     @on(SHOWN)
@@ -224,7 +230,17 @@ class TrialFlow(TimedNode, ABC):
             self.set_timer("timeout", over)
         if (due := self._trial.next_frame_at) is not None:
             self.set_timer("frame", due)
+            self._request_tone()
         self._judge_early()
+
+    def _request_tone(self) -> None:
+        if due := self._trial.next_tone():
+            self.emit(TONE_DUE, due)
+
+    @on(TONE_BEGAN)
+    def tone_began(self, began: m.ToneBegan) -> None:
+        if self._phase in (Phase.ONSET, Phase.RESPONSE):
+            self._trial.tone_began(began)
 
     def _judge_early(self) -> None:
         """Judge what was pressed while a prompt or a frame was on its way to the screen."""

@@ -15,6 +15,7 @@ CODES: dict[str, int] = {
     "prompt_onset": 10,
     "prompt_cancelled": 11,
     "frame_onset": 12,
+    "prompt_tone": 13,
     "response": 20,
     "miss": 21,
     "movement_start": 22,

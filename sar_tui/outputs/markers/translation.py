@@ -42,6 +42,7 @@ class Translation:
             t.SYNC: self._signalled,
             t.PROMPT: self._prompted,
             t.SHOWN: lambda _, shown: self.shown(shown),
+            t.TONE_BEGAN: self._tone_began,
             t.VOIDED: lambda at, voided: [Marker("prompt_cancelled", at, self._trial(voided))],
             t.TRIAL: self._trial_ended,
             t.TRIAL_FEEDBACK_SHOWN: lambda _, seen: [Marker("trial_feedback", seen.at, self._trial(seen))],
@@ -104,6 +105,11 @@ class Translation:
     def _prompted(self, _: int, prompt: m.Prompt) -> Sequence[Marker]:
         self._prompt = prompt
         return ()
+
+    def _tone_began(self, _: int, began: m.ToneBegan) -> Sequence[Marker]:
+        if began.source == "failed":
+            return ()
+        return [Marker("prompt_tone", began.at, self._trial(began) | {"frame": began.frame, "source": began.source})]
 
     def _trial_ended(self, at: int, trial: m.TrialEnded) -> Sequence[Marker]:
         fields: Fields = self._trial(trial) | {"stimulus": trial.stimulus, "correct": trial.correct}

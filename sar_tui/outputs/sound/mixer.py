@@ -29,7 +29,7 @@ def check_sound(where: str) -> None:
     Raises:
         SoundError: if it cannot be used. Does not check for a sound card.
     """
-    folder = _folder(where)
+    folder = sound_folder(where)
     if folder is None:
         return
     try:
@@ -92,7 +92,7 @@ class Sound:
         program: Sequence[str] = PROGRAM,
         patience_s: float = PATIENCE_S,
     ) -> None:
-        self._folder = _folder(where)
+        self._folder = sound_folder(where)
         self._backends, self._program, self._patience_s = tuple(backends), program, patience_s
         self._jobs = itertools.count(1)
         self._lock = threading.RLock()
@@ -169,7 +169,7 @@ class Sound:
                 report(Report(job.action, job.kind, state, self._clock.now() if at is None else at, detail))
 
 
-def _folder(where: str) -> Path | None:
+def sound_folder(where: str) -> Path | None:
     """Return the folder for sound files; None for the sound card."""
     if where == CARD:
         return None

@@ -83,12 +83,27 @@ class SoundCard:
                 raise SoundError(_NO_CARD.format(error.args[0])) from error
         return str(self._device.backend)
 
+    def start(self, stream: Generator["array[int]", int, None]) -> None:
+        """Play a stream that gives as many samples as it is sent a number for, until `close`.
+
+        Raises:
+            SoundError: if there is no sound card; it says what to do.
+        """
+        import miniaudio
+
+        self.open()
+        try:
+            self._device.start(stream)
+        except miniaudio.MiniaudioError as error:
+            self.close()
+            raise SoundError(_NO_CARD.format(error.args[0])) from error
+
     def play(self, name: str, samples: "array[int]", playback: Playback, began: Began) -> None:
         try:
             self.open()
             self._play(samples, playback, began)
         except SoundError:
-            self._close()
+            self.close()
             raise
 
     def _play(self, samples: "array[int]", playback: Playback, began: Began) -> None:
@@ -117,7 +132,8 @@ class SoundCard:
             if not playback.is_halted:
                 playback.wake.wait(BUFFER_S)
 
-    def _close(self) -> None:
+    def close(self) -> None:
+        """Stop the card, and give it back."""
         device, self._device = self._device, None
         if device is not None:
             device.close()

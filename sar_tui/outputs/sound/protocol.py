@@ -64,6 +64,22 @@ class Tone(_Line, frozen=True):
     notes: tuple[Note, ...]
 
 
+class Cue(_Line, frozen=True):
+    """Play a tone of a prompt ``at`` a time (ns, `host_now`) or as soon as possible after it, and after each offset."""
+
+    job: int
+    hz: float
+    ms: float
+    at: int
+    offsets_ms: tuple[float, ...] = (0.0,)
+
+
+class Drop(_Line, frozen=True):
+    """Leave out what has not begun of a tone of a prompt."""
+
+    job: int
+
+
 class Stop(_Line, frozen=True):
     """Stop this job if it is still under way."""
 
@@ -75,11 +91,15 @@ class Examine(_Line, frozen=True):
 
 
 class Started(_Line, frozen=True):
-    """The first samples were fed to the sound card at ``at`` (ns, `host_now`); they last ``seconds``."""
+    """The first samples were fed to the sound card at ``at`` (ns, `host_now`); they last ``seconds``.
+
+    ``by``: ``device`` if ``at`` is when they are heard, by the clock of the card.
+    """
 
     job: int
     at: int
     seconds: float
+    by: Literal["host", "device"] = "host"
 
 
 class Ended(_Line, frozen=True):
@@ -113,7 +133,7 @@ class Examined(_Line, frozen=True):
     no_card: str = ""
 
 
-Request = Setup | Warm | Say | Tone | Stop | Examine
+Request = Setup | Warm | Say | Tone | Cue | Drop | Stop | Examine
 Reply = Started | Ended | Examined
 
 _requests: msgspec.json.Decoder[Request] = msgspec.json.Decoder(Request)

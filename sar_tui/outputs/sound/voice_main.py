@@ -108,8 +108,8 @@ class Voice:
 
 def main() -> NoReturn:
     """Do the requests from standard input until it ends."""
-    requests, replies = _own_channels()
-    _end_with_parent()
+    requests, replies = own_channels()
+    end_with_parent()
     first = decode_request(requests.readline())
     if not isinstance(first, Setup):
         raise SystemExit(2)
@@ -138,7 +138,7 @@ def _listen(requests: BinaryIO, jobs: "queue.SimpleQueue[tuple[Request, Playback
         os._exit(0)
 
 
-def _own_channels() -> tuple[BinaryIO, BinaryIO]:
+def own_channels() -> tuple[BinaryIO, BinaryIO]:
     """Take over standard input and output; libraries that print or read get the null device."""
     requests = os.fdopen(os.dup(0), "rb")
     replies = os.fdopen(os.dup(1), "wb", buffering=0)
@@ -149,7 +149,7 @@ def _own_channels() -> tuple[BinaryIO, BinaryIO]:
     return requests, replies
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
     """Have the kernel kill this process when its parent ends, as our own thread may not get to run (Linux only)."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
