@@ -16,6 +16,7 @@ from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
 from sar_tui.motion.samples import Recording, Samples, recording
 from sar_tui.motion.single_axis import SingleAxisParameters
+from sar_tui.motion.vectors import lengths
 
 Measured = dict[str, str | int | float | bool | None]
 
@@ -103,11 +104,12 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         window: where to look.
         parameters: the detectors' settings.
     """
+    each = parameters.each
     inside = samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
     known: Measured = {
         "detector": STORED_NAMES[parameters.detector],
         "detector_version": DETECTORS[parameters.detector].version,
-        "detector_parameters": msgspec.json.encode(parameters.each[parameters.detector]).decode(),
+        "detector_parameters": msgspec.json.encode(each[parameters.detector]).decode(),
         "hand": parameters.hand,
         "window_from_ns": window.from_ns,
         "window_started_ns": window.started_ns,
@@ -124,7 +126,7 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
     grid = even(whole)
     reaches: tuple[Reach, ...] = ()
     times_ms: dict[DetectorName, float | None] = {}
-    for name, its_parameters in parameters.each.items():
+    for name, its_parameters in each.items():
         try:
             found = find(whole, name, its_parameters, parameters.hand, grid)
         except Exception as error:  # whatever is wrong in a detector, the session goes on
@@ -205,7 +207,7 @@ def _fastest(found: Detected) -> tuple[Bounds, ...]:
     """Return the reach in which the hand turns fastest, about any axis; none if there is none."""
     if len(found.reaches) < 2:
         return found.reaches
-    speed = np.linalg.norm(found.rate, axis=1)
+    speed = lengths(found.rate)
 
     def peak(bounds: Bounds) -> float:
         first, last = np.searchsorted(found.time_s, (bounds.onset_s, bounds.end_s))
@@ -241,7 +243,7 @@ def _holes(stamps: npt.NDArray[np.int64], window: Window) -> list[tuple[int, int
     """Return the holes since the start of the reach, except those that saturation explains."""
     after = stamps[stamps >= window.started_ns - EARLY_NS]
     least = SATURATED_NS if "saturated" in window.flags else HOLE_NS
-    return [(int(after[n]), int(after[n + 1])) for n in np.flatnonzero(np.diff(after) > least)]
+    return [(int(after[n]), int(after[n + 1])) for n in (after[1:] - after[:-1] > least).nonzero()[0]]
 
 
 def _stamp(seconds: float, window: Window) -> int:

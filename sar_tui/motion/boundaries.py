@@ -15,6 +15,7 @@ PROMINENT, FALL = 0.2, 0.6
 share of its own."""
 POINTS = 24
 """Number of points that the line is fitted to."""
+_EVENLY = np.linspace(0.0, 1.0, POINTS)
 TAIL = 0.02
 """Share of the peak speed below which a movement is over."""
 
@@ -22,7 +23,7 @@ TAIL = 0.02
 def first_peak(speed: Floats, prominent: float = PROMINENT) -> int:
     """Return the peak of a phase's first submovement: before a fall to 60 %, and at least a share of the phase's."""
     highest = np.maximum.accumulate(speed)
-    fallen = np.flatnonzero((speed < FALL * highest) & (highest >= prominent * highest[-1]))
+    fallen = ((speed < FALL * highest) & (highest >= prominent * highest[-1])).nonzero()[0]
     return int(speed[: fallen[0] if len(fallen) else len(speed)].argmax())
 
 
@@ -48,21 +49,24 @@ def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0)
         return float(time_s[0])
     relative = speed / speed[-1]
     low = min(max(floor / float(speed[-1]), LOW), HIGHEST_LOW)
-    below = np.flatnonzero(relative < low)
+    below = (relative < low).nonzero()[0]
     if not len(below) and relative[0] > HIGHEST_LOW:
         return float(time_s[0])
     first = int(below[-1]) if len(below) else 0
     rise = np.maximum.accumulate(relative[first:]) + 1e-9 * np.arange(len(relative) - first)
-    root = np.linspace(np.sqrt(max(low, rise[0])), np.sqrt(max(low, rise[0]) + HIGH - LOW), POINTS)
-    when = np.interp(root**2, rise, time_s[first:])
+    lowest = max(low, float(rise[0]))
+    least = math.sqrt(lowest)
+    root = least + (math.sqrt(lowest + HIGH - LOW) - least) * _EVENLY
+    when = np.interp(root * root, rise, time_s[first:])
     share = (1.0 - np.sqrt(np.maximum(1.0 - root, 0.0))) / 2.0
-    centred = share - share.mean()
+    middle = float(share.sum()) / POINTS
+    centred = share - middle
     slope = float(centred @ when / (centred @ centred))
     peak = float(speed[-1])
     begins = (1.0 - math.sqrt(1.0 - math.sqrt(min(level / peak, 1.0)))) / 2.0
-    start = float(when.mean()) - slope * (float(share.mean()) - begins)
+    start = float(when.sum()) / POINTS - slope * (middle - begins)
     tail = 2.0 * level / peak if level else TAIL
-    over = np.flatnonzero(relative < max(tail, 3.0 * floor / peak))
+    over = (relative < max(tail, 3.0 * floor / peak)).nonzero()[0]
     trail = float(time_s[over[-1]]) if len(over) else float(time_s[0])
     return min(start, trail) if slope > 0 else max(start, trail)
 

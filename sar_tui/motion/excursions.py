@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion import quaternions
+from sar_tui.motion.changes import changes
 from sar_tui.motion.samples import Floats
 
 NEAR = 0.15
@@ -90,7 +91,7 @@ def _chains(orientation: Floats, slow: Floats, homes: list[int], rate_hz: float,
 
 def _homes(resting: npt.NDArray[np.bool_], rate_hz: float) -> list[int]:
     """Return the samples at which a reach may start: just before the end of each rest that is no mere turn."""
-    edges = np.flatnonzero(np.diff(resting.astype(np.int8), prepend=0, append=0))
+    edges = changes(resting)
     rests = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
     shortest, before = HOME_S * rate_hz, round(JUST_BEFORE_S * rate_hz)
     return [max(first, last - 1 - before) for first, last in rests if last - first >= shortest] or [0]
@@ -104,14 +105,14 @@ def _excursion_from(orientation: Floats, slow: Floats, linger: float, limits: Li
     turned = quaternions.multiply(quaternions.conjugate(orientation[0]), orientation)
     angle = quaternions.angle(turned)
     highest = np.maximum.accumulate(angle)
-    back = np.flatnonzero((highest >= limits.least_rad) & (angle <= limits.return_share * highest))
+    back = ((highest >= limits.least_rad) & (angle <= limits.return_share * highest)).nonzero()[0]
     at = 0
     while (index := int(np.searchsorted(back, at))) < len(back):
         came = int(back[index])
         largest = float(highest[came])
         leaves = _leaves(angle, came, limits.return_share * largest)
         if _is_back(angle[came:leaves], slow[came:leaves], limits.still, largest, float(slow[:leaves].max())):
-            rests = np.flatnonzero(slow[came:leaves] <= limits.still)
+            rests = (slow[came:leaves] <= limits.still).nonzero()[0]
             last = came + (
                 _settles(angle[came:leaves], rests, NEAR * largest, linger)
                 if len(rests)
@@ -129,7 +130,7 @@ def _settles(angle: Floats, rests: npt.NDArray[np.intp], by: float, linger: floa
     """Return the first of some samples at rest from which the angle does not soon fall further."""
     at = int(rests[0])
     while True:
-        nearer = np.flatnonzero(angle[at:] <= angle[at] - by)
+        nearer = (angle[at:] <= angle[at] - by).nonzero()[0]
         if not len(nearer) or nearer[0] > linger:
             return at
         later = rests[rests >= at + nearer[0]]
@@ -141,7 +142,7 @@ def _settles(angle: Floats, rests: npt.NDArray[np.intp], by: float, linger: floa
 def _leaves(angle: Floats, since: int, by: float) -> int:
     """Return where an angle has risen by so much above its lowest since a sample; the number of samples if nowhere."""
     lowest = np.minimum.accumulate(angle[since:])
-    leaves = np.flatnonzero(angle[since:] > lowest + by)
+    leaves = (angle[since:] > lowest + by).nonzero()[0]
     return since + int(leaves[0]) if len(leaves) else len(angle)
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from sar_tui.motion.changes import changes
 from sar_tui.motion.samples import Floats
 
 PLATEAU = 5
@@ -29,7 +30,7 @@ def is_clipped(rate: Floats) -> bool:
     return any(
         _has_plateau(side * rate[:, axis])
         for side, extreme in ((1.0, rate.max(axis=0, initial=0.0)), (-1.0, rate.min(axis=0, initial=0.0)))
-        for axis in np.flatnonzero((rate == extreme).sum(axis=0) >= PLATEAU)
+        for axis in ((rate == extreme).sum(axis=0) >= PLATEAU).nonzero()[0]
     )
 
 
@@ -39,7 +40,7 @@ def _has_plateau(values: Floats) -> bool:
         return False
     steps = np.abs(np.diff(values))
     step = steps[steps > 0].min(initial=np.inf)
-    edges = np.flatnonzero(np.diff((values == largest).astype(np.int8), prepend=0, append=0))
+    edges = changes(values == largest)
     for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
         if last - first < PLATEAU or first < SIDE or last + SIDE > len(values):
             continue

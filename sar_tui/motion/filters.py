@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import mean_of
 
 Vector = tuple[float, float, float]
 
@@ -115,6 +116,12 @@ def _coefficients(rate_hz: float, cutoff_hz: float) -> tuple[float, float, float
     return warped * warped / norm, a1, (1.0 - math.sqrt(2.0) * warped + warped * warped) / norm
 
 
+@lru_cache(maxsize=16)
+def hann(size: int) -> Floats:
+    """Return a Hann window, shape (size,). Do not change it."""
+    return np.hanning(size)
+
+
 class Spectrum:
     """A recording's spectrum, from which it is smoothed in several ways.
 
@@ -130,7 +137,7 @@ class Spectrum:
         self._length = len(x)
         self._rate_hz = rate_hz
         self._pad = pad = min(len(x) - 1, math.ceil(2.0 * rate_hz))
-        self._mean = x.mean(axis=0)
+        self._mean = mean_of(x)
         mirrored = np.concatenate((x[pad:0:-1], x, x[-2 : -pad - 2 : -1])) - self._mean
         self._size = 1 << (len(mirrored) - 1).bit_length()
         self._spectrum = np.fft.rfft(mirrored, self._size, axis=0)

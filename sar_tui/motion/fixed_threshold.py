@@ -43,7 +43,7 @@ def find(
 
 def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameters) -> list[tuple[float, float, bool]]:
     """Return onset, end and completeness of each stretch above the threshold; shorter rests are bridged."""
-    above = np.flatnonzero(speed > parameters.threshold_rad_s)
+    above = (speed > parameters.threshold_rad_s).nonzero()[0]
     if not len(above):
         return []
     still_s = parameters.still_ms / 1000.0
@@ -51,7 +51,7 @@ def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameter
     until = np.append(time_s[above[1:]], time_s[-1])
     ends = until - quiet >= still_s - 1e-9
     ends[:-1] &= np.diff(above) > 1
-    last = np.flatnonzero(ends)
+    last = ends.nonzero()[0]
     first = np.concatenate(([0], last + 1))
     segments = [(float(time_s[above[a]]), float(quiet[b]), True) for a, b in zip(first, last, strict=False)]
     if first[-1] < len(above):
@@ -76,8 +76,8 @@ def _bounds(grid: Grid, segment: tuple[float, float, bool], threshold: float, ha
             sign = -1.0
             flags.append("reversed")
         out, back = sorted((int(turning.argmin()), int(turning.argmax())))
-        way_out = np.flatnonzero(sign * turning[out:back] > threshold)
-        way_back = np.flatnonzero(sign * turning[out : back + 1] < -threshold)
+        way_out = (sign * turning[out:back] > threshold).nonzero()[0]
+        way_back = (sign * turning[out : back + 1] < -threshold).nonzero()[0]
         arrival_s = float(time[out + way_out[way_out < way_back[0]][-1]])
         departure_s = float(time[out + way_back[0]])
     elif -turning.min() > turning.max():

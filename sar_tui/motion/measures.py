@@ -13,7 +13,8 @@ from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.smoothness import ldlj, movement_units, sparc
-from sar_tui.motion.tremor import ACTION_HZ, tremor_amplitude, tremor_index
+from sar_tui.motion.tremor import tremor_amplitude, tremor_in_movement, tremor_index
+from sar_tui.motion.vectors import lengths, mean_of
 
 Version = Literal[1, 2]
 """1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4 stored."""
@@ -41,7 +42,7 @@ class _Rates(NamedTuple):
 
     @classmethod
     def of(cls, rate: Floats, by_norm: bool) -> "_Rates":
-        return cls(rate, np.linalg.norm(rate, axis=1) if by_norm else None)
+        return cls(rate, lengths(rate) if by_norm else None)
 
     def about(self, axis: Floats, part: slice) -> tuple[Floats, Floats]:
         """Return the rate in a part: positive on a way out and negative on a way back, to be used on each way."""
@@ -132,7 +133,7 @@ def _measured(
         sparc_back=sparc(way_back, rate_hz) if is_back_long else None,
         ldlj_out=ldlj(way_out, rate_hz) if is_out_long else None,
         ldlj_back=ldlj(way_back, rate_hz) if is_back_long else None,
-        tremor_index=tremor_index(found.rate[part][whole], rate_hz),
+        tremor_index=tremor_index(found.rate[part][whole], rate_hz) if version == 1 else None,
         flags=tuple(dict.fromkeys((*bounds.flags, *flags))),
     )
 
@@ -142,7 +143,7 @@ def _turn(time: Floats, turning: Floats, bounds: Bounds) -> float:
     middle = (bounds.arrival_s + bounds.departure_s) / 2
     if bounds.departure_s > bounds.arrival_s or bounds.arrival_s >= bounds.end_s:
         return middle
-    inside = np.flatnonzero((time >= bounds.onset_s) & (time <= bounds.end_s))
+    inside = ((time >= bounds.onset_s) & (time <= bounds.end_s)).nonzero()[0]
     falls = inside[:-1][(turning[inside[:-1]] > 0) & (turning[inside[1:]] <= 0)]
     return float(time[falls[np.abs(time[falls] - middle).argmin()]]) if len(falls) else middle
 
@@ -164,12 +165,14 @@ def _extended(reach: Reach, found: Detected, calm: Floats, recording: Recording)
     rest = _rest(found, reach.onset_s)
     up = None if rest is None else _up(recording, *rest)
     before = found.rate[:0] if rest is None else found.rate[_between(time, *rest)]
+    index, action = tremor_in_movement(found.rate[inside], rate_hz)
     return msgspec.structs.replace(
         reach,
         **turned(calm[inside], rate_hz, arrival, target, departure, up)._asdict(),
         tremor_rest_hz=found.tremor_hz,
         tremor_rest_rad_s=tremor_amplitude(before, rate_hz, TREMOR_HZ),
-        tremor_action_rad_s=tremor_amplitude(found.rate[inside], rate_hz, ACTION_HZ),
+        tremor_index=index,
+        tremor_action_rad_s=action,
     )
 
 
@@ -180,7 +183,7 @@ def _rest(found: Detected, onset_s: float) -> tuple[float, float] | None:
     if len(rate) < SHORTEST_REST_S * found.rate_hz:
         return None
     course = np.cumsum(rate, axis=0) / found.rate_hz
-    parts = [part.mean(axis=0) for part in np.array_split(course, REST_PARTS)]
+    parts = [mean_of(part) for part in np.array_split(course, REST_PARTS)]
     return (from_s, to_s) if np.ptp(parts, axis=0).max() < STILL_RAD else None
 
 

@@ -15,10 +15,13 @@ from sar_tui.motion.samples import Floats
 
 def stretches(moving: npt.NDArray[np.bool_], longest_rest: float) -> Iterator[slice]:
     """Yield stretches of movement that are not divided by a rest longer than ``longest_rest`` samples."""
-    index = np.flatnonzero(moving)
-    for part in np.split(index, np.flatnonzero(np.diff(index) > longest_rest) + 1):
-        if len(part):
-            yield slice(int(part[0]), int(part[-1]) + 1)
+    index = moving.nonzero()[0]
+    if not len(index):
+        return
+    rests = (index[1:] - index[:-1] > longest_rest).nonzero()[0]
+    starts, stops = (0, *(rests + 1).tolist()), (*(rests + 1).tolist(), len(index))
+    for start, stop in zip(starts, stops, strict=True):
+        yield slice(int(index[start]), int(index[stop - 1]) + 1)
 
 
 def checked(bounds: Bounds, grid: Grid, rest: Rest, *, is_cut: bool, longest_s: float, cutoff_hz: float) -> Bounds:
@@ -56,12 +59,19 @@ def checked(bounds: Bounds, grid: Grid, rest: Rest, *, is_cut: bool, longest_s: 
 def order_statistic(x: Floats, share: float) -> float:
     """Return the value at a share, 0 to 1, of the sorted array; 0 for an empty one.
 
-    `percentile` interpolates between two such values, and takes ten times as long.
+    `percentile` interpolates between two such values.
     """
     index = round(share * (len(x) - 1))
     return float(np.partition(x, index)[index]) if len(x) else 0.0
 
 
 def percentile(x: Floats, share: float) -> float:
-    """Return a percentile; 0 for an empty array."""
-    return float(np.percentile(x, share)) if len(x) else 0.0
+    """Return a percentile; 0 for an empty array. The same as that of numpy, which takes four times as long."""
+    if not len(x):
+        return 0.0
+    place = share / 100.0 * (len(x) - 1)
+    below = min(int(place), len(x) - 2) if len(x) > 1 else 0
+    above = min(below + 1, len(x) - 1)
+    ordered = np.partition(x, (below, above))
+    low, high, part = float(ordered[below]), float(ordered[above]), place - below
+    return low + (high - low) * part if part < 0.5 else high - (high - low) * (1.0 - part)

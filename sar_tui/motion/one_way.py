@@ -2,8 +2,6 @@
 
 from itertools import pairwise
 
-import numpy as np
-
 from sar_tui.motion import quaternions
 from sar_tui.motion.boundaries import first_peak, onset
 from sar_tui.motion.filters import usable_cutoff
@@ -13,6 +11,7 @@ from sar_tui.motion.orientation import CALM_HZ, MARGIN_S, MOVING, NOISE, SUBMOVE
 from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.rest import SLOW_HZ
 from sar_tui.motion.samples import Recording
+from sar_tui.motion.vectors import lengths
 
 
 def find(recording: Recording, parameters: OrientationParameters | None = None) -> Detected:
@@ -29,9 +28,7 @@ def find(recording: Recording, parameters: OrientationParameters | None = None) 
         return Detected(grid.time_s, grid.rate, grid.rate_hz, (), by_norm=True)
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
     rest, rate, spectrum = grid.unbiased(parameters.rest_s)
-    slow, light, calm = (
-        np.linalg.norm(spectrum.below(hz, rest.tremor_hz), axis=1) for hz in (SLOW_HZ, cutoff, min(CALM_HZ, cutoff))
-    )
+    slow, light, calm = (lengths(spectrum.below(hz, rest.tremor_hz)) for hz in (SLOW_HZ, cutoff, min(CALM_HZ, cutoff)))
     at_rest = percentile(slow[rest.still], 99)
     begin, end = max(parameters.begin_rad_s, 2.0 * at_rest), max(parameters.end_rad_s, 1.2 * at_rest)
     noise, margin = NOISE * percentile(light[rest.still], 50), round(MARGIN_S * grid.rate_hz)

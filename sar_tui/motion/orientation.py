@@ -17,6 +17,7 @@ from sar_tui.motion.movement import checked, order_statistic, stretches
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.rest import SLOW_HZ, Rest
 from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.vectors import lengths
 
 CALM_HZ = 5.0
 """Cutoff of the smoothing in which submovements are told apart."""
@@ -98,9 +99,9 @@ def find(
         return Detected(grid.time_s, grid.rate, grid.rate_hz, (), by_norm=True)
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
     rest, rate, spectrum = grid.unbiased(parameters.rest_s)
-    slow = np.linalg.norm(spectrum.below(SLOW_HZ, rest.tremor_hz), axis=1)
-    light = np.linalg.norm(spectrum.below(cutoff, rest.tremor_hz), axis=1)
-    calm = np.linalg.norm(spectrum.below(min(CALM_HZ, cutoff), rest.tremor_hz), axis=1)
+    slow = lengths(spectrum.below(SLOW_HZ, rest.tremor_hz))
+    light = lengths(spectrum.below(cutoff, rest.tremor_hz))
+    calm = lengths(spectrum.below(min(CALM_HZ, cutoff), rest.tremor_hz))
     floor = order_statistic(slow[rest.still], 0.99)
     motion = _Motion(
         grid=grid,
@@ -156,13 +157,13 @@ def _bounds(
     grid, slow, angle = motion.grid, motion.slow, excursion.angle
     first, top, last = excursion.first, excursion.top, excursion.last
     largest = float(angle[top - first])
-    far = first + np.flatnonzero(angle[: last - first + 1] > FAR * largest)
+    far = first + (angle[: last - first + 1] > FAR * largest).nonzero()[0]
     arrives, departs = _dwell(motion, int(far[0]), int(far[-1]))
     if arrives <= max(first, earliest) or departs >= last:
         return None
-    left = first + int(np.flatnonzero(angle[: top - first + 1] <= NEAR * largest)[-1])
+    left = first + int((angle[: top - first + 1] <= NEAR * largest).nonzero()[0][-1])
     near = max(NEAR * largest, float(angle[last - first]))
-    came = top + int(np.flatnonzero(angle[top - first :] <= near)[0])
+    came = top + int((angle[top - first :] <= near).nonzero()[0][0])
     moving = slow > max(SUBMOVEMENT * float(slow[first : last + 1].max()), motion.end)
     pause = round(parameters.pause_s * grid.rate_hz)
     begins = earliest + _begins(moving[earliest : max(earliest, left) + 1], pause)
@@ -190,7 +191,7 @@ def _bounds(
 def _dwell(motion: _Motion, first: int, last: int) -> tuple[int, int]:
     """Return the first and last sample at rest between two; without a rest, where the hand is slowest."""
     slow = motion.slow[first : last + 1]
-    still = np.flatnonzero(slow <= motion.end)
+    still = (slow <= motion.end).nonzero()[0]
     if len(still):
         return first + int(still[0]), first + int(still[-1])
     slowest = first + int(slow.argmin())
@@ -199,10 +200,10 @@ def _dwell(motion: _Motion, first: int, last: int) -> tuple[int, int]:
 
 def _begins(moving: npt.NDArray[np.bool_], pause: int) -> int:
     """Return the first sample of the movement that goes on at the last one, across pauses up to ``pause`` samples."""
-    index = np.flatnonzero(moving)
+    index = moving.nonzero()[0]
     if not len(index) or len(moving) - 1 - index[-1] > pause:
         return len(moving) - 1
-    apart = np.flatnonzero(np.diff(index) > pause)
+    apart = (np.diff(index) > pause).nonzero()[0]
     return int(index[apart[-1] + 1] if len(apart) else index[0])
 
 

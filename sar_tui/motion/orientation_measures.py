@@ -7,6 +7,7 @@ import numpy as np
 
 from sar_tui.motion.quaternions import angle, conjugate, integrate, rotate
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import lengths
 
 _FINGERS = 1
 """The sensor's axis along fingers and forearm: y."""
@@ -37,7 +38,7 @@ def turned(rate: Floats, rate_hz: float, arrival: int, target: int, departure: i
     """
     orientation = integrate(rate, 1.0 / rate_hz)
     angles = np.degrees(angle(orientation))
-    speed = np.degrees(np.linalg.norm(rate[: arrival + 1], axis=1))
+    speed = np.degrees(lengths(rate[: arrival + 1]))
     path = float((speed[1:] + speed[:-1]).sum()) / (2.0 * rate_hz)
     return Turned(
         excursion_deg=float(angles[: departure + 1].max()),

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sar_tui.motion.changes import changes
 from sar_tui.motion.samples import Floats
 
 ADJACENT_S = 0.2
@@ -69,7 +70,7 @@ def phases(
 def _lobes(turning: Floats, rate_hz: float, begin: float, end: float) -> list[Phase]:
     """Return stretches of movement in one direction, except the smallest."""
     side = np.where(np.abs(turning) > end, np.sign(turning), 0.0)
-    edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
+    edges = changes(side)
     found = []
     for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         lobe = turning[first:last]

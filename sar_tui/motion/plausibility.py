@@ -19,6 +19,7 @@ from sar_tui.motion.filters import Spectrum, usable_cutoff
 from sar_tui.motion.quaternions import angle, conjugate, integrate, multiply
 from sar_tui.motion.reach_bounds import Bounds, Detected
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import lengths
 
 LEAST_RAD = math.radians(10)
 """Smallest excursion. Gestures of fingers and wrist are smaller, a reach of the arm is larger."""
@@ -50,8 +51,8 @@ def plausible(found: Detected) -> Detected:
     if not found.reaches:
         return found
     spectrum = found.spectrum or Spectrum(found.rate, found.rate_hz)
-    fast = np.linalg.norm(spectrum.below(usable_cutoff(CUTOFF_HZ, found.rate_hz), found.tremor_hz), axis=1)
-    slow = np.linalg.norm(spectrum.below(SLOW_HZ, found.tremor_hz), axis=1)
+    fast = lengths(spectrum.below(usable_cutoff(CUTOFF_HZ, found.rate_hz), found.tremor_hz))
+    slow = lengths(spectrum.below(SLOW_HZ, found.tremor_hz))
     orientation = integrate(found.rate, 1.0 / found.rate_hz)
     return found._replace(
         reaches=tuple(

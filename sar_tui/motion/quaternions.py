@@ -7,6 +7,7 @@ gyroscope is in the sensor's axes, so turning on from q by a small rotation r, s
 import numpy as np
 
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import lengths
 
 _SHORT = 2048
 """Up to this number of rotations, twice as many are composed in each step, which takes fewer steps than one by one."""
@@ -43,8 +44,11 @@ def rotate(orientation: Floats, vector: Floats) -> Floats:
 def from_rotation(rotation: Floats) -> Floats:
     """Return the quaternions, shape (..., 4), of rotation vectors, shape (..., 3): about their direction, by their
     length in rad."""
-    half = np.linalg.norm(rotation, axis=-1, keepdims=True) / 2.0
-    orientation: Floats = np.concatenate((np.cos(half), np.sinc(half / np.pi) / 2.0 * rotation), axis=-1)
+    half = lengths(rotation) / 2.0
+    share = np.divide(np.sin(half), 2.0 * half, out=np.full(half.shape, 0.5), where=half > 0)
+    orientation: Floats = np.empty((*half.shape, 4))
+    orientation[..., 0] = np.cos(half)
+    np.multiply(share[..., None], rotation, out=orientation[..., 1:])
     return orientation
 
 
@@ -52,7 +56,7 @@ def to_rotation(orientation: Floats) -> Floats:
     """Return the rotation vectors, shape (..., 3), of quaternions, the short way round: of at most π."""
     sign = np.where(orientation[..., :1] < 0, -1.0, 1.0)
     axis = sign * orientation[..., 1:]
-    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    sine = lengths(axis)[..., None]
     angle = 2.0 * np.arctan2(sine, sign * orientation[..., :1])
     rotation: Floats = axis * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
     return rotation
@@ -60,7 +64,7 @@ def to_rotation(orientation: Floats) -> Floats:
 
 def angle(orientation: Floats) -> Floats:
     """Return the angle of each rotation, shape (...), 0 to π."""
-    sine = np.linalg.norm(orientation[..., 1:], axis=-1)
+    sine = lengths(orientation[..., 1:])
     found: Floats = 2.0 * np.arctan2(sine, np.abs(orientation[..., 0]))
     return found
 
@@ -88,11 +92,7 @@ def _products(steps: Floats) -> Floats:
     """Return the products of the first, the first two, ... of the steps: in the order of time, to the right."""
     count = len(steps)
     if count <= _SHORT:
-        products, known = steps.copy(), 1
-        while known < count:
-            products[known:] = multiply(products[:-known], products[known:])
-            known *= 2
-        return products
+        return _few_products(steps)
     stretches = -(-count // _STRETCH)
     padded = np.zeros((stretches * _STRETCH, 4))
     padded[:, 0] = 1.0
@@ -105,3 +105,19 @@ def _products(steps: Floats) -> Floats:
     whole: Floats = within.reshape(-1, 4)[:count]
     whole /= np.linalg.norm(whole, axis=1, keepdims=True)
     return whole
+
+
+def _few_products(steps: Floats) -> Floats:
+    """Return the same, composing twice as many in each step.
+
+    A quaternion w + xi + yj + zk is taken as two complex numbers, (w + xi) + (y + zi)j: a third of the time.
+    """
+    one, other = steps[:, 0] + 1j * steps[:, 1], steps[:, 2] + 1j * steps[:, 3]
+    known = 1
+    while known < len(steps):
+        left, left_j, right, right_j = one[:-known], other[:-known], one[known:], other[known:]
+        longer = left * right - left_j * right_j.conj()
+        other[known:] = left * right_j + left_j * right.conj()
+        one[known:] = longer
+        known *= 2
+    return np.column_stack((one.real, one.imag, other.real, other.imag))

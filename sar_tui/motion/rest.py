@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.motion.filters import smooth
+from sar_tui.motion.filters import hann, smooth
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import lengths, mean_of
 
 SLOW_HZ = 2.5
 """Voluntary movement lies below this frequency, tremor above it."""
@@ -62,7 +63,7 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float, *, tremor: bool = Tru
         size = max(2, round(share * rest_s * rate_hz))
         begins = np.arange(0, len(rate) - size + 1, max(1, round(STEP_S * rate_hz)))
         mean, spread = _windows(slow, begins, size)
-        steady = np.flatnonzero(spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S))
+        steady = (spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S)).nonzero()[0]
         if len(steady):
             chosen = _inner(steady[_agreeing(mean[steady])], len(begins))
             tremor_hz = _tremor_hz(rate, begins[chosen], size, rate_hz) if tremor else None
@@ -80,32 +81,33 @@ def _rest(
     for begin in begins:
         still[begin : begin + size] = True
     nearby = _running_mean(levels, round(NEARBY_S / STEP_S))
-    return still, np.column_stack([np.interp(np.arange(len(rate)), begins + size / 2, axis) for axis in nearby.T])
+    index, middles = np.arange(float(len(rate))), begins + size / 2
+    return still, np.column_stack([np.interp(index, middles, axis) for axis in nearby.T])
 
 
 def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats, Floats]:
     """Return the mean of each axis, shape (k, 3), and the joint standard deviation, shape (k,), of each window."""
-    centred = x - x.mean(axis=0)
+    centre = mean_of(x)
+    centred = x - centre
     sums = np.concatenate((np.zeros((1, 3)), np.cumsum(centred, axis=0)))
     squares = np.concatenate(([0.0], np.cumsum((centred**2).sum(axis=1))))
     mean = (sums[begins + size] - sums[begins]) / size
     variance = (squares[begins + size] - squares[begins]) / size - (mean**2).sum(axis=1)
-    return mean + x.mean(axis=0), np.sqrt(np.maximum(variance, 0.0))
+    return mean + centre, np.sqrt(np.maximum(variance, 0.0))
 
 
 def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
     """Return the indices of the levels, shape (k, 3), that belong to one slowly changing bias: that of most of them."""
     some = levels[:: max(1, len(levels) // 200)]
-    agreement = (np.linalg.norm(some[:, None] - some[None], axis=2) < STEADY_RAD_S).sum(axis=1)
-    anchor = int(np.linalg.norm(levels - some[agreement.argmax()], axis=1).argmin())
-    chosen = [anchor]
-    for order in (range(anchor + 1, len(levels)), range(anchor - 1, -1, -1)):
-        near = levels[anchor]
+    agreement = (lengths(some[:, None] - some[None]) < STEADY_RAD_S).sum(axis=1)
+    anchor = int(lengths(levels - some[agreement.argmax()]).argmin())
+    chosen, each = [anchor], levels.tolist()  # plain numbers: an array of three takes longer
+    for order in (range(anchor + 1, len(each)), range(anchor - 1, -1, -1)):
+        near = each[anchor]
         for index in order:
-            apart = levels[index] - near
-            if math.sqrt(apart @ apart) < STEADY_RAD_S:
+            if math.dist(each[index], near) < STEADY_RAD_S:
                 chosen.append(index)
-                near = 0.8 * near + 0.2 * levels[index]
+                near = [0.8 * level + 0.2 * other for level, other in zip(near, each[index], strict=True)]
     return np.array(sorted(chosen))
 
 
@@ -134,7 +136,7 @@ def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: f
     """
     some = begins[:: max(1, len(begins) // SPECTRA)]
     windows = rate[some[:, None] + np.arange(size)]
-    taper = np.hanning(size)[:, None]
+    taper = hann(size)[:, None]
     windows = (windows - windows.mean(axis=1, keepdims=True)) * taper
     per_sine = 2 / float(taper.sum())
     largest = per_sine * math.sqrt(size * float((windows**2).sum()) / len(windows))  # Cauchy-Schwarz

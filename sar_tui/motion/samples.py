@@ -47,7 +47,12 @@ class Recording(msgspec.Struct, frozen=True, dict=True):
     @cached_property
     def rate_hz(self) -> float:
         """Samples per second, from the median step; 0 for fewer than two samples."""
-        return 1.0 / float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
+        if len(self.time_s) < 2:
+            return 0.0
+        steps = self.time_s[1:] - self.time_s[:-1]
+        above, below = len(steps) // 2, (len(steps) - 1) // 2
+        middle = np.partition(steps, (below, above))
+        return 2.0 / float(middle[below] + middle[above])
 
 
 def pack(samples: Samples) -> bytes:

@@ -15,6 +15,7 @@ from sar_tui.motion.phases import pairs, phases, principal_axis
 from sar_tui.motion.reach_bounds import OUTWARDS, Bounds, Detected, Hand
 from sar_tui.motion.rest import SLOW_HZ, Rest
 from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.vectors import lengths
 
 CALM_HZ = 5.0
 """Cutoff of the stronger smoothing, in which submovements are told apart."""
@@ -86,7 +87,7 @@ def find(
     cutoff = usable_cutoff(parameters.cutoff_hz, grid.rate_hz)
     rest, rate, spectrum = grid.unbiased(parameters.rest_s)
     slow = spectrum.below(SLOW_HZ, rest.tremor_hz)
-    speed = np.linalg.norm(slow, axis=1)
+    speed = lengths(slow)
     floor = percentile(speed[rest.still], 99)
     motion = _Motion(
         grid=grid,

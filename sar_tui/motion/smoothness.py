@@ -46,13 +46,13 @@ def sparc(speed: Floats, rate_hz: float) -> float | None:
     size = 2 ** (math.ceil(math.log2(len(profile))) + _SPECTRUM_PADDING)
     amplitude = np.abs(np.fft.rfft(profile, size))
     amplitude /= amplitude.max()
-    frequency = np.arange(len(amplitude)) * (rate_hz / size)
-    amplitude = amplitude[frequency <= _SPECTRUM_HZ]
-    above = np.flatnonzero(amplitude >= _SPECTRUM_FLOOR)
+    known = min(len(amplitude), int(_SPECTRUM_HZ * size / rate_hz) + 2)
+    amplitude = amplitude[:known][np.arange(known) * (rate_hz / size) <= _SPECTRUM_HZ]
+    above = (amplitude >= _SPECTRUM_FLOOR).nonzero()[0]
     kept = amplitude[above[0] : above[-1] + 1] if len(above) else above
     if len(kept) < 2:
         return None
-    return -float(np.sum(np.hypot(1.0 / (len(kept) - 1), np.diff(kept))))
+    return -float(np.hypot(1.0 / (len(kept) - 1), kept[1:] - kept[:-1]).sum())
 
 
 def ldlj(speed: Floats, rate_hz: float) -> float | None:

@@ -6,9 +6,12 @@ None means that there is no result: the stretch is too short, or a sample is not
 import math
 
 import numpy as np
+import numpy.typing as npt
 
+from sar_tui.motion.filters import hann
 from sar_tui.motion.rest import TREMOR_HZ
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import mean_of
 
 Band = tuple[float, float]
 
@@ -32,21 +35,30 @@ def tremor_index(rate: Floats, rate_hz: float) -> float | None:
         rate: angular rate, shape (n, 3), rad/s.
         rate_hz: samples per second.
     """
+    return tremor_in_movement(rate, rate_hz)[0]
+
+
+def tremor_in_movement(rate: Floats, rate_hz: float) -> tuple[float | None, float | None]:
+    """Return what `tremor_index` does, and the amplitude in ``ACTION_HZ`` as `tremor_amplitude` does.
+
+    Both come from one Fourier transform: every fourth frequency of the padded one is one of the other.
+    """
     low, high = TREMOR_HZ
     if rate_hz < 2 * high or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
-        return None
-    moving = rate - rate.mean(axis=0)
-    largest = np.abs(moving).max()
+        return None, None
+    moving = rate - mean_of(rate)
+    largest = float(np.abs(moving).max())
     if largest <= 1e-12 * np.abs(rate).max():
-        return None
-    size = len(rate) * _PADDING
-    windowed = moving / largest * np.hanning(len(rate))[:, np.newaxis]
-    power = np.sum(np.abs(np.fft.rfft(windowed, size, axis=0)) ** 2, axis=1)
+        return None, 0.0
+    size, window = len(rate) * _PADDING, hann(len(rate))
+    power = np.sum(np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], size, axis=0)) ** 2, axis=1)
     frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
+    action = power[::_PADDING][_inside(frequency[::_PADDING], ACTION_HZ)]
+    amplitude = _amplitude(action, largest, window)
     all_power = float(power[frequency <= high].sum())
     if not all_power > 0:
-        return None
-    return float(power[(frequency >= low) & (frequency <= high)].sum()) / all_power
+        return None, amplitude
+    return float(power[(frequency >= low) & (frequency <= high)].sum()) / all_power, amplitude
 
 
 def tremor_amplitude(rate: Floats, rate_hz: float, band_hz: Band) -> float | None:
@@ -60,15 +72,23 @@ def tremor_amplitude(rate: Floats, rate_hz: float, band_hz: Band) -> float | Non
         rate_hz: samples per second.
         band_hz: lowest and highest frequency.
     """
-    low, high = band_hz
-    if rate_hz < 2 * high or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
+    if rate_hz < 2 * band_hz[1] or len(rate) < _SHORTEST_S * rate_hz or not np.isfinite(rate).all():
         return None
-    moving = rate - rate.mean(axis=0)
+    moving = rate - mean_of(rate)
     largest = float(np.abs(moving).max())
     if not largest:
         return 0.0
-    window = np.hanning(len(rate))[:, np.newaxis]
-    power = np.sum(np.abs(np.fft.rfft(moving / largest * window, axis=0)) ** 2, axis=1)
-    frequency = np.fft.rfftfreq(len(rate), 1.0 / rate_hz)
-    inside = float(power[(frequency >= low) & (frequency <= high)].sum())
-    return 2.0 * largest * math.sqrt(inside / (len(rate) * float(np.sum(window**2))))
+    window = hann(len(rate))
+    power = np.sum(np.abs(np.fft.rfft(moving / largest * window[:, np.newaxis], axis=0)) ** 2, axis=1)
+    return _amplitude(power[_inside(np.fft.rfftfreq(len(rate), 1.0 / rate_hz), band_hz)], largest, window)
+
+
+def _inside(frequency: Floats, band_hz: Band) -> npt.NDArray[np.bool_]:
+    low, high = band_hz
+    inside: npt.NDArray[np.bool_] = (frequency >= low) & (frequency <= high)
+    return inside
+
+
+def _amplitude(power: Floats, largest: float, window: Floats) -> float:
+    """Return the amplitude of an oscillation from its power in a spectrum of values up to 1 under a window."""
+    return 2.0 * largest * math.sqrt(float(power.sum()) / (len(window) * float(np.sum(window**2))))

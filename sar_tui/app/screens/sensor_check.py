@@ -261,7 +261,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Return the text of the test reach's box, the most urgent first."""
         words, mark, until = self._notice
         if self._asked:
-            return [("wrong", self.tr(self._missing_text()))]
+            return [("wrong", self._missing_text())]
         if words and self._clock.now() < until:
             return [(mark, words)]
         if self.sensor.test:
@@ -271,19 +271,20 @@ class SensorCheckScreen(DismissedOnce[bool]):
 
     def _missing_text(self) -> str:
         if self._has_trunk:
-            return _NO_TRUNK if all(sensor.feed.part == "trunk" for sensor in self._missing) else _NONE
-        return _NONE if len(self.sensors) == 1 else _NOT_BOTH
+            is_trunk = all(sensor.feed.part == "trunk" for sensor in self._missing)
+            return self.tr(_NO_TRUNK if is_trunk else _NONE)
+        return self.tr(_NONE if len(self.sensors) == 1 else _NOT_BOTH)
 
     def _sides(self) -> Text:
         """Return a line with the participant and the state of each sensor; an arrow points to the one shown."""
         codes = ("", "") if self._has_trunk else (self._plan.participant, self._plan.partner)
-        titles = _PARTS if self._has_trunk else _SIDES
         text = Text()
-        for title, sensor, code in zip(titles, self.sensors, codes, strict=True):
+        for number, (sensor, code) in enumerate(zip(self.sensors, codes, strict=True)):
+            title = self.tr(_PARTS[number]) if self._has_trunk else self.tr(_SIDES[number])
             is_shown = sensor is self.sensor
             text.append("▸ " if is_shown else "  ", f"bold {self._color('accent')}")
             color = self._color("accent" if is_shown else "text-muted")
-            text.append(f"{self.tr(title)}: {code} " if code else f"{self.tr(title)} ", f"bold {color}")
+            text.append(f"{title}: {code} " if code else f"{title} ", f"bold {color}")
             text.append_text(self._mark(worst(facts(sensor, self.tr)))).append("     ")
         return text.append(self.tr("Tab: the other one"), self._color("text-muted"))
 

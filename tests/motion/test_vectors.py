@@ -1,0 +1,71 @@
+"""Arithmetic of the analysis gives the numbers of numpy's own, which take longer."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.motion.changes import changes
+from sar_tui.motion.movement import percentile, stretches
+from sar_tui.motion.quaternions import from_rotation, integrate, multiply
+from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.tremor import ACTION_HZ, tremor_amplitude, tremor_in_movement, tremor_index
+from sar_tui.motion.vectors import lengths, mean_of
+from tests.examples import examples
+
+
+@pytest.fixture
+def vectors() -> Floats:
+    return np.random.default_rng(1).normal(size=(700, 3))
+
+
+def test_lengths_and_means_are_those_of_numpy(vectors: Floats) -> None:
+    assert np.array_equal(lengths(vectors), np.linalg.norm(vectors, axis=1))
+    apart = vectors[:, None] - vectors[None, :9]
+    assert np.array_equal(lengths(apart), np.linalg.norm(apart, axis=2))
+    assert np.array_equal(mean_of(vectors), vectors.mean(axis=0))
+
+
+@examples(100)
+@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=60), st.sampled_from((0, 5, 50, 95, 99, 100)))
+def test_a_percentile_is_that_of_numpy(values: list[float], share: float) -> None:
+    assert percentile(np.array(values), share) == np.percentile(values, share)
+
+
+@examples(100)
+@given(st.lists(st.floats(0.001, 1.0), min_size=1, max_size=60))
+def test_the_rate_of_a_recording_is_that_of_the_median_step(steps: list[float]) -> None:
+    time_s = np.cumsum([0.0, *steps])
+    assert Recording(time_s, np.zeros((len(time_s), 3))).rate_hz == 1.0 / float(np.median(np.diff(time_s)))
+
+
+@examples(100)
+@given(st.lists(st.booleans(), max_size=40), st.integers(1, 5))
+def test_changes_and_stretches_of_a_mask(values: list[bool], longest: int) -> None:
+    mask = np.array(values, dtype=bool)
+    found = changes(mask).reshape(-1, 2).tolist()
+    assert [index for first, last in found for index in range(first, last)] == np.flatnonzero(mask).tolist()
+    for part in stretches(mask, longest):
+        assert mask[part.start]
+        assert mask[part.stop - 1]
+        rests = changes(~mask[part]).reshape(-1, 2)
+        assert (np.diff(rests) < longest).all()
+
+
+def test_many_rotations_are_composed_as_one_by_one(vectors: Floats) -> None:
+    steps = from_rotation((vectors[1:] + vectors[:-1]) * 0.005)
+    one_by_one = [np.array((1.0, 0.0, 0.0, 0.0))]
+    for step in steps:
+        one_by_one.append(multiply(one_by_one[-1], step))
+    assert integrate(vectors, 0.01) == pytest.approx(np.array(one_by_one), abs=1e-12)
+
+
+def test_a_rotation_by_nothing_is_none() -> None:
+    assert from_rotation(np.zeros((2, 3))).tolist() == [[1.0, 0.0, 0.0, 0.0]] * 2
+
+
+@pytest.mark.parametrize("count", [100, 131, 337])
+def test_one_transform_gives_both_measures_of_tremor(vectors: Floats, count: int) -> None:
+    index, amplitude = tremor_in_movement(vectors[:count], 100.0)
+    assert index == tremor_index(vectors[:count], 100.0)
+    assert amplitude == pytest.approx(tremor_amplitude(vectors[:count], 100.0, ACTION_HZ))
