@@ -17,7 +17,7 @@ import platformdirs
 import sar_tui
 from sar_tui.framework.entry_points import entry_points
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.task_pictures import pictures_in
+from sar_tui.framework.task_pictures import SUFFIXES, pictures_in
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
 
 if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
@@ -73,9 +73,9 @@ class Catalogue:
         raise PluginError(f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}.")
 
     def may_have_pictures(self) -> bool:
-        """Return True if there is a picture in a task's folder, or there are tasks of packages, which may have some."""
+        """Return True if there is a picture in a task's folder, or in a package that offers a task."""
         folders = (path.parent for path in _children(self._tasks, "task.py"))
-        return any(map(pictures_in, folders)) or bool(entry_points(_GROUP))
+        return any(map(pictures_in, folders)) or any(map(_has_pictures, entry_points(_GROUP)))
 
     def replaced_tasks(self) -> dict[str, Path]:
         """Return the folders of the user's own tasks that replace a built-in one, by name."""
@@ -216,6 +216,12 @@ def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
         raise PluginError(f"The entry point {entry.name} ({entry.value}) is not a Task.")
     _installed[found.__module__] = entry.name
     return _checked(found, entry.name)
+
+
+def _has_pictures(entry: "EntryPoint") -> bool:
+    """Return True if there is a picture in the package of an entry point, without importing it."""
+    files = entry.dist.files if entry.dist else None
+    return any(file.suffix.lower() in SUFFIXES for file in files or ())
 
 
 def _why(error: BaseException) -> str:

@@ -313,6 +313,17 @@ def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_i
     assert hashed() != before
 
 
+def test_pictures_are_found_in_folders_of_tasks_and_in_packages_that_offer_one(installed: Path, own: Path) -> None:
+    assert not Catalogue().may_have_pictures()
+    record = installed / "games-1.0.dist-info" / "RECORD"
+    record.write_text("games_of_mine.py,,\ngames/queen.PNG,,\n")
+    assert Catalogue().may_have_pictures()
+    record.unlink()
+    write(own, "minimal", MINIMAL)
+    (own / "minimal" / "king.jpg").write_bytes(b"")
+    assert Catalogue(tasks=(own,)).may_have_pictures()
+
+
 @pytest.mark.usefixtures("installed")
 def test_an_installed_task_that_cannot_be_loaded_is_reported() -> None:
     with pytest.raises(PluginError, match="The task chess cannot be loaded: ModuleNotFoundError"):

@@ -1,40 +1,48 @@
 """Sessions whose prompts have pictures and colours: all they need is there before they begin."""
 
+import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
 from PIL import Image
+from textual.geometry import Region
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.prompt_needs import NO_COLOR
 from sar_tui.framework.parameters import build
+from sar_tui.framework.prompt_colors import OKABE_ITO
 from sar_tui.framework.topics import PROMPT
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
+from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.prompt_pictures import MISSING
 from tests.app.app_driver import AppDriver, open_app
-from tests.documented import write_documented
+from tests.documented import PAGE, write_documented
 
-STROOP = """
+COLOURED = """
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric, Result, Stimulus
 
 
-class Stroop(Task):
-    name = "stroop"
-    title = "Stroop"
+class Coloured(Task):
+    name = "coloured"
+    title = "Coloured"
     metric = Metric("reaction_time", "ms", "lower")
 
     def instructions(self):
         return "Press the first letter of the ink's colour."
 
-    def stimulus(self, situation):
-        return Stimulus("RED in INK", "b", "Which ink?", glyph="RED", colour="INK")
-
     def perceived(self, trial, percept):
-        return Result(correct=percept.key == "b", response=percept.key, response_at=percept.at, value=1.0)
+        return Result(correct=percept.key == trial.stimulus.expected, response=percept.key, response_at=percept.at)
+
+"""
+(STROOP,) = re.findall(r"\*\*Colours\.\*\*.*?```python\n(.*?)```", PAGE, re.DOTALL)
+"""The documented prompts in colours."""
+SIDES = """
+    def stimulus(self, situation):
+        return Stimulus("right", "r", "Which side?", halves=("", "●"), colour="COLOUR")
 """
 
 
@@ -48,10 +56,11 @@ def naming(tmp_path: Path) -> Path:
     return folder
 
 
-def stroop(folder: Path, ink: str) -> Path:
-    task = folder / "mytasks" / "stroop"
+def coloured(folder: Path, stimulus: str) -> Path:
+    """Write a task with these prompts."""
+    task = folder / "mytasks" / "coloured"
     task.mkdir(parents=True)
-    (task / "task.py").write_text(STROOP.replace("INK", ink), encoding="utf-8")
+    (task / "task.py").write_text(COLOURED + stimulus, encoding="utf-8")
     return task
 
 
@@ -154,25 +163,51 @@ async def test_a_session_does_not_begin_with_a_picture_from_elsewhere(data: Path
     assert "is outside the task's folder" in await refusal(data, naming)
 
 
+async def test_documented_prompts_have_the_colours_that_they_name(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLORTERM", "truecolor")
+    async with session_of(data, coloured(tmp_path, STROOP)) as driver:
+        prompt = await driver.to_first_prompt()
+        word, ink = prompt.stimulus.split(" in ")
+        assert (prompt.glyph, prompt.colour, prompt.expected) == (word, ink, ink[0])
+        drawn = [
+            segment
+            for strip in driver.app.screen.query_one(BigPrompt).render_lines(Region(0, 0, 80, 14))
+            for segment in strip
+            if set(segment.text) & set("█▀▄")
+        ]
+        styles = {segment.style.color.triplet.hex for segment in drawn if segment.style and segment.style.color}
+        assert styles == {OKABE_ITO[ink]}
+        await driver.press(prompt.expected)
+        assert driver.stored("SELECT correct FROM trials") == [(1,)]
+        assert driver.session.faults == []
+
+
+async def test_one_participant_sees_a_colour_in_a_half_of_the_screen(data: Path, tmp_path: Path) -> None:
+    async with session_of(data, coloured(tmp_path, SIDES.replace("COLOUR", "blue"))) as driver:
+        await driver.to_first_prompt()
+        drawn = [row for row in driver.rows if "█" in row]
+        assert drawn
+        assert all(row.index("█") > row.index("│") > 30 for row in drawn)
+        await driver.press("r")
+        assert driver.stored("SELECT correct FROM trials") == [(1,)]
+        assert driver.session.faults == []
+
+
 async def test_a_session_with_colours_begins_only_where_there_are_colours(
     data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert "There is no colour 'pink'" in await refusal(data, stroop(tmp_path / "pink", "pink"))
-    blue = stroop(tmp_path / "blue", "blue")
-    async with session_of(data, blue) as driver:
-        prompt = await driver.to_first_prompt()
-        assert prompt.colour == "blue"
-        await driver.press("b")
-        assert driver.session.faults == []
+    pink = coloured(tmp_path / "pink", SIDES.replace("COLOUR", "pink"))
+    assert "There is no colour 'pink'" in await refusal(data, pink)
     monkeypatch.setenv("NO_COLOR", "1")
-    assert await refusal(data, blue) == NO_COLOR
+    assert await refusal(data, coloured(tmp_path / "blue", SIDES.replace("COLOUR", "blue"))) == NO_COLOR
 
 
 async def test_a_prompt_without_colour_and_picture_is_stored_as_before(data: Path, tmp_path: Path) -> None:
-    async with session_of(data, stroop(tmp_path / "plain", "")) as driver:
+    async with session_of(data, coloured(tmp_path, SIDES.replace("COLOUR", ""))) as driver:
         await driver.to_first_prompt()
-        await driver.press("b")
-        driver.stored("SELECT 1")
+        await driver.press("r")
         ((stored,),) = driver.stored(
             "SELECT m.message FROM messages m JOIN topics t ON m.topic=t.id WHERE t.name='event_handler/prompt' LIMIT 1"
         )
