@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
+from msgspec.structs import replace
 
 from sar_tui.checks import level_steps, task_prompts, task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
@@ -133,8 +134,12 @@ def _prompts(kind: type[Task], task: Task) -> str:
     again = kind(task.parameters)
     for level in _levels(task):
         earlier: tuple[Results, ...] = ()
+        first = Situation(1, 1, level, RandomStreams(SEED, 1, 1), RandomStreams(SEED))
+        if (condition := task.condition(first)) != again.condition(first):
+            return f"The condition differs when asked for again at level {level}. Draw from situation.session only."
         for trial in range(1, min(task.trials_at(level), 5) + 1):
-            situation = Situation(1, trial, level, RandomStreams(SEED, 1, trial), RandomStreams(SEED), earlier)
+            streams = RandomStreams(SEED, 1, trial)
+            situation = replace(first, trial=trial, streams=streams, results_by_seat=earlier, condition=condition)
             prompt = task.stimulus(situation)
             where = f"at level {level}, trial {trial}"
             if problem := _content_problem(prompt, where):

@@ -114,6 +114,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "goal": "open",
         "qualities": "parts",
         "choice": "parts",
+        "condition": "open",
     },
     "attempts.choice": {
         "schedule": "open",

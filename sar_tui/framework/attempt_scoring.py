@@ -38,6 +38,7 @@ class AttemptFacts(msgspec.Struct, frozen=True):
     level: int
     started: int
     ended: int
+    condition: str = ""
 
 
 class SeatScore(msgspec.Struct, frozen=True):
@@ -112,7 +113,7 @@ def _past(
 ) -> PastAttempt:
     """Return the attempt as later ones see it, with the measures of the task and those that compare it with them."""
     measures = _mean_qualities(task, results) | task.measures(list(results))
-    past = PastAttempt(attempt.attempt, attempt.practice, attempt.level, score, measures)
+    past = PastAttempt(attempt.attempt, attempt.practice, attempt.level, score, measures, attempt.condition)
     return replace(past, measures=measures | task.learning(past, earlier))
 
 
@@ -197,6 +198,7 @@ def _score_seat(
         choice=message.choice,
         started=attempt.started,
         ended=attempt.ended,
+        condition=attempt.condition,
     )
     if choice.due and not attempt.practice:
         history = feedback_choice.given(history)
@@ -241,6 +243,7 @@ def _feedback(
         choice=choice,
         advice=task.when_to_respond() if _is_unanswered(judgement, results) else "",
         correction=task.tr(next((result.correction for result in reversed(results) if result.correction), "")),
+        condition=attempt.condition,
     )
 
 

@@ -65,6 +65,7 @@ class AttemptState(msgspec.Struct, frozen=True):
         past: results at each level so far, oldest first, if the difficulty policy makes goals from them.
         scored: the attempts before it, by seat, oldest first.
         restarts: number of attempts so far that were interrupted and began again under the next number.
+        condition: of the attempt, from its beginning on.
     """
 
     attempt: int
@@ -82,6 +83,7 @@ class AttemptState(msgspec.Struct, frozen=True):
     past: Mapping[int, tuple[float | None, ...]] = {}
     scored: tuple[Mapping[str, PastAttempt], ...] = ()
     restarts: int = 0
+    condition: str = ""
 
 
 def start(task: Task) -> AttemptState:
@@ -112,15 +114,16 @@ def number(task: Task, state: AttemptState) -> int:
     return state.attempt - state.restarts - task.parameters.practice_attempts
 
 
-def begin(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, AttemptStarted]:
-    """Begin the attempt at ``now`` (ns)."""
+def begin(task: Task, state: AttemptState, now: int, condition: str = "") -> tuple[AttemptState, AttemptStarted]:
+    """Begin the attempt at ``now`` (ns), in a condition."""
     started = AttemptStarted(
         attempt=state.attempt,
         practice=is_practice(task, state),
         level=state.level,
         trials=task.trials_at(state.level),
+        condition=condition,
     )
-    return replace(state, results=(), ended=None, is_overridden=False, started=now), started
+    return replace(state, results=(), ended=None, is_overridden=False, started=now, condition=condition), started
 
 
 def add(state: AttemptState, results: Results) -> AttemptState:
@@ -131,7 +134,7 @@ def add(state: AttemptState, results: Results) -> AttemptState:
 def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, AttemptScore]:
     """Score the attempt, which ended at ``now`` (ns), and set the level of the next."""
     practice = is_practice(task, state)
-    facts = AttemptFacts(state.attempt, practice, state.level, state.started, now)
+    facts = AttemptFacts(state.attempt, practice, state.level, state.started, now, state.condition)
     scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories, state.scored)
     following, change = state.difficulty, None
     if not (practice or state.is_overridden or state.is_level_held):

@@ -124,21 +124,28 @@ class Attempts:
 
     def begin(self, now: int) -> AttemptStarted:
         """Begin the attempt at ``now`` (ns)."""
-        self.state, started = steps.begin(self._task, self.state, now)
+        self.state = replace(self.state, condition="")
+        condition = _checked(self._task.condition(self._situation(1)))
+        self.state, started = steps.begin(self._task, self.state, now, condition)
         return started
 
     def next_trial(self) -> OpenTrial:
         """Return the next trial of the attempt; the same at each call."""
-        situation = Situation(
-            attempt=self.attempt,
-            trial=self.trial,
-            level=self.level,
-            streams=RandomStreams(self._seed, self.attempt, self.trial),
-            session=self._streams,
-            results_by_seat=self.state.results,
-            history_by_seat=self.state.scored,
-        )
+        situation = self._situation(self.trial)
         return OpenTrial(situation, self._task.stimulus(situation), self._task.seats)
+
+    def _situation(self, trial: int) -> Situation:
+        state = self.state
+        return Situation(
+            attempt=state.attempt,
+            trial=trial,
+            level=state.level,
+            streams=RandomStreams(self._seed, state.attempt, trial),
+            session=self._streams,
+            results_by_seat=state.results,
+            history_by_seat=state.scored,
+            condition=state.condition,
+        )
 
     def add(self, results: Results) -> None:
         """Add the results of a trial."""
@@ -243,3 +250,10 @@ class Attempts:
         """Apply a change of level that was held, as decided."""
         self.state, change = steps.settle(self._task, self.state, level, under_way=under_way)
         return change
+
+
+def _checked(condition: object) -> str:
+    """Return a condition if it can be stored. Raises TypeError if it is not one line of plain text."""
+    if not (isinstance(condition, str) and (condition == "" or condition.isprintable())):
+        raise TypeError(f"condition() returned {condition!r:.60}, not a line of plain text")
+    return condition

@@ -216,6 +216,14 @@ class Task(ABC):
         """Return the advice after an attempt whose prompts stayed unanswered: a sentence without numbers."""
         return self.tr("Respond as soon as you see the signal.")
 
+    def condition(self, situation: Situation) -> str:
+        """Return the condition of an attempt, from the situation of its first prompt; empty for none.
+
+        It is kept with the attempt, which is compared with attempts in the same condition only. Like a prompt, it must
+        depend on ``situation`` and the parameters alone.
+        """
+        return ""
+
     @abstractmethod
     def stimulus(self, situation: Situation) -> Stimulus:
         """Return the prompt. It must depend on ``situation`` and the parameters alone."""

@@ -124,6 +124,7 @@ class PastAttempt(msgspec.Struct, frozen=True):
     level: int
     score: Score
     measures: dict[str, float] = {}
+    condition: str = ""
 
 
 class Situation(msgspec.Struct, frozen=True):
@@ -136,6 +137,7 @@ class Situation(msgspec.Struct, frozen=True):
         session: those that all trials share.
         results_by_seat: the results of this attempt's earlier trials, oldest first.
         history_by_seat: the scored attempts of this session, oldest first.
+        condition: of the attempt (see `Task.condition`).
     """
 
     attempt: int
@@ -145,6 +147,7 @@ class Situation(msgspec.Struct, frozen=True):
     session: RandomStreams
     results_by_seat: "tuple[Results, ...]" = ()
     history_by_seat: tuple[Mapping[str, PastAttempt], ...] = ()
+    condition: str = ""
 
     @property
     def results(self) -> "tuple[Result, ...]":

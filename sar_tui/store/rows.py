@@ -26,8 +26,8 @@ SQL = {
     "chunks": imu.INSERT_CHUNK,
     "attempts": (
         "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, metric_unit, accuracy,"
-        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities, choice)"
-        " VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+        " correct, trials, outcome, feedback, started_ns, ended_ns, goal, qualities, choice,"
+        " condition) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
     ),
     "proposals": "INSERT INTO actions (session, id, kind, proposed, proposed_ns) VALUES (?,?,?,?,?)",
     "pending": (
@@ -117,7 +117,7 @@ def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> Non
             rows["attempts"].append(
                 (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,
                  a.correct, a.trials, a.outcome, a.feedback, a.started, a.ended, a.goal, _text(a.qualities),
-                 _text(a.choice))
+                 _text(a.choice), a.condition)
             )  # fmt: skip
 
 

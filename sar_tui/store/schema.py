@@ -286,6 +286,15 @@ def version_16(db: sqlite_utils.Database) -> None:
     db.execute(views.REACHES)
 
 
+@migrations()
+def version_17(db: sqlite_utils.Database) -> None:
+    """The condition of an attempt."""
+    db.execute("ALTER TABLE attempts ADD COLUMN condition TEXT NOT NULL DEFAULT ''")
+    for name, view in (("v_attempts", views.ATTEMPTS), ("v_trials", views.TRIALS), ("v_reaches", views.REACHES)):
+        db.execute(f"DROP VIEW {name}")
+        db.execute(view)
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

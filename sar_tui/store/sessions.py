@@ -16,6 +16,7 @@ import msgspec
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import host_now
 from sar_tui.framework.messages import AttemptEnded
+from sar_tui.framework.nodes.memory import best_key
 from sar_tui.framework.parameters import TaskParameters, current_values, fields
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PRESENCE
@@ -103,7 +104,7 @@ def begin_run(
 
 
 def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
-    """Return a participant's best results in a task, by level, over all live sessions except ``without``.
+    """Return a participant's best results in a task over all live sessions except ``without``, by `best_key`.
 
     Levels can be compared only between sessions with the same version of the task, and the same values of the
     parameters that the task itself declares. Practice attempts and attempts below the minimum accuracy do not count.
@@ -128,14 +129,15 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     comparable = [row["id"] for row in live if is_comparable(row)]
     best_of = "min" if metric.better == "lower" else "max"
     rows = db.execute(
-        f"SELECT level, {best_of}({FINITE_METRIC}) FROM attempts JOIN sessions ON sessions.id = attempts.session"
+        f"SELECT level, condition, {best_of}({FINITE_METRIC})"
+        " FROM attempts JOIN sessions ON sessions.id = attempts.session"
         " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND participant=?"
         f" WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND {FINITE_METRIC} IS NOT NULL"
         " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
-        " GROUP BY level",
+        " GROUP BY level, condition",
         (participant, _dump(comparable), metric.unit),
     )
-    return {str(level): value for level, value in rows}
+    return {best_key(level, condition): value for level, condition, value in rows}
 
 
 def interrupt(db: sqlite3.Connection, session: str) -> None:
@@ -334,6 +336,7 @@ def attempt_ended(row: Row) -> AttemptEnded:
         qualities=row["qualities"],
         started=row["started_ns"],
         ended=row["ended_ns"],
+        condition=row["condition"],
     )
 
 

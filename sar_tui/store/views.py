@@ -30,7 +30,7 @@ _TIME = (
     " FROM runs WHERE runs.session={row}.session AND runs.run={run}) AS started_at"
 )
 """A moment of a run by the time of day (UTC), from its steady clock."""
-_ATTEMPT = "practice, level, goal, metric_unit, outcome"
+_ATTEMPT = "practice, level, condition, goal, metric_unit, outcome"
 _OF_TRIALS = (
     "FROM trials JOIN sessions ON sessions.id=trials.session LEFT JOIN attempts ON attempts.session=trials.session"
     " AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"

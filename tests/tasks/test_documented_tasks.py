@@ -89,3 +89,13 @@ def test_two_back_in_one_stream(tmp_path: Path) -> None:
     assert [attempt["trials"] for attempt in played.attempts] == [20, 20, 20]
     keys = [record.message.key for record in played.history if record.topic is KEY]
     assert keys.count("enter") == 3, "for the instructions, the first attempt, and the end"
+
+
+def test_hands_that_take_turns_are_conditions(tmp_path: Path) -> None:
+    played = play(tmp_path, "twohands", {"attempts": 4})
+    conditions = [attempt["condition"] for attempt in played.attempts]
+    assert conditions in (["left", "right"] * 2, ["right", "left"] * 2)
+    keys = {"left": "asdf", "right": "jkl;"}
+    assert all(prompt.stimulus in keys[conditions[prompt.attempt - 1]] for prompt in played.prompts)
+    measured = [set(attempt["qualities"]) for attempt in played.attempts]
+    assert measured == [set(), *[{"slower_than_other_hand_ms"}] * 3]

@@ -58,6 +58,7 @@ _PLAIN = (
     _stored("attempts.run", "integer", "The run of the program in which it ended.", required=True),
     _stored("attempts.practice", "boolean", "True for practice, which never changes the level."),
     _stored("attempts.level", "integer", "The level it was done at."),
+    _stored("attempts.condition", "string", "Its condition; empty in a task without conditions."),
     _stored("attempts.metric", "number", "The result; missing if no response could be timed."),
     _stored("attempts.metric_unit", "string", "The unit of the result, the goal and the tolerance."),
     _stored("attempts.goal", "number", "The goal of the metric."),
@@ -119,6 +120,7 @@ def _rows(
         run,
         practice,
         level,
+        condition,
         metric,
         *rest,
         began,
@@ -126,15 +128,15 @@ def _rows(
         chosen,
         measured,
     ) in database.execute(
-        "SELECT sessions.id, mode, task, attempt, seat, run, practice, level, metric, metric_unit, goal, accuracy,"
-        " correct, trials, outcome, feedback, started_ns, ended_ns, choice, qualities"
+        "SELECT sessions.id, mode, task, attempt, seat, run, practice, level, condition, metric, metric_unit, goal,"
+        " accuracy, correct, trials, outcome, feedback, started_ns, ended_ns, choice, qualities"
         " FROM attempts JOIN sessions ON sessions.id=session WHERE session=? ORDER BY attempt, seat",
         (session,),
     ):
         decided, found = damage.object_of("choice", chosen), damage.object_of("qualities", measured)
         yield (
-            id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, finite(metric), *rest,
-            started_run(attempt), began, ended,
+            id, mode, task, codes.get(seat), attempt, seat, run, as_bool(practice), level, condition,
+            finite(metric), *rest, started_run(attempt), began, ended,
             *(decided.get(key) for key in _CHOICE),
             *(value_for(column, found.get(key)) for key, column in qualities.items()),
         )  # fmt: skip

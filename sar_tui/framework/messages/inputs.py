@@ -31,10 +31,11 @@ __all__ = [
 class SessionStarted(Message, frozen=True, kw_only=True):
     """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed.
 
-    ``best``: the participant's best results of earlier sessions, by level (as text). ``others_best``: those of other
-    participants, by seat. ``names``: what the agent calls each participant, by seat; without a name, the seat.
-    ``rules``: version of the loop's rules that the session follows (see `rules.RULES`). ``done_today``: what the
-    participant did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing limits a day.
+    ``best``: the participant's best results of earlier sessions, by level (as text; with a condition, ``2 cued``).
+    ``others_best``: those of other participants, by seat. ``names``: what the agent calls each participant, by seat;
+    without a name, the seat. ``rules``: version of the loop's rules that the session follows (see `rules.RULES`).
+    ``done_today``: what the participant did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing
+    limits a day.
     """
 
     run: int

@@ -133,12 +133,13 @@ class Waiting(Message, frozen=True, kw_only=True):
 
 
 class AttemptStarted(Message, frozen=True, kw_only=True):
-    """The participant began an attempt."""
+    """The participant began an attempt. ``condition``: see `Task.condition`."""
 
     attempt: int
     practice: bool
     level: int
     trials: int
+    condition: str = ""
 
 
 class Prompt(Message, frozen=True, kw_only=True):
@@ -366,6 +367,7 @@ class AttemptEnded(Message, frozen=True, kw_only=True):
     choice: FeedbackChoice | None = None
     started: int
     ended: int
+    condition: str = ""
 
 
 class LevelChanged(Message, frozen=True, kw_only=True):
@@ -423,6 +425,7 @@ class Feedback(Message, frozen=True, kw_only=True):
     choice: FeedbackChoice
     advice: str = ""
     correction: str = ""
+    condition: str = ""
 
 
 class SessionEnded(Message, frozen=True, kw_only=True):
@@ -455,9 +458,10 @@ class LevelReply(Message, frozen=True, kw_only=True):
 
 
 class Recall(Message, frozen=True, kw_only=True):
-    """Ask for the scored attempts so far, at ``level`` or at all levels, practice excluded."""
+    """Ask for the scored attempts so far, practice excluded: at ``level`` and in ``condition``, or all of them."""
 
     level: int | None = None
+    condition: str | None = None
 
 
 class RecalledAttempts(Message, frozen=True, kw_only=True):

@@ -88,7 +88,7 @@ class ActionCenter(Node):
 
     @on(FEEDBACK)
     def feedback_due(self, feedback: Feedback) -> None:
-        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level))
+        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level, condition=feedback.condition))
         content = self._feedback_text.write(feedback, recalled)
         self._phrases.said(content.text)
         plain = content.valence == "neutral" or content.degree == "clear"

@@ -31,7 +31,15 @@ class Memory(Node):
             attempts=tuple(
                 attempt
                 for attempt in self._attempts.values()
-                if attempt.seat == request.seat and not attempt.practice and request.level in (None, attempt.level)
+                if attempt.seat == request.seat
+                and not attempt.practice
+                and request.level in (None, attempt.level)
+                and request.condition in (None, attempt.condition)
             ),
-            earlier_best=self._earlier_best.get(request.seat, {}).get(str(request.level)),
+            earlier_best=self._earlier_best.get(request.seat, {}).get(best_key(request.level, request.condition or "")),
         )
+
+
+def best_key(level: int | None, condition: str) -> str:
+    """Return the key of a best result: attempts at a level and in a condition are comparable."""
+    return f"{level} {condition}".rstrip()

@@ -37,6 +37,7 @@ class Done(Message, frozen=True, kw_only=True):
     advice: str = ""
     sums_up: int = 1
     reached: int = 0
+    condition: str = ""
 
 
 DONE = Topic("test/done", Done, origin="input")
@@ -71,6 +72,7 @@ class Judge(Node):
             "qualities": done.qualities,
             "choice": choice,
             "goal": target.threshold,
+            "condition": done.condition,
         }
         self.emit(
             ATTEMPT_ENDED,

@@ -77,6 +77,17 @@ def test_the_noise_of_another_level_tells_nothing_of_this_one() -> None:
     assert result(told, 500).situation == "positive_first"
 
 
+@pytest.mark.parametrize("compared_with", COMPARED)
+def test_an_attempt_is_compared_with_those_in_its_condition(compared_with: str) -> None:
+    told = agent(compared_with)
+    for _ in range(4):
+        result(told, 870, sd=10.0, condition="loaded")
+        result(told, 700, sd=10.0, condition="free")
+    found = result(told, 800, sd=10.0, condition="loaded")
+    assert (found.situation, found.slots["change"]) == ("positive_improved", "faster")
+    assert result(told, 500, sd=10.0, condition="other").situation == "positive_first"
+
+
 def test_the_distance_from_the_goal_is_no_change_and_is_always_reported() -> None:
     found = result(agent("goal"), 900)
     assert (found.situation, found.slots["difference"]) == ("positive_improved", "0.10 seconds")

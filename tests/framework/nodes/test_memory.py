@@ -56,8 +56,8 @@ def end(bus: Bus, attempt: int, level: int = 1, metric: float | None = 600.0, **
     bus.publish(DONE, Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})))
 
 
-def recall(bus: Bus, level: int | None = None, seat: str = "A") -> RecalledAttempts:
-    return bus.call(RECALL, Recall(level=level, seat=seat))
+def recall(bus: Bus, level: int | None = None, seat: str = "A", condition: str | None = None) -> RecalledAttempts:
+    return bus.call(RECALL, Recall(level=level, seat=seat, condition=condition))
 
 
 def test_a_recall_returns_scored_attempts_oldest_first(bus: Bus) -> None:
@@ -72,6 +72,14 @@ def test_a_recall_of_a_level_returns_that_level_only(bus: Bus) -> None:
         end(bus, attempt, level)
     assert [attempt.attempt for attempt in recall(bus, 1).attempts] == [1, 3]
     assert recall(bus, 4).attempts == ()
+
+
+def test_a_recall_of_a_condition_returns_that_condition_only(bus: Bus) -> None:
+    for attempt, condition in ((1, "cued"), (2, ""), (3, "cued")):
+        end(bus, attempt, condition=condition)
+    assert [attempt.attempt for attempt in recall(bus, 1, condition="cued").attempts] == [1, 3]
+    assert [attempt.attempt for attempt in recall(bus, 1, condition="").attempts] == [2]
+    assert [attempt.attempt for attempt in recall(bus).attempts] == [1, 2, 3]
 
 
 def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
@@ -96,3 +104,11 @@ def test_the_best_of_earlier_sessions_is_returned_for_a_level(bus: Bus, level: i
 def test_a_new_run_updates_the_best_of_earlier_sessions(bus: Bus) -> None:
     bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0}))
     assert recall(bus, 1).earlier_best == 450.0
+
+
+def test_the_best_of_earlier_sessions_in_a_condition_is_its_own(bus: Bus) -> None:
+    best = {"1": 450.0, "1 cued": 400.0}
+    bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best=best))
+    assert recall(bus, 1, condition="").earlier_best == 450.0
+    assert recall(bus, 1, condition="cued").earlier_best == 400.0
+    assert recall(bus, 1, condition="uncued").earlier_best is None
