@@ -8,6 +8,7 @@ from benchmarks import (
     agent,
     commands,
     export,
+    frames,
     many_sessions,
     merge,
     motion,
@@ -43,6 +44,11 @@ class Extent(NamedTuple):
 def _response(extent: Extent) -> Any:
     pressed = extent.progress("reaction times", extent.trials * len(response.PROGRAMS))
     return response.measure(extent.trials, extent.folder, lambda name: pressed())
+
+
+def _frames(extent: Extent) -> Any:
+    attempts = 1 if extent.quick else 10
+    return frames.measure(attempts, extent.folder, extent.progress("prompts of frames", frames.steps(attempts)))
 
 
 def _paint(extent: Extent) -> Any:
@@ -104,6 +110,7 @@ def _motion(extent: Extent) -> Any:
 
 PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "response": _response,
+    "frames": _frames,
     "paint": _paint,
     "commands": _commands,
     "simulate": _simulate,

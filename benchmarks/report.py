@@ -52,7 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "sessions", "export", "merge", "motion", "sensor", "agent", "operator"):
+    for name in ("response", "frames", "sessions", "export", "merge", "motion", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -69,6 +69,10 @@ def tables(results: Results) -> dict[str, Rows]:
 
 def _response(response: Results) -> dict[str, Rows]:
     return {"Recorded minus true reaction time (ms)": _errors(response["programs"])}
+
+
+def _frames(frames: Results) -> dict[str, Rows]:
+    return {"Onset of a frame to that of the next, minus its duration (ms)": _errors(frames["programs"])}
 
 
 def _paint(paint: Results) -> dict[str, Rows]:
@@ -229,6 +233,7 @@ def _operator(operator: Results) -> dict[str, Rows]:
 
 _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "response": _response,
+    "frames": _frames,
     "paint": _paint,
     "commands": _commands,
     "simulate": _simulate,

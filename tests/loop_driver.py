@@ -64,7 +64,7 @@ class Screen(Node):
     @on(FRAME)
     def frame_due(self, due: m.FrameDue) -> None:
         if self.shows:
-            self.bus.clock.call_at(self.now + SHOWING, lambda: self.show_frame(due.frame))
+            self.bus.clock.call_at(max(due.at, self.now + SHOWING), lambda: self.show_frame(due.frame))
 
     @on(TONE_DUE)
     def tone_due(self, due: m.ToneDue) -> None:

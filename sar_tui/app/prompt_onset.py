@@ -17,19 +17,20 @@ _UNSEEN = 2 * SECOND
 """A prompt whose flush was not seen by then counts as shown, with the less certain source ``refresh``."""
 
 
-def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0) -> "Onset":
+def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0, due: int = 0) -> "Onset":
     """Report to the session when a prompt, or a frame of it, that is about to be drawn has reached the terminal.
 
     The writing thread takes the time stamp, and this thread does nothing until the terminal has read what was flushed;
     of a prompt with frames the stamp is reported at once, as the next frame may be due soon. If flushes cannot be seen
-    (tests, Windows), the onset is the refresh of the screen, and its source says so.
+    (tests, Windows), the onset is the refresh of the screen, and its source says so. A later frame is flushed when it
+    is ``due`` (ns), not before.
 
     Returns the onset, which the caller tells how the picture is drawn.
     """
     onset = Onset(live, prompt, frame)
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
-        app.onset_watch.arm(visible(prompt.shown(frame).text), onset.flushed)
+        app.onset_watch.arm(visible(prompt.shown(frame).text), onset.flushed, due)
         asyncio.get_running_loop().call_later(_READ_AFTER, onset.read)
     else:
         screen.call_after_refresh(onset.refreshed)

@@ -1,9 +1,11 @@
 """The screen as an output: shows the session's messages on a stage, and reports when each action began and ended."""
 
+import functools
 from typing import Any, ClassVar, Protocol
 
 from sar_tui.app.agent.output import AgentStage, DrawnAgent
 from sar_tui.framework.bus import Topic
+from sar_tui.framework.clock import Handle
 from sar_tui.framework.messages import (
     Action,
     AgentActing,
@@ -53,8 +55,13 @@ class Stage(AgentStage, Protocol):
     def show_prompt(self, prompt: Prompt) -> None:
         """Show a prompt, and report its onset with ``ScreenOutput.shown``."""
 
-    def show_frame(self, prompt: Prompt, frame: int) -> None:
-        """Show a later frame of a prompt at once, and report its onset in the same way."""
+    @property
+    def holds_frames(self) -> bool:
+        """True if a frame that is drawn early is not seen before it is due."""
+        ...
+
+    def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
+        """Show a later frame of a prompt when it is ``due`` (ns), in a moment, and report its onset in the same way."""
 
     def clear_prompt(self) -> None:
         """Remove the prompt."""
@@ -99,6 +106,7 @@ class ScreenOutput(OutputNode):
         self._stage = stage
         self._feedback: dict[str, Feedback] = {}
         self._prompt: Prompt | None = None
+        self._frame: Handle | None = None
 
     @on(CUE)
     def cued(self, cue: CueGiven) -> None:
@@ -113,8 +121,19 @@ class ScreenOutput(OutputNode):
 
     @on(FRAME)
     def frame_due(self, due: FrameDue) -> None:
-        if self._prompt:
-            self._stage.show_frame(self._prompt, due.frame)
+        """Draw a frame; where it would be seen at once, not before it is due."""
+        if self._prompt is None:
+            return
+        show = functools.partial(self._stage.show_frame, self._prompt, due.frame, due.at)
+        if self._stage.holds_frames:
+            show()
+        else:
+            self._frame = self.bus.clock.call_at(due.at, show)
+
+    def _clear_prompt(self) -> None:
+        if self._frame:
+            self._frame.cancel()
+        self._stage.clear_prompt()
 
     def shown(self, shown: Shown) -> None:
         """Report when a prompt or a frame of it reached the terminal. Called by the stage, from any thread."""
@@ -126,7 +145,7 @@ class ScreenOutput(OutputNode):
 
     @on(TRIAL)
     def trial_ended(self, trial: TrialEnded) -> None:
-        self._stage.clear_prompt()
+        self._clear_prompt()
         self._stage.progress(trial.trial)
 
     @on(TRIAL_FEEDBACK)
@@ -139,7 +158,7 @@ class ScreenOutput(OutputNode):
 
     @on(VOIDED)
     def voided(self, _: PromptVoided) -> None:
-        self._stage.clear_prompt()
+        self._clear_prompt()
 
     @on(ATTEMPT_STARTED)
     def attempt_started(self, started: AttemptStarted) -> None:

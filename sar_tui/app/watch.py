@@ -165,7 +165,12 @@ class WatchScreen(SessionScreen):
             self._stage("prompt")
         self.query_one(BigPrompt).show(prompt.shown())
 
-    def show_frame(self, prompt: Prompt, frame: int) -> None:
+    @property
+    def holds_frames(self) -> bool:
+        """False: it is drawn when it is due."""
+        return False
+
+    def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
         """Show a frame; its onset is in the record."""
         self.query_one(BigPrompt).show(prompt.shown(frame))
 

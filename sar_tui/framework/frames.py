@@ -13,6 +13,8 @@ from sar_tui.framework.tone import Tone
 
 SHORTEST_MS = 10
 """No terminal draws a frame that stands for less."""
+LEAD = 8 * MS
+"""A frame is requested this long before its time: drawing takes 2 to 5 ms, and then the screen waits for the time."""
 _MOST = 1000
 
 

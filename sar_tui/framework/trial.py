@@ -21,9 +21,6 @@ from sar_tui.framework.messages import (
 from sar_tui.framework.tone import Tone
 from sar_tui.framework.trial_types import Mark, Result, Situation, Stimulus, Trial
 
-LONGEST_LEAD = 10 * MS
-"""A frame is requested at most this long before its time, however long the first one took to reach the terminal."""
-
 
 class OpenTrial:
     """State of a trial while it runs. A pause clears it, except for the number of presentations.
@@ -63,7 +60,6 @@ class OpenTrial:
         self._frames = frames.complete(stimulus.frames)
         self._timed, self._awaited = frames.timed(self._frames), frames.awaited(self._frames)
         self._requested = 0
-        self._lead = 0
         self._onsets: tuple[int, ...] = ()
         self._onset_source = ""
         self._tone_onsets: dict[int, int] = {}
@@ -143,6 +139,8 @@ class OpenTrial:
 
     def frame(self) -> FrameDue:
         """Begin to draw the next frame."""
+        due = self.next_onset_due
+        assert due is not None
         self.is_drawing = True
         return FrameDue(
             seat=self._seat,
@@ -150,6 +148,7 @@ class OpenTrial:
             trial=self.situation.trial,
             presentation=self.presentation,
             frame=len(self._onsets),
+            at=due,
         )
 
     def is_shown_by(self, shown: Shown) -> bool:
@@ -163,8 +162,6 @@ class OpenTrial:
 
     def set_onset(self, shown: Shown) -> None:
         """Store the onset of the prompt, or of one of its frames."""
-        if not self._onsets:
-            self._lead = max(0, min(shown.at - self._requested, LONGEST_LEAD))
         if len(self._onsets) <= self._timed:
             self._onset_source = shown.source
         self._onsets = (*self._onsets, shown.at)
@@ -186,15 +183,14 @@ class OpenTrial:
         return due if self._onset is None else self._onset
 
     @property
-    def next_frame_at(self) -> int | None:
-        """Time (ns) at which the next frame must be drawn; None after the last one.
+    def next_onset_due(self) -> int | None:
+        """Time (ns) at which the next frame must be seen; None after the last one.
 
-        It is reckoned from the onset of the first frame, so that delays do not add up, and as much earlier as that one
-        took to reach the terminal.
+        It is reckoned from the onset of the first frame, so that delays do not add up.
         """
         if not self._onsets or len(self._onsets) == len(self._frames) or not self._frames:
             return None
-        return self._onsets[0] + frames.planned(self._frames, len(self._onsets)) - self._lead
+        return self._onsets[0] + frames.planned(self._frames, len(self._onsets))
 
     @property
     def tones(self) -> tuple[Tone, ...]:
@@ -213,7 +209,7 @@ class OpenTrial:
             wanted = wanted or self.stimulus.tone
         if wanted is None:
             return None
-        at = self._onsets[0] + frames.planned(self._frames, place) if self._onsets else self._requested
+        due = self.next_onset_due
         return ToneDue(
             seat=self._seat,
             attempt=self.situation.attempt,
@@ -221,7 +217,7 @@ class OpenTrial:
             presentation=self.presentation,
             frame=place,
             tone=wanted,
-            at=at,
+            at=self._requested if due is None else due,
         )
 
     def tone_began(self, began: ToneBegan) -> None:

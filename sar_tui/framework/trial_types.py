@@ -8,10 +8,10 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.frames import Frame
+from sar_tui.framework.frames import Frame as Frame  # noqa: PLC0414  tasks import it from here
 from sar_tui.framework.messages import Json
 from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.tone import Tone
+from sar_tui.framework.tone import Tone as Tone  # noqa: PLC0414
 
 DOUBTFUL = "disagree"
 """Flag of a trial whose measures are doubtful: it counts, but no change is reported from it."""

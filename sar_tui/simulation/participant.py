@@ -147,7 +147,7 @@ class SimulatedParticipant(_Performer):
 
     @on(FRAME)
     def frame_due(self, due: FrameDue) -> None:
-        self._show(due, due.frame)
+        self._show(due, due.frame, due.at)
 
     @on(TONE_DUE)
     def tone_due(self, due: ToneDue) -> None:
@@ -163,9 +163,9 @@ class SimulatedParticipant(_Performer):
         )
         self.bus.clock.call_at(at, lambda: self.emit(TONE_BEGAN, began))
 
-    def _show(self, prompt: Prompt | FrameDue, frame: int = 0) -> int:
+    def _show(self, prompt: Prompt | FrameDue, frame: int = 0, at: int = 0) -> int:
         """Report that a prompt or a frame of it is shown in a moment, and return its onset (ns)."""
-        onset = self.now + SHOWING
+        onset = max(self.now + SHOWING, at)
         shown = Shown(
             attempt=prompt.attempt,
             trial=prompt.trial,

@@ -7,15 +7,17 @@ the input thread, after their bytes were read and before they are parsed.
 
 import re
 import threading
+import time
 from collections.abc import Callable, Iterable
 from typing import IO, Any
 
 from textual.driver import Driver
 from textual.message import Message
 
-from sar_tui.framework.clock import host_now
+from sar_tui.framework.clock import MS, SECOND, host_now
 
 Stamped = Callable[[int], None]
+_PATIENCE = 20 * MS
 _CONTROL = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]")
 """A control sequence, whose numbers are no text."""
 
@@ -31,17 +33,26 @@ class OnsetWatch:
         self._text = ""
         self._stamped: Stamped | None = None
         self._written = False
+        self._due = 0
 
-    def arm(self, text: str, stamped: Stamped) -> None:
-        """Call ``stamped`` once, from the writing thread, with the time (ns) at which ``text`` was flushed."""
+    def arm(self, text: str, stamped: Stamped, due: int = 0) -> None:
+        """Call ``stamped`` once, from the writing thread, with the time (ns) at which ``text`` was flushed.
+
+        ``due``: it is not flushed before this time (ns), for which the writing thread waits, at most `_PATIENCE`.
+        """
         with self._lock:
-            self._text, self._stamped, self._written = text, stamped, False
+            self._text, self._stamped, self._written, self._due = text, stamped, False, due
 
     def wrote(self, frame: str) -> None:
         """Notice a frame that is about to be flushed."""
         if self._stamped is not None and self._text in frame:
             printed = _CONTROL.sub("", frame)
             self._written = self._written or (bool(printed) and self._text in printed)
+
+    def await_time(self) -> None:
+        """Wait until the awaited text may be flushed, if it is about to be."""
+        if self._written and (left := self._due - host_now()) > 0:
+            time.sleep(min(left, _PATIENCE) / SECOND)
 
     def missed(self) -> None:
         """Notice that the frame was dropped: the terminal is stalled. The next one holds the text again."""
@@ -74,6 +85,7 @@ class WatchedFile:
             return len(text)
 
     def flush(self) -> None:
+        self._watch.await_time()
         try:
             self._file.flush()
         except (OSError, ValueError):

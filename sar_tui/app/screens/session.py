@@ -60,9 +60,14 @@ class SessionScreen(KeysScreen):
             self._stage("prompt")
         self._draw(prompt, 0, onset)
 
-    def show_frame(self, prompt: Prompt, frame: int) -> None:
-        """Show a later frame of the prompt, and report when it reached the terminal."""
-        self._draw(prompt, frame, report_onset(self, self._live, prompt, frame))
+    @property
+    def holds_frames(self) -> bool:
+        """True if the driver flushes a frame when it is due, not before."""
+        return bool(getattr(self.app._driver, "can_stamp_onset", False))
+
+    def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
+        """Show a later frame of the prompt when it is due, and report when it reached the terminal."""
+        self._draw(prompt, frame, report_onset(self, self._live, prompt, frame, due))
 
     def _draw(self, prompt: Prompt, frame: int, onset: Onset) -> None:
         widget = self.query_one(BigPrompt)

@@ -190,12 +190,16 @@ class Prompt(Message, frozen=True, kw_only=True):
 
 
 class FrameDue(Message, frozen=True, kw_only=True):
-    """A later frame of a prompt is to be drawn now. ``frame``: its place, from 1: the first comes with the prompt."""
+    """A later frame of a prompt is to be drawn now, and to be seen ``at`` a time (ns).
+
+    ``frame``: its place, from 1: the first comes with the prompt.
+    """
 
     attempt: int
     trial: int
     presentation: int
     frame: int
+    at: int
 
 
 class TonesAhead(Message, frozen=True, kw_only=True):

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import msgspec
 
+from sar_tui.framework import frames
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND, STALLED
 from sar_tui.framework.held_key import HeldKey
@@ -228,8 +229,8 @@ class TrialFlow(TimedNode, ABC):
         self._trial.set_onset(shown)
         if (over := self._trial.timeout_at) is not None and not was_timed:
             self.set_timer("timeout", over)
-        if (due := self._trial.next_frame_at) is not None:
-            self.set_timer("frame", due)
+        if (due := self._trial.next_onset_due) is not None:
+            self.set_timer("frame", due - frames.LEAD)
             self._request_tone()
         self._judge_early()
 

@@ -247,3 +247,19 @@ def test_a_prompt_without_frames_is_stored_as_before(calm: Theme, monkeypatch: p
     assert driver.all(FRAME) == []
     assert b"frame_onsets" not in msgspec.json.encode(driver.last(TRIAL))
     assert "[]" not in encoder(PROMPT)(driver.last(PROMPT))
+
+
+def test_one_slow_drawing_does_not_make_the_next_frame_early(calm: Theme) -> None:
+    driver = LoopDriver(Cued, calm, **PARAMETERS)
+    driver.start()
+    driver.wait(600)
+    driver.press("f")
+    driver.screen.shows = False
+    driver.until(lambda: len(driver.all(PROMPT)) == 2)
+    driver.wait(9)
+    assert driver.screen.prompt
+    driver.screen.show(driver.screen.prompt)
+    driver.screen.shows = True
+    driver.wait(600)
+    first = driver.all(SHOWN)[-4].at
+    assert [(one.at - first) / MS for one in driver.all(SHOWN)[-4:]] == [0, 100, 400, 450]
