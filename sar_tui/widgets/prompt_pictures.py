@@ -7,6 +7,7 @@ other terminals, a picture is made of half blocks, a colour for each half of a c
 import base64
 import io
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count, groupby
 from pathlib import Path
@@ -91,12 +92,12 @@ class Pictures:
         self._sent.clear()
 
     def _prepared(self, file: Path, columns: int, rows: int, background: str) -> Drawn:
-        from PIL import Image
+        from PIL import Image, ImageOps
 
         cell = _cell_size() if self.way in ("kitty", "sixel") else (10, 20)
         with Image.open(file) as opened:
             opened.draft("RGB", (columns * cell[0], rows * cell[1]))  # a JPEG is decoded at about this size
-            picture = opened.convert("RGBA")
+            picture = ImageOps.exif_transpose(opened).convert("RGBA")  # upright, as the camera was held
         width, height = _fitting(picture.size, (columns, rows), cell)
         ground = Image.new("RGBA", picture.size, background)
         picture = Image.alpha_composite(ground, picture).convert("RGB")
@@ -195,7 +196,9 @@ def decode_problem(file: Path) -> str:
     from PIL import Image
 
     try:
-        with Image.open(file) as opened:
+        too_large = warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning)
+        with too_large, Image.open(file) as opened:
+            opened.draft("RGB", (64, 64))  # a JPEG is decoded faster at about this size
             opened.load()
     except Exception as error:  # a decoder may raise anything for a broken file
         return f"The picture {file.name} cannot be read ({type(error).__name__})."

@@ -62,6 +62,15 @@ def test_blocks_have_the_colours_of_the_picture(folder: Path, way: Way) -> None:
         assert [style.bgcolor.triplet for style in styles if style and style.bgcolor] == [color]
 
 
+def test_a_photograph_is_upright_as_the_camera_was_held(folder: Path) -> None:
+    photograph = Image.new("RGB", (40, 80), (255, 0, 0))
+    turned = photograph.getexif()
+    turned[0x0112] = 6  # Orientation: by a quarter
+    photograph.save(folder / "photograph.jpg", exif=turned)
+    upright, expected = drawn(folder, "half blocks", "photograph.jpg"), drawn(folder, "half blocks")
+    assert (upright.columns, len(upright.rows)) == (expected.columns, len(expected.rows))
+
+
 def test_kitty_gets_a_picture_beforehand_and_its_frame_only_says_where(folder: Path) -> None:
     shown, written = pictures(folder, "kitty")
     picture = shown.drawn("red.png", 78, 11, GROUND)

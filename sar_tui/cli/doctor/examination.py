@@ -12,7 +12,7 @@ from sar_tui.cli.doctor.sensors import motion_sensor, sensor_driver
 from sar_tui.cli.doctor.servo import servo_controller
 from sar_tui.cli.doctor.speech import examine_voice, sound_card, speech_engine
 from sar_tui.cli.doctor.storage import database, disk_space, saved_data
-from sar_tui.cli.doctor.terminal import colours, connection, size, terminal
+from sar_tui.cli.doctor.terminal import colours, connection, pictures, size, terminal
 from sar_tui.cli.doctor.timing import clock, measured_timing, onset_stamps, priority
 
 Check = Callable[[], Finding]
@@ -39,6 +39,7 @@ def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
         ("Terminal", terminal),
         ("Terminal size", size),
         ("Colours", colours),
+        ("Pictures", pictures),
         ("Connection", connection),
         ("Clock", clock),
         ("Onset stamps", onset_stamps),

@@ -54,6 +54,18 @@ def colours() -> Finding:
     return Finding("Colours", "ok", {"truecolor": "16 million"}.get(str(system), str(system)))
 
 
+def pictures() -> Finding:
+    """Find out how the terminal shows the pictures of prompts. Asks it."""
+    from sar_tui.widgets.prompt_pictures import MISSING, find_way
+
+    way = find_way()
+    if way is None:
+        how = f"To install it: {MISSING.rpartition(': ')[2].rstrip('.')}"
+        return Finding("Pictures", "ok", "not installed. Only tasks whose prompts have pictures need it.", how)
+    as_they_are = {"kitty": "by kitty's graphics", "sixel": "by sixel graphics"}
+    return Finding("Pictures", "ok", as_they_are.get(way) or f"in {way}, as this terminal has no graphics")
+
+
 def connection() -> Finding:
     """Check that there is neither SSH nor a multiplexer between the person and the program."""
     from sar_tui.store.provenance import machine

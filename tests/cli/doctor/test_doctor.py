@@ -116,7 +116,7 @@ def test_checks_that_wait_for_devices_and_the_voice_wait_side_by_side(
         "motion_sensor",
         "servo_controller",
     ]
-    assert [row["name"] for row in rows].index("motion_sensor") == 10
+    assert [row["name"] for row in rows].index("motion_sensor") == 11
 
 
 def test_a_check_that_fails_beside_others_is_a_finding(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,6 +186,20 @@ def test_redirected_output_is_no_fault(call: Call) -> None:
 def test_no_color_is_fine(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     assert finding(call("doctor", "--json"), "Colours")["state"] == "ok"
+
+
+@pytest.mark.parametrize(
+    ("way", "found"),
+    [("kitty", "by kitty's graphics"), ("half blocks", "in half blocks, as this"), (None, "not installed.")],
+)
+def test_the_way_of_showing_pictures_is_told(
+    call: Call, monkeypatch: pytest.MonkeyPatch, way: str | None, found: str
+) -> None:
+    monkeypatch.setattr("sar_tui.widgets.prompt_pictures.find_way", lambda: way)
+    told = finding(call("doctor", "--json"), "Pictures")
+    assert told["state"] == "ok"
+    assert told["found"].startswith(found)
+    assert ("sar-tui[images]" in told["mend"]) == (way is None)
 
 
 @pytest.mark.parametrize(("free", "state"), [(10, "bad"), (100, "care"), (10_000, "ok")])
