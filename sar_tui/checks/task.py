@@ -152,12 +152,12 @@ def _prompts(kind: type[Task], task: Task) -> str:
 
 
 def _content_problem(prompt: Stimulus, where: str) -> str:
+    if problem := stimulus_problem(prompt):
+        return f"{problem.removesuffix('.')}, {where}."
     if not prompt.name:
         return f"The stimulus has no name {where}."
     if not prompt.text.strip() or not prompt.text.isprintable():
         return f"The prompt's text is not one line of plain text {where}: {prompt.text!r}."
-    if problem := stimulus_problem(prompt):
-        return f"{problem.removesuffix('.')}, {where}."
     if prompt.choices < 1:
         return f"The prompt is drawn from {prompt.choices} stimuli {where}."
     texts = (prompt.glyph, prompt.hint, *prompt.halves)

@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from sar_tui.framework import frames, tone
+from sar_tui.framework import frames, prompt_texts, tone
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import (
     CueGiven,
@@ -334,9 +334,9 @@ class OpenTrial:
 
 
 def stimulus_problem(stimulus: Stimulus) -> str:
-    """Return a sentence that says why a prompt cannot be shown and timed as declared; empty if it can."""
+    """Return a sentence that says why a prompt cannot be shown, timed and stored as declared; empty if it can."""
     if stimulus.timeout_ms is not None and not 0 < stimulus.timeout_ms < math.inf:
         return f"The timeout_ms of a prompt is {stimulus.timeout_ms}; it is a time above 0, or None."
     if stimulus.tone is not None and (problem := tone.problem(stimulus.tone)):
         return problem
-    return frames.problem(stimulus.frames)
+    return frames.problem(stimulus.frames) or prompt_texts.problem(stimulus)
