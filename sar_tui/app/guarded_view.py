@@ -12,7 +12,7 @@ from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.prompt_lines import Line, plain_lines
-from sar_tui.widgets.task_view import Colors, Drawing, TaskView, sentences, view_of
+from sar_tui.widgets.task_view import Colors, Drawing, TaskView, measured, sentences, view_of
 
 R = TypeVar("R")
 
@@ -69,9 +69,11 @@ class GuardedView(Node):
         return draw
 
     def facts(self, attempts: Sequence[AttemptEnded]) -> list[str]:
-        """Return the sentences that the view adds to a seat's summary."""
+        """Return the sentences that the task's measures and its view add to a seat's summary."""
         task, tr = self._view.task, self._view.tr
-        return self._try("facts", lambda: sentences(self._view.facts(attempts, task.metric, tr)), [])
+        none: list[str] = []
+        facts = self._try("facts", lambda: sentences(self._view.facts(attempts, task.metric, tr)), none)
+        return measured(type(task), attempts, tr) + facts
 
     def _try(self, place: str, call: Callable[[], R], fallback: R) -> R:
         if place in self._failed:

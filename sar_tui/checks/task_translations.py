@@ -45,6 +45,7 @@ def declared(kind: type[Task]) -> set[str]:
     metric = kind.metric
     texts = {kind.title, kind.summary, kind.trials, metric.label, metric.improved, metric.worsened}
     texts.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
+    texts.update(text for measure in kind.measured for text in (measure.title, measure.unit))
     texts.update(text for mark in kind.marks for text in (mark.title, mark.remark))
     return texts - {""}
 

@@ -171,6 +171,8 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
 
     heads = [tr(head) for head in ("session", "date", "levels", "mean ± SD", "correct", "goals", "level at goal")]
     heads.append(f"{tr(line.axis.unit or line.axis.name)}, 95 %")
+    measured = [measure for measure in line.measured if any(measure.name in each.qualities for each in line.sessions)]
+    heads += [measure.label(tr) for measure in measured]
     has_felt = any(each.pain is not None or each.tiredness is not None for each in line.sessions)
     if has_felt:
         heads += [tr("pain"), tr("tired")]
@@ -184,6 +186,7 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
             f"{each.reached}/{each.attempts}",
             tr.figures(f"{each.at_goal.level:.1f}") if each.at_goal and each.at_goal.level else "",
             progress_words.band(line, each, tr) or tr(progress_words.SIDES[each.side]),
+            *(progress_words.measured(each, measure, tr) for measure in measured),
             *("–" if given is None else str(given) for given in (each.pain, each.tiredness) if has_felt),
         )
         for each in line.sessions[-_LISTED:]

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from sar_tui.cli.tables import Findings
+    from sar_tui.framework.measure import Measure
     from sar_tui.framework.trial_types import Metric
     from sar_tui.reports.output_summary import OutputSummary
     from sar_tui.store.adverse_events import AdverseEvent
@@ -123,12 +124,13 @@ def show(
 
     metric = provenance.metric(found["software"])
     out = console()
+    measured, findings = _declared(home, found["task"])
     _print_facts(out, found, programme)
     if attempts:
-        out.print(attempts_table(attempts, metric), end="\n\n")
+        out.print(attempts_table(attempts, metric, measured), end="\n\n")
         for seat in seats(attempts):
             _print_plot(out, attempts, seat, metric)
-    out.print(summary(attempts, metric, _findings(home, found["task"])), soft_wrap=True, end="\n\n")
+    out.print(summary(attempts, metric, findings), soft_wrap=True, end="\n\n")
     if changes:
         out.print("\n".join(changes), markup=False, soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
@@ -139,15 +141,16 @@ def show(
     print_failed_outputs(out, outputs)
 
 
-def _findings(home: Home, name: str) -> "Findings":
-    """Return the function that adds a task's findings to a summary; it adds none if the task is not installed."""
+def _declared(home: Home, name: str) -> "tuple[Sequence[Measure], Findings]":
+    """Return a task's measures, and the function that adds its findings to a summary; none if it is not installed."""
     from sar_tui.plugins import PluginError
     from sar_tui.widgets.task_view import stored_findings
 
     try:
-        return partial(stored_findings, home.catalogue().task(name))
+        task = home.catalogue().task(name)
     except PluginError:
-        return lambda *_: ()
+        return (), lambda *_: ()
+    return task.measured, partial(stored_findings, task)
 
 
 def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> None:

@@ -154,7 +154,7 @@ def simulate(
     from sar_tui.widgets.task_view import stored_findings
 
     out = console()
-    out.print(attempts_table(rows, kind.metric))
+    out.print(attempts_table(rows, kind.metric, kind.measured))
     said = summary(rows, kind.metric, partial(stored_findings, kind))
     out.print(f"{said} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
     if operator is not None:

@@ -7,10 +7,12 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from sar_tui.framework.language import Language
 from sar_tui.framework.visible_text import visible
 from sar_tui.reports.attempt_results import MARKERS, result_name
 
 if TYPE_CHECKING:
+    from sar_tui.framework.measure import Measure
     from sar_tui.framework.messages import AttemptEnded
     from sar_tui.framework.trial_types import Metric
 
@@ -39,12 +41,15 @@ def head(made: Table, heading: str) -> None:
     made.add_row(Text(heading, style="bold"))
 
 
-def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
-    """Return a table of attempts, one row for each seat."""
+def attempts_table(rows: Sequence[Row], metric: "Metric", measured: Sequence["Measure"] = ()) -> Table:
+    """Return a table of attempts, one row for each seat, with the declared measures that some of them have."""
     result = metric.name.replace("_", " ")
     seat = ("seat",) if len(seats(rows)) > 1 else ()
-    numbers = ("attempt", "level", result, "right")
-    made = table("attempt", *seat, "level", result, "right", "goal", "feedback", right=numbers)
+    tr = Language()
+    known = [measure for measure in measured if any(measure.name in row["qualities"] for row in rows)]
+    titles = [measure.title for measure in known]
+    numbers = ("attempt", "level", result, "right", *titles)
+    made = table("attempt", *seat, "level", result, "right", *titles, "goal", "feedback", right=numbers)
     for row in rows:
         name = result_name(row["outcome"], row["metric"], row["goal"], metric)
         add(
@@ -54,6 +59,7 @@ def attempts_table(rows: Sequence[Row], metric: "Metric") -> Table:
             row["level"],
             None if row["metric"] is None else metric.show(row["metric"]),
             f"{row['correct']} of {row['trials']}",
+            *(each.show(row["qualities"][each.name], tr) if each.name in row["qualities"] else "" for each in known),
             f"{MARKERS[name]} {name}",
             "" if row["feedback"] == "none" else row["feedback"],
         )

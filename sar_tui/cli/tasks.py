@@ -56,19 +56,24 @@ def show_task(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Show the parameters of a task."""
+    """Show the parameters of a task, the details of its trials, and its measures of attempts."""
     import msgspec
 
+    from sar_tui.export.json_columns import declared_keys
     from sar_tui.framework.declaration import show
     from sar_tui.framework.parameters import fields, grouped
 
     task = Home.of(context, data, tasks).catalogue().task(name)
+    details = [
+        {"name": detail, "type": " or ".join(sorted(declared.types)), "description": declared.meaning}
+        for detail, declared in declared_keys(task.Details).items()
+    ]
     if as_json:
         facts = {"name": name, "title": task.title, "summary": task.summary, "metric": task.metric}
         parameters = [msgspec.structs.asdict(field) for field in fields(task.Parameters)]
         for parameter in parameters:
             del parameter["renamed"]  # former spellings are not part of the output
-        print_json({"task": facts, "parameters": parameters})
+        print_json({"task": facts, "parameters": parameters, "details": details, "measures": task.measured})
         return
 
     from sar_tui.cli.tables import add, head, table
@@ -83,6 +88,15 @@ def show_task(
             words = f"{field.title}. {field.help}" if field.help else field.title
             add(made, field.name, show(field.default), f"{field.bounds} {field.unit}".strip(), words)
     out.print(made)
+    measures = [{"name": each.name, "unit": each.unit, "what it is": each.title} for each in task.measured]
+    kept = [{"name": each["name"], "type": each["type"], "what it is": each["description"]} for each in details]
+    for heading, rows in (("Details of a trial", kept), ("Measures of an attempt", measures)):
+        if rows:
+            out.print(f"\n{heading}", markup=False)
+            made = table(*rows[0], whole=("name",))
+            for row in rows:
+                add(made, *row.values())
+            out.print(made)
 
 
 @app.command("new")

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
 from sar_tui.framework.language import language
+from sar_tui.framework.measure import Measure
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
@@ -59,6 +60,7 @@ class Task(ABC):
         Details: fields stored with each trial.
         sensors: kinds of sensors it needs.
         qualities: measures for feedback on performance.
+        measured: how the numbers of ``measures`` and ``learning`` are shown; others are stored only.
         marks: that a therapist can put on a trial.
         seats: places of participants.
         rules: version of the rules of this session, so that a task that has changed plays an earlier one as it was.
@@ -74,6 +76,7 @@ class Task(ABC):
     Details: ClassVar[type[Details]] = Details
     sensors: ClassVar[tuple[Literal["imu"], ...]] = ()
     qualities: ClassVar[tuple[Quality, ...]] = ()
+    measured: ClassVar[tuple[Measure, ...]] = ()
     marks: ClassVar[tuple[Mark, ...]] = ()
     seats: ClassVar[tuple[str, ...]] = ("A",)
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import msgspec
 
+from sar_tui.framework.measure import Measure
 from sar_tui.framework.parameters import fields
 from sar_tui.framework.policies.wellbeing import SessionRatings, TellReason, tell_therapist
 from sar_tui.framework.task import Task
@@ -80,6 +81,7 @@ class LineProgress(msgspec.Struct, frozen=True):
         between_sd: SD of the sessions' means.
         baseline: None before it has enough sessions.
         verdict: on the last session whose value is known, against the baseline.
+        measured: the measures of attempts that the task declares.
     """
 
     task: str
@@ -97,6 +99,7 @@ class LineProgress(msgspec.Struct, frozen=True):
     between_sd: float | None
     baseline: Baseline | None
     verdict: Verdict
+    measured: tuple[Measure, ...]
 
 
 class Progress(msgspec.Struct, frozen=True):
@@ -193,6 +196,7 @@ def _line(line: Line, began_in: Mapping[str, list[str]]) -> LineProgress:
         between_sd=stdev(means) if len(means) > 1 else None,
         baseline=found,
         verdict=change.verdict(values[-1], found) if values else "not yet known",
+        measured=line.task.measured if line.task else (),
     )
 
 

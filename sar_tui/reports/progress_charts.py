@@ -138,7 +138,7 @@ def quality_charts(line: LineProgress, tr: Language) -> dict[str, Spec]:
             "field": "value",
             "type": "quantitative",
             "scale": {"zero": False},
-            "title": progress_words.quality(name, tr),
+            "title": progress_words.quality(line, name, tr),
         }
         mark = {"type": "line", "color": _INK, "point": {"color": _INK}}
         charts[name] = _chart(values, [{"mark": mark, "encoding": {"x": _x(values, line.sessions), "y": y}}], _LOW)

@@ -99,7 +99,11 @@ def qualities(line: LineProgress, tr: Language) -> list[tuple[str, list[float | 
     rows = [(tr("correct"), [each.right / each.trials if each.trials else None for each in line.sessions], "{:.0%}")]
     names = dict.fromkeys(name for each in line.sessions for name in each.qualities)
     return rows + [
-        (progress_words.quality(name, tr), [each.qualities.get(name) for each in line.sessions], "{:.3g}")
+        (
+            progress_words.quality(line, name, tr),
+            [each.qualities.get(name) for each in line.sessions],
+            progress_words.quality_form(line, name),
+        )
         for name in names
     ]
 

@@ -69,7 +69,7 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
         more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
         yield figure(spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more))
     for name, chart in progress_charts.quality_charts(line, tr).items():
-        yield figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(name, tr)), "")
+        yield figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(line, name, tr)), "")
     yield _table(line, tr)
 
 

@@ -4,6 +4,7 @@ import inspect
 from pathlib import Path
 
 from sar_tui.framework.language import Language, language
+from sar_tui.framework.measure import Measure
 from sar_tui.framework.results_for_people import metric_for_people, short_goal
 from sar_tui.framework.task import Task
 from sar_tui.framework.translated_settings import COMMON
@@ -122,9 +123,27 @@ _QUALITIES = {
 """Names of measures; others are shown as they are stored."""
 
 
-def quality(name: str, tr: Language) -> str:
-    """Return the name of a measure of how a movement was done, for people."""
+def quality(line: LineProgress, name: str, tr: Language) -> str:
+    """Return the name of a measure for people, with its unit if the task declares one."""
+    if measure := _declared(line, name):
+        return measure.label(tr)
     return tr(_QUALITIES.get(name, name.replace("_", " ")))
+
+
+def quality_form(line: LineProgress, name: str) -> str:
+    """Return the format of a measure's values: the decimals that the task declares, else three digits."""
+    measure = _declared(line, name)
+    return f"{{:.{measure.decimals}f}}" if measure else "{:.3g}"
+
+
+def measured(session: SessionProgress, measure: Measure, tr: Language) -> str:
+    """Return a session's mean of a measure, without its unit; empty if it has none."""
+    value = session.qualities.get(measure.name)
+    return "" if value is None else tr.figures(f"{value:.{measure.decimals}f}")
+
+
+def _declared(line: LineProgress, name: str) -> Measure | None:
+    return next((each for each in line.measured if each.name == name), None)
 
 
 def spread(line: LineProgress, tr: Language) -> str:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from rich.text import Text
 
 from sar_tui.framework.language import Language
+from sar_tui.framework.measure import mean_texts
 from sar_tui.framework.messages import AttemptEnded, Prompt
 from sar_tui.framework.node import Node
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
@@ -96,17 +97,24 @@ def sentences(value: object) -> list[str]:
     return value
 
 
+def measured(task: type[Task], attempts: Sequence[AttemptEnded], tr: Language) -> list[str]:
+    """Return a sentence for each measure that a task declares, with its mean over the attempts that have it."""
+    return mean_texts(task.measured, [attempt.qualities for attempt in attempts if not attempt.practice], tr)
+
+
 def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
-    """Return a view's facts about a session in the database; none if the view fails."""
+    """Return the declared measures and a view's facts about a session in the database; none of these if it fails."""
+    found = measured(task, attempts, tr)
     try:
-        return sentences(view_of(task).facts(attempts, metric, tr))
+        return found + sentences(view_of(task).facts(attempts, metric, tr))
     except PLUGIN_ERRORS:  # third-party code: the rest of the summary is still right
-        return []
+        return found
 
 
 def stored_findings(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric) -> list[str]:
-    """Return a view's findings about a session in the database; none if the view fails."""
+    """Return the declared measures and a view's findings about a session in the database; none of these if it fails."""
+    found = measured(task, attempts, Language())
     try:
-        return sentences(view_of(task).findings(attempts, metric))
+        return found + sentences(view_of(task).findings(attempts, metric))
     except PLUGIN_ERRORS:
-        return []
+        return found
