@@ -4,6 +4,8 @@ import json
 import time
 from pathlib import Path
 
+import pytest
+
 from sar_tui.framework.clock import MS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
@@ -20,6 +22,7 @@ from tests.end_to_end.participant_terminal import (
 PROMPTS = 8
 
 
+@pytest.mark.slow
 def test_a_stop_signal_task_is_killed_between_frames_resumed_and_replayed(data: Path, tmp_path: Path) -> None:
     write_documented(tmp_path / "mytasks", "stopping")
     settings = [f"--set={name}={value}" for name, value in (QUICK | {"attempts": 1}).items()]
