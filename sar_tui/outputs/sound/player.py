@@ -81,7 +81,12 @@ class SoundCard:
                 )
             except miniaudio.MiniaudioError as error:
                 raise SoundError(_NO_CARD.format(error.args[0])) from error
-        return str(self._device.backend)
+        return self.name
+
+    @property
+    def name(self) -> str:
+        """Name of the sound system; empty before it is open."""
+        return str(self._device.backend) if self._device else ""
 
     def start(self, stream: Generator["array[int]", int, None]) -> None:
         """Play a stream that gives as many samples as it is sent a number for, until `close`.

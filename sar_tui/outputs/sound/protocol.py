@@ -80,6 +80,12 @@ class Drop(_Line, frozen=True):
     job: int
 
 
+class Reckon(_Line, frozen=True):
+    """Report again when a tone of a prompt began, as the clock of the sound card tells now."""
+
+    job: int
+
+
 class Stop(_Line, frozen=True):
     """Stop this job if it is still under way."""
 
@@ -125,15 +131,16 @@ class FoundVoice(msgspec.Struct, frozen=True):
 
 
 class Examined(_Line, frozen=True):
-    """The voices and the sound system, or why there are none."""
+    """The voices and the sound system, or why there are none; the time that a sample waits in the card's buffer."""
 
     voices: tuple[FoundVoice, ...] = ()
     no_voices: str = ""
     card: str = ""
     no_card: str = ""
+    buffer_ms: float = 0.0
 
 
-Request = Setup | Warm | Say | Tone | Cue | Drop | Stop | Examine
+Request = Setup | Warm | Say | Tone | Cue | Drop | Reckon | Stop | Examine
 Reply = Started | Ended | Examined
 
 _requests: msgspec.json.Decoder[Request] = msgspec.json.Decoder(Request)

@@ -13,6 +13,9 @@ from sar_tui.outputs.sound.protocol import (
     Cue,
     Drop,
     Ended,
+    Examine,
+    Examined,
+    Reckon,
     Request,
     Setup,
     SoundError,
@@ -34,6 +37,7 @@ class Tones:
     def __init__(self, setup: Setup, replies: BinaryIO) -> None:
         self._setup = setup
         self._replies = replies
+        self._card = SoundCard(setup.backends)
         self._stream: ToneStream | None = None
 
     def do(self, asked: Request) -> None:
@@ -51,6 +55,13 @@ class Tones:
             case Drop(job):
                 if self._stream:
                     self._stream.drop(job)
+            case Reckon(job):
+                if self._stream:
+                    self._send(Started(job, self._stream.onset(job), 0.0, by="device"))
+            case Examine():
+                problem = self._ready()
+                waits = self._stream.clock.buffer_ms if self._stream else 0.0
+                self._send(Examined(card=self._card.name, no_card=problem, buffer_ms=waits))
             case _:
                 pass
 
@@ -58,7 +69,7 @@ class Tones:
         """Start the sound card if it is needed and not started; return why it cannot be."""
         if self._setup.folder or self._stream:
             return ""
-        stream = ToneStream(SoundCard(self._setup.backends))
+        stream = ToneStream(self._card)
         try:
             if not stream.start():
                 return _SILENT
@@ -91,7 +102,7 @@ class Tones:
         except SoundError as error:
             self._send(Ended(cue.job, "failed", host_now(), str(error)))
 
-    def _send(self, reply: Started | Ended) -> None:
+    def _send(self, reply: Started | Ended | Examined) -> None:
         self._replies.write(encode(reply))
 
 

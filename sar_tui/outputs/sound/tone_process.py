@@ -8,7 +8,7 @@ from sar_tui.framework.clock import host_now
 from sar_tui.framework.theme import Note
 from sar_tui.framework.tone import Tone
 from sar_tui.outputs.sound.mixer import CARD, sound_folder
-from sar_tui.outputs.sound.protocol import Cue, Drop, Ended, Reply, Setup, Started, Warm
+from sar_tui.outputs.sound.protocol import Cue, Drop, Ended, Examine, Examined, Reckon, Reply, Setup, Started, Warm
 from sar_tui.outputs.sound.voice_process import VoiceProcess
 
 PROGRAM = child_process.python("sar_tui.outputs.sound.tone_main")
@@ -34,13 +34,21 @@ class ToneProcess:
         on_onset: called from a thread of its own when the onset of a tone is known, or that it is not heard.
         where: ``sound``, or ``file:FOLDER`` (see `mixer.check_sound`).
         backends: the sound systems to try, by miniaudio's names; all real ones if empty.
+        on_examined: called from that thread with what `examine` found.
 
     Raises:
         OSError: the process cannot be started.
     """
 
-    def __init__(self, on_onset: Callable[[Onset], object], where: str = CARD, backends: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        on_onset: Callable[[Onset], object],
+        where: str = CARD,
+        backends: Sequence[str] = (),
+        on_examined: Callable[[Examined], object] = lambda card: None,
+    ) -> None:
         self._on_onset = on_onset
+        self._on_examined = on_examined
         self._child = VoiceProcess(Setup(str(sound_folder(where) or ""), tuple(backends)), self._receive, PROGRAM)
 
     @property
@@ -60,6 +68,14 @@ class ToneProcess:
         """Leave out what of a tone has not begun to sound."""
         self._child.send(Drop(job))
 
+    def examine(self) -> None:
+        """Start the sound card, and report it."""
+        self._child.send(Examine())
+
+    def reckon(self, job: int) -> None:
+        """Have the onset of a tone reported again, as the clock of the card tells now."""
+        self._child.send(Reckon(job))
+
     def close(self) -> None:
         """End the process."""
         self._child.kill()
@@ -70,5 +86,7 @@ class ToneProcess:
                 self._on_onset(Onset(job, at, by))
             case Ended(job, "failed", at, detail):
                 self._on_onset(Onset(job, at, "failed", detail))
+            case Examined():
+                self._on_examined(reply)
             case None:
                 self._on_onset(Onset(0, host_now(), "failed", _LOST))

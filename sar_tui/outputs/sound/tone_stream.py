@@ -74,6 +74,7 @@ class ToneStream:
     def __init__(self, card: SoundCard) -> None:
         self._card = card
         self._parts: list[_Part] = []
+        self._first: dict[int, int] = {}
         self._lock = threading.Lock()
         self._began = threading.Event()
         self.clock = DeviceClock()
@@ -98,8 +99,14 @@ class ToneStream:
         with self._lock:
             first = max(self.clock.asked_for, self.clock.sample_at(at))
             starts = [first + round(offset * RATE / 1000) for offset in offsets_ms]
+            self._first[job] = first
             self._parts += [_Part(job, start, samples) for start in starts]
             return self.clock.heard_at(first)
+
+    def onset(self, job: int) -> int:
+        """Return when a job is heard, as the card's clock tells now (ns)."""
+        with self._lock:
+            return self.clock.heard_at(self._first[job])
 
     def drop(self, job: int) -> None:
         """Leave out what a job has not begun to play."""
