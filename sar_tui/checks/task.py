@@ -95,7 +95,7 @@ def _reason(error: BaseException) -> str:
 def _declaration(kind: type[Task]) -> str:
     if not kind.title.strip():
         return "Its title is empty."
-    if not kind.metric.name.isidentifier():
+    if not (kind.metric.is_none or kind.metric.name.isidentifier()):
         return f"Its metric's name is not a plain word such as reaction_time: {kind.metric.name!r}."
     return ""
 
@@ -118,7 +118,7 @@ def _lacks(field: Field) -> str:
 def _words(task: Task) -> str:
     if not task.instructions().strip():
         return "Its instructions are empty."
-    silent = [level for level in _levels(task) if not task.goal(level).strip()]
+    silent = [level for level in _levels(task) if not task.goal(level).strip() and task.goal_value(level) is not None]
     return f"The goal is empty at level {silent[0]}." if silent else ""
 
 
@@ -179,7 +179,7 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             except PLUGIN_ERRORS as error:
                 yield _check(name, _reason(error))
                 return
-            yield _check(name, _outcome(simulated, parameters))
+            yield _check(name, _outcome(kind, simulated, parameters))
             done.append(simulated)
     yield _check("stores only the details that it declares", _details(kind, done))
     prompts = [
@@ -228,7 +228,7 @@ def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, fold
         database.close()
 
 
-def _outcome(simulated: Simulated, parameters: TaskParameters) -> str:
+def _outcome(kind: type[Task], simulated: Simulated, parameters: TaskParameters) -> str:
     for record in simulated.history:
         if record.topic is FAULT and isinstance(fault := record.message, Fault):
             return f"The node {fault.node} failed at {fault.topic} ({fault.error})."
@@ -240,7 +240,7 @@ def _outcome(simulated: Simulated, parameters: TaskParameters) -> str:
     scores = [attempt["metric"] for attempt in simulated.attempts]
     if any(score is not None and not math.isfinite(score) for score in scores):
         return "An attempt's metric is not a finite number."
-    if scores.count(None) > len(scores) / 2:
+    if scores.count(None) > len(scores) / 2 and not kind.metric.is_none:
         return (
             f"{scores.count(None)} of {len(scores)} attempts have no metric: no trial in them was right and had a "
             "value. Look at perceived, timed_out and rehearse."
@@ -255,7 +255,9 @@ def _details(kind: type[Task], done: list[Simulated]) -> str:
 
 
 def _level_moves(kind: type[Task], parameters: TaskParameters, done: list[Simulated]) -> str:
-    if parameters.difficulty_policy == "fixed" or len(_levels(kind(parameters))) == 1:
+    task = kind(parameters)
+    is_judged = any(task.goal_value(level) is not None for level in _levels(task))
+    if parameters.difficulty_policy == "fixed" or len(_levels(task)) == 1 or not is_judged:
         return ""
     seen = {attempt["level"] for simulated in done for attempt in simulated.attempts}
     if len(seen) > 1:

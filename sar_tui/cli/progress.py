@@ -183,7 +183,7 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
             f"{each.first_level}→{each.last_level}",
             tr.figures(progress_words.mean(line, each)),
             f"{each.right / each.trials:.0%}" if each.trials else "",
-            f"{each.reached}/{each.attempts}",
+            "" if each.reached is None else f"{each.reached}/{each.attempts}",
             tr.figures(f"{each.at_goal.level:.1f}") if each.at_goal and each.at_goal.level else "",
             progress_words.band(line, each, tr) or tr(progress_words.SIDES[each.side]),
             *(progress_words.measured(each, measure, tr) for measure in measured),

@@ -128,7 +128,7 @@ def show(
     _print_facts(out, found, programme)
     if attempts:
         out.print(attempts_table(attempts, metric, measured), end="\n\n")
-        for seat in seats(attempts):
+        for seat in () if metric.is_none else seats(attempts):
             _print_plot(out, attempts, seat, metric)
     out.print(summary(attempts, metric, findings), soft_wrap=True, end="\n\n")
     if changes:

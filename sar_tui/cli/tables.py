@@ -43,7 +43,7 @@ def head(made: Table, heading: str) -> None:
 
 def attempts_table(rows: Sequence[Row], metric: "Metric", measured: Sequence["Measure"] = ()) -> Table:
     """Return a table of attempts, one row for each seat, with the declared measures that some of them have."""
-    result = metric.name.replace("_", " ")
+    result = metric.name.replace("_", " ") or "result"
     seat = ("seat",) if len(seats(rows)) > 1 else ()
     tr = Language()
     known = [measure for measure in measured if any(measure.name in row["qualities"] for row in rows)]
@@ -60,7 +60,7 @@ def attempts_table(rows: Sequence[Row], metric: "Metric", measured: Sequence["Me
             None if row["metric"] is None else metric.show(row["metric"]),
             f"{row['correct']} of {row['trials']}",
             *(each.show(row["qualities"][each.name], tr) if each.name in row["qualities"] else "" for each in known),
-            f"{MARKERS[name]} {name}",
+            "" if name == "no goal" else f"{MARKERS[name]} {name}",
             "" if row["feedback"] == "none" else row["feedback"],
         )
     return made
@@ -82,12 +82,13 @@ def summary(rows: Sequence[Row], metric: "Metric", findings: Findings = lambda *
     if not scored:
         return "No attempt was finished."
     reached = sum(row["outcome"] == "success" for row in scored)
+    told = "" if all(row["outcome"] == "none" for row in scored) else f"{reached} reached the goal, "
     levels = [row["level"] for row in scored]
     values = [row["metric"] for row in scored if row["metric"] is not None]
     mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
     return " ".join(
         (
-            f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {reached} reached the goal, "
+            f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {told}"
             f"levels {min(levels)} to {max(levels)}{mean}.",
             *findings([attempt_ended(row) for row in scored], metric),
         )

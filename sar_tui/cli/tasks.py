@@ -24,7 +24,11 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
     rows, broken = installed(
         catalogue.task_names(),
         catalogue.task,
-        lambda task: {"title": task.title, "summary": task.summary, "metric": task.metric},
+        lambda task: {
+            "title": task.title,
+            "summary": task.summary,
+            "metric": None if task.metric.is_none else task.metric,
+        },
     )
     replaced = catalogue.replaced_tasks()
     if as_json:
@@ -37,8 +41,8 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
     made = table("name", "title", "summary", "metric")
     for row in rows:
         metric = row["metric"]
-        unit = f"{metric.unit}, " if metric.unit else ""
-        words = f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)"
+        unit = f"{metric.unit}, " if metric and metric.unit else ""
+        words = f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)" if metric else ""
         add(made, row["name"], row["title"], row["summary"], words)
     out = console()
     out.print(made)
@@ -69,7 +73,12 @@ def show_task(
         for detail, declared in declared_keys(task.Details).items()
     ]
     if as_json:
-        facts = {"name": name, "title": task.title, "summary": task.summary, "metric": task.metric}
+        facts = {
+            "name": name,
+            "title": task.title,
+            "summary": task.summary,
+            "metric": None if task.metric.is_none else task.metric,
+        }
         parameters = [msgspec.structs.asdict(field) for field in fields(task.Parameters)]
         for parameter in parameters:
             del parameter["renamed"]  # former spellings are not part of the output

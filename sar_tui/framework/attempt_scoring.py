@@ -44,11 +44,11 @@ class AttemptFacts(msgspec.Struct, frozen=True):
 class SeatScore(msgspec.Struct, frozen=True):
     """An attempt's row and feedback for one seat.
 
-    The feedback is built whether or not it is due, because the participant may request it.
+    The feedback is built whether or not it is due, because the participant may request it; None without a goal.
     """
 
     ended: AttemptEnded
-    feedback: Feedback
+    feedback: Feedback | None
 
     @property
     def is_feedback_due(self) -> bool:
@@ -89,9 +89,12 @@ def score_seats(
     The level is shared: the attempt counts as a success only if every seat reached the goal. In a race the feedback
     says who won; this does not affect the outcome. ``scored``: the earlier attempts, by seat, oldest first.
     """
-    target = _checked(task.target(attempt.level), Target)
-    enough = task.parameters.min_accuracy
     scores = {seat: _score(task, results[seat]) for seat in task.seats if results.get(seat)}
+    declared = None if task.metric.is_none else task.target(attempt.level)
+    if declared is None:
+        return _without_goal(task, attempt, scores, results, histories, scored)
+    target = _checked(declared, Target)
+    enough = task.parameters.min_accuracy
     judgements = {seat: judge(score, task.metric, target, enough) for seat, score in scores.items()}
     reported = judge_race(scores, judgements)
     seats, updated, past = {}, dict(histories), {}
@@ -106,6 +109,41 @@ def score_seats(
     judged_seats = [JudgedAttempt(score, target, judgements[seat]) for seat, score in scores.items()]
     reached, prompts = min((_reached(task, target, results[seat]) for seat in scores), key=_share)
     return ScoredSeats(seats, updated, outcome, _worst(task, judged_seats), reached, prompts, past)
+
+
+def _without_goal(
+    task: Task,
+    attempt: AttemptFacts,
+    scores: Mapping[str, Score],
+    results: Mapping[str, Sequence[Result]],
+    histories: Histories,
+    scored: Sequence[Mapping[str, PastAttempt]],
+) -> ScoredSeats:
+    """Score an attempt that is not judged: it gets no feedback, and the level does not follow from it."""
+    seats, past = {}, {}
+    for seat, score in scores.items():
+        past[seat] = _past(task, attempt, score, results[seat], [each[seat] for each in scored if seat in each])
+        ended = AttemptEnded(
+            seat=seat,
+            attempt=attempt.attempt,
+            practice=attempt.practice,
+            level=attempt.level,
+            metric=score.metric,
+            metric_unit=task.metric.unit,
+            accuracy=score.accuracy,
+            correct=score.correct,
+            trials=score.trials,
+            outcome="none",
+            feedback="none",
+            qualities=past[seat].measures,
+            spreads=_spreads(task, score, results[seat]),
+            started=attempt.started,
+            ended=attempt.ended,
+            condition=attempt.condition,
+        )
+        seats[seat] = SeatScore(ended, None)
+    prompts = max((score.trials for score in scores.values()), default=0)
+    return ScoredSeats(seats, histories, "none", None, 0, prompts, past)
 
 
 def _past(
@@ -142,6 +180,8 @@ def _share(counted: tuple[int, int]) -> float:
 def _score(task: Task, results: Sequence[Result]) -> Score:
     """Return the task's score of an attempt. Raises an error if it cannot be one."""
     score = _checked(task.score(list(results)), Score)
+    if task.metric.is_none:
+        score = replace(score, metric=None)
     if not 0 <= score.correct <= score.trials:
         raise ValueError(f"the score of an attempt has {score.correct} right responses of {score.trials}")
     if score.accuracy is not None and not 0 <= score.accuracy <= 1:

@@ -137,12 +137,13 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     facts = AttemptFacts(state.attempt, practice, state.level, state.started, now, state.condition)
     scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories, state.scored)
     following, change = state.difficulty, None
-    if not (practice or state.is_overridden or state.is_level_held):
+    follows = scored.outcome != "none" or not level_choice.moves_level(task.parameters)
+    if follows and not (practice or state.is_overridden or state.is_level_held):
         attempt = ScoredAttempt(number(task, state), scored.outcome, scored.result, scored.reached, scored.prompts)
         following = level_choice.step(following, attempt, task.parameters, task.levels)
         reason = level_choice.reason(task.parameters, scored.outcome)
         change = _change(state.level, following.level, reason, following.why)
-    past = state.past if practice else _with_result(task, state, scored.result)
+    past = state.past if practice or scored.outcome == "none" else _with_result(task, state, scored.result)
     after = replace(
         state,
         level=following.level,
@@ -191,7 +192,8 @@ def restart(task: Task, state: AttemptState) -> AttemptState:
 def requestable(state: AttemptState) -> tuple[SeatScore, ...]:
     """Return the scores of the last attempt on which a participant may request feedback."""
     seats = state.ended.seats.values() if state.ended else ()
-    return tuple(one for one in seats if not one.is_feedback_due and one.feedback.choice.schedule == "request")
+    asked = [one for one in seats if one.feedback and one.feedback.choice.schedule == "request"]
+    return tuple(one for one in asked if not one.is_feedback_due)
 
 
 def request_feedback(state: AttemptState, now: int) -> tuple[AttemptState, AttemptScore | None]:
@@ -272,8 +274,8 @@ def goal_change(task: Task, before: AttemptState, after: AttemptState) -> GoalCh
     if was == now:
         return None
     return GoalChanged(
-        previous=aimed(task, before).target(before.level).threshold,
-        goal=aimed(task, after).target(after.level).threshold,
+        previous=aimed(task, before).goal_value(before.level) or 0.0,
+        goal=aimed(task, after).goal_value(after.level) or 0.0,
         unit=task.metric.unit,
         reason=task.parameters.difficulty_policy,
         why=after.goal.why if after.goal else "There is no result at this level yet.",
@@ -304,6 +306,8 @@ def _with_result(task: Task, state: AttemptState, result: float | None) -> Mappi
 
 
 def _goal(task: Task, past: Mapping[int, tuple[float | None, ...]], level: int) -> Goal | None:
+    if not level_choice.moves_goal(task.parameters) or task.goal_value(level) is None:
+        return None
     return level_choice.goal(past.get(level, ()), task.metric, task.parameters)
 
 
@@ -313,6 +317,7 @@ def _by_seat(task: Task, state: AttemptState) -> dict[str, list[Result]]:
 
 
 def _requested(score: SeatScore, now: int) -> SeatScore:
+    assert score.feedback
     choice = replace(score.feedback.choice, due=True, why="The participant asked for it.")
     message = replace(score.feedback, due=now, choice=choice)
     return SeatScore(replace(score.ended, feedback=message.valence, choice=choice), message)

@@ -37,6 +37,6 @@ def _goal_follows(task: Task) -> bool:
     other.parameters = msgspec.structs.replace(task.parameters, threshold=task.parameters.threshold * 2 + 1)
     try:
         levels = range(1, task.levels + 1)
-        return any(other.target(level).threshold != task.target(level).threshold for level in levels)
+        return any(other.goal_value(level) != task.goal_value(level) for level in levels)
     except PLUGIN_ERRORS:
         return False

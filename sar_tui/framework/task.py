@@ -19,6 +19,7 @@ from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.rules import RULES
 from sar_tui.framework.trial_types import (
+    NO_METRIC,
     Act,
     Again,
     Axis,
@@ -55,7 +56,7 @@ class Task(ABC):
         title, summary: for people.
         trials: name of its trials on the screen.
         version: stored with each session; change it when results are no longer comparable.
-        metric: the measure of an attempt.
+        metric: the measure of an attempt; None (kept as `NO_METRIC`) in a task without one.
         Parameters: its settings.
         Details: fields stored with each trial.
         sensors: kinds of sensors it needs.
@@ -79,6 +80,11 @@ class Task(ABC):
     measured: ClassVar[tuple[Measure, ...]] = ()
     marks: ClassVar[tuple[Mark, ...]] = ()
     seats: ClassVar[tuple[str, ...]] = ("A",)
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if vars(cls).get("metric", cls) is None:
+            cls.metric = NO_METRIC
 
     @classmethod
     def sensor_seats(cls, parameters: TaskParameters) -> tuple[str, ...]:
@@ -164,13 +170,22 @@ class Task(ABC):
         """Return new nodes that make percepts from the task's sensors."""
         return ()
 
-    def target(self, level: int) -> Target:
-        """Return the target of an attempt at a level, as it follows from the settings."""
+    def target(self, level: int) -> Target | None:
+        """Return the target of an attempt at a level, as it follows from the settings; None: it has no goal.
+
+        Without a metric there is none in any case.
+        """
         return Target(self.parameters.threshold, self.parameters.neutral_band)
 
     def target_at(self, level: int, goal: float) -> Target:
         """Return the target of an attempt at a level with a goal that a difficulty policy made."""
-        return Target(goal, self.target(level).neutral_band)
+        own = self.target(level)
+        return Target(goal, own.neutral_band if own else 0.0)
+
+    def goal_value(self, level: int) -> float | None:
+        """Return the goal of an attempt at a level, in the metric's unit; None if it has none."""
+        target = None if self.metric.is_none else self.target(level)
+        return None if target is None else target.threshold
 
     def with_goal(self, goal: float | None) -> Self:
         """Return the same task with this goal in its targets and words, whatever the level; None: its own."""
@@ -185,11 +200,14 @@ class Task(ABC):
         """Return the instructions for the participant."""
 
     def goal(self, level: int) -> str:
-        """Return the goal of an attempt at a level, as a sentence for the participant.
+        """Return the goal of an attempt at a level, as a sentence for the participant; empty if it has none.
 
         Read it from ``target``, because a difficulty policy can set another than the settings do.
         """
-        goal = goal_text(self.metric, self.target(level).threshold, self.tr)
+        value = self.goal_value(level)
+        if value is None:
+            return ""
+        goal = goal_text(self.metric, value, self.tr)
         needed = f"{self.parameters.min_accuracy:.0%}" if self.parameters.min_accuracy else ""
         if self.parameters.min_accuracy == 1:
             return self._goal_with_all_right(goal)

@@ -35,6 +35,11 @@ class Metric(msgspec.Struct, frozen=True):
     decimals: int = 0
 
     @property
+    def is_none(self) -> bool:
+        """True for a task without a measure of its attempts."""
+        return not self.name
+
+    @property
     def label(self) -> str:
         """Name and unit, for display: "reaction time (ms)"."""
         name = self.name.replace("_", " ")
@@ -47,6 +52,10 @@ class Metric(msgspec.Struct, frozen=True):
     def show(self, value: float) -> str:
         """Return a value with its unit, for display."""
         return f"{value:.{self.decimals}f} {self.unit}".rstrip()
+
+
+NO_METRIC = Metric("", "", "higher")
+"""The metric of a task that declares None."""
 
 
 class Target(msgspec.Struct, frozen=True):

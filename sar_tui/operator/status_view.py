@@ -216,7 +216,10 @@ def _attempt(state: SessionState, seat: Seat, width: int, *, is_short: bool) -> 
     metric = f"{ended.metric:.{decimals}f}" if ended.metric is not None else "–"
     goal = f" of {metric_text(ended.goal, state)}" if ended.goal is not None else ""
     right = f", {ended.accuracy:.0%}" if ended.accuracy is not None else ""
-    sign = ("✓ ", "$success") if ended.outcome == "success" else ("✗ ", "$warning bold")
+    signs = {"success": ("✓ ", "$success"), "none": ("· ", "$text-muted")}
+    sign = signs.get(ended.outcome, ("✗ ", "$warning bold"))
+    if state.welcome and state.welcome.metric and state.welcome.metric.is_none:
+        metric = f"{ended.trials} prompts"
     head = "" if is_short else f"Attempt {ended.attempt} "
     return [(head, "$text-muted"), sign, (cut(f"{metric}{goal}{right}", width - len(head) - 2), "")]
 

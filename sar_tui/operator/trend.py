@@ -19,13 +19,15 @@ def trend(attempts: Sequence[AttemptEnded], metric: Metric | None, width: int, h
         width, height: in characters.
     """
     scored = [attempt for attempt in attempts if not attempt.practice]
+    if metric is not None and metric.is_none:
+        return Content.assemble(("This task has no result", "$text-muted"))
     if metric is None or not scored:
         return Content.assemble(("No attempt finished yet", "$text-muted"))
     figure = attempts_figure(
         [attempt.level for attempt in scored],
         [attempt.metric for attempt in scored],
         metric=metric.label,
-        goals=[attempt.goal or 0.0 for attempt in scored],
+        goals=[attempt.goal for attempt in scored],
         width=width,
         height=height,
         color=False,
@@ -33,7 +35,8 @@ def trend(attempts: Sequence[AttemptEnded], metric: Metric | None, width: int, h
     )
     plot = Content(figure)
     for name, marker in MARKERS.items():
-        plot = _colored(plot, marker, "$success" if name == "reached" else "$warning")
+        style = {"reached": "$success", "no goal": "$accent"}.get(name, "$warning")
+        plot = _colored(plot, marker, style)
     return _colored(plot, BARS, "$text-muted")
 
 

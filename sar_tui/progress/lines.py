@@ -38,7 +38,7 @@ class SessionResults(msgspec.Struct, frozen=True):
         title: of the task.
         parameters: as stored.
         results: of its attempts, in order.
-        reached: number of attempts that reached the goal.
+        reached: number of attempts that reached the goal; None if none of them had a goal.
         trials: number of prompts or reaches.
         right: number of right responses.
         seconds: time on the task, without the time between attempts.
@@ -57,7 +57,7 @@ class SessionResults(msgspec.Struct, frozen=True):
     metric: Metric
     parameters: Mapping[str, Any]
     results: Sequence[AttemptResult]
-    reached: int
+    reached: int | None
     trials: int
     right: int
     seconds: float
@@ -201,7 +201,7 @@ def _set_up(kind: type[Task], settings: Mapping[str, Any]) -> Task | None:
         task = kind(build(kind.Parameters, settings))
         places(task)
         for level in range(1, task.levels + 1):
-            float(task.target(level).threshold)
+            float(task.goal_value(level) or 0.0)
     except (ParameterError, *PLUGIN_ERRORS):
         return None
     return task

@@ -36,15 +36,15 @@ def compared_settings(kind: type[TaskParameters]) -> dict[str, Any]:
 
 
 def on_axis(task: Task, results: Sequence[AttemptResult]) -> list[Attempt]:
-    """Return the attempts that have a result, with their distance from the goal of their level."""
+    """Return the attempts that have a result and a goal, with their distance from the goal of their level."""
     sign = 1 if task.metric.better == "lower" else -1
     levels = {result.level for result in results if 1 <= result.level <= task.levels}
-    goals = {level: task.target(level).threshold for level in levels}
-    places = {level: task.difficulty(level) for level in levels}
+    goals = {level: goal for level in levels if (goal := task.goal_value(level)) is not None}
+    places = {level: task.difficulty(level) for level in goals}
     return [
         Attempt(places[result.level], float(max(1, result.correct)), sign * (result.metric - goals[result.level]))
         for result in results
-        if result.metric is not None and result.level in levels
+        if result.metric is not None and result.level in goals
     ]
 
 

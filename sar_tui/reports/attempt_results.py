@@ -6,8 +6,8 @@ if TYPE_CHECKING:  # a table of the command line needs neither
     from sar_tui.framework.messages import Outcome
     from sar_tui.framework.trial_types import Metric
 
-ResultName = Literal["reached", "missed", "inaccurate", "no result"]
-MARKERS: dict[ResultName, str] = {"reached": "●", "missed": "○", "inaccurate": "◇", "no result": "×"}
+ResultName = Literal["reached", "missed", "inaccurate", "no result", "no goal"]
+MARKERS: dict[ResultName, str] = {"reached": "●", "missed": "○", "inaccurate": "◇", "no result": "×", "no goal": "•"}
 
 
 def result_name(outcome: "Outcome", value: float | None, goal: float | None, metric: "Metric") -> ResultName:
@@ -18,9 +18,11 @@ def result_name(outcome: "Outcome", value: float | None, goal: float | None, met
     Args:
         outcome: of the attempt.
         value: its metric; None if no response could be timed.
-        goal: of the attempt; None in data of early versions.
+        goal: of the attempt; None if it had none, and in data of early versions.
         metric: of the task.
     """
+    if outcome == "none" and (value is not None or metric.is_none):
+        return "no goal"
     if value is None:
         return "no result"
     if outcome == "success":

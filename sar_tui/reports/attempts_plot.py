@@ -14,7 +14,13 @@ from sar_tui.reports.attempt_results import MARKERS, ResultName
 GOAL = "╌"
 BARS = "▁▂▃▄▅▆▇█"
 """Characters of the bars of levels, by height."""
-_COLORS: dict[ResultName, str] = {"reached": "green", "missed": "red", "inaccurate": "red", "no result": "red"}
+_COLORS: dict[ResultName, str] = {
+    "reached": "green",
+    "missed": "red",
+    "inaccurate": "red",
+    "no result": "red",
+    "no goal": "cyan",
+}
 
 _ENGLISH = Language()
 _MARGIN = 7
@@ -32,7 +38,7 @@ def attempts_figure(
     metrics: Sequence[float | None],
     *,
     metric: str,
-    goals: Sequence[float],
+    goals: Sequence[float | None],
     width: int,
     height: int,
     color: bool = True,
@@ -49,7 +55,7 @@ def attempts_figure(
         levels: of each attempt.
         metrics: of each attempt; None without a result.
         metric: name and unit, the heading of the left axis.
-        goals: of each attempt; they may differ by level.
+        goals: of each attempt; they may differ by level; None for an attempt without one.
         width, height: in characters, including heading and axes.
         color: use ANSI colours.
         results: of each attempt; if empty, all that have a metric have the same marker.
@@ -92,7 +98,7 @@ def attempts_figure(
 def _body(
     plt: Any,
     metrics: Sequence[float | None],
-    goals: Sequence[float],
+    goals: Sequence[float | None],
     size: tuple[int, int],
     results: Sequence[ResultName],
     beside: Sequence[float | None],
@@ -110,6 +116,8 @@ def _body(
     plt.ylim(low, high, yside="left")
     for goal, alike in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
         same = [attempt for attempt, _ in alike]
+        if goal is None:
+            continue
         plt.plot([same[0] - 0.5, same[-1] + 0.5], [goal] * 2, marker=GOAL)
     for run in _runs(metrics):
         plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
@@ -181,12 +189,13 @@ def _part_of_bar(height: int) -> str:
     return BARS[min(height, len(BARS)) - 1] if height > 0 else " "
 
 
-def legend(goals: Sequence[float], results: Collection[ResultName], tr: Language = _ENGLISH) -> list[str]:
+def legend(goals: Sequence[float | None], results: Collection[ResultName], tr: Language = _ENGLISH) -> list[str]:
     """Return the parts of the legend: the markers of these results, and the goal, with its value if it is one."""
-    goal = tr.figures(f" {goals[0]:g}") if len(set(goals)) == 1 else ""
+    known = {goal for goal in goals if goal is not None}
+    value = tr.figures(f" {goals[0]:g}") if len(known) == 1 and len(set(goals)) == 1 else ""
     return [
         *(f"{marker} {tr(name)}" for name, marker in MARKERS.items() if name in results),
-        f"{GOAL} {tr('goal')}{goal}",
+        *([f"{GOAL} {tr('goal')}{value}"] if known else []),
     ]
 
 
@@ -209,7 +218,7 @@ def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:
 
 def _limits(values: Sequence[float]) -> tuple[float, float]:
     """Return the axis limits, with a margin around the values."""
-    low, high = min(values), max(values)
+    low, high = min(values, default=0.0), max(values, default=0.0)
     room = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
     return low - room, high + room
 

@@ -217,7 +217,6 @@ def intervention(record: Record) -> InterventionReport:
     played = [each for results in record.results.values() for each in results]
     dose = [_dose(code, results, rows) for code, results in record.results.items() if results]
     planned = sum(each.planned for each in dose)
-    attempts = sum(len(each.results) for each in played)
     deviations: dict[str, dict[str, int]] = {}
     for (actor, what), n in sorted(acts.deviations.items()):
         deviations.setdefault(actor, {})[what] = n
@@ -237,7 +236,7 @@ def intervention(record: Record) -> InterventionReport:
         minutes_a_session=_spread([round(each.seconds / 60, 2) for each in played]),
         adherence=round(sum(each.done for each in dose) / planned, 4) if planned else None,
         challenge=[each for code, results in record.results.items() for each in _challenge(code, results, acts)],
-        reached_share=round(sum(each.reached for each in played) / attempts, 4) if attempts else None,
+        reached_share=_reached_share(played),
         feedback=dict(record.feedback),
         programmes=list(_changes(record.programmes)),
         deviations=deviations,
@@ -257,6 +256,13 @@ def _minutes(row: Mapping[str, Any]) -> float:
         return 0.0
     took = datetime.fromisoformat(row["ended_at"]) - datetime.fromisoformat(row["started_at"])
     return max(0.0, took.total_seconds() / 60)
+
+
+def _reached_share(played: Sequence[SessionResults]) -> float | None:
+    """Return the share of attempts that reached their goal, of sessions whose attempts had one; None without any."""
+    judged = [each for each in played if each.reached is not None]
+    attempts = sum(len(each.results) for each in judged)
+    return round(sum(each.reached or 0 for each in judged) / attempts, 4) if attempts else None
 
 
 def _spread(values: Sequence[float]) -> Spread | None:
@@ -329,7 +335,7 @@ def _challenge(code: str, results: Sequence[SessionResults], acts: Acts) -> Iter
             last_level=levels[-1],
             lowest=min(levels),
             highest=max(levels),
-            reached_share=round(sum(each.reached for each in own) / len(levels), 4),
+            reached_share=_reached_share(own),
             right_share=round(sum(each.right for each in own) / trials, 4) if trials else None,
             up=sum(acts.up[each.session] for each in own),
             down=sum(acts.down[each.session] for each in own),

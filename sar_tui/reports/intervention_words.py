@@ -132,7 +132,9 @@ def _dose_row(each: PersonDose) -> tuple[str, ...]:
 
 def _challenge(found: InterventionReport) -> Iterator[str | Table]:
     reached = percent(found.reached_share) or "none"
-    yield f"Of all attempts, {reached} reached their goal. Each change of level, with its reason, is in the record."
+    judged = any(each.reached_share is not None for each in found.challenge)
+    told = f"Of all attempts, {reached} reached their goal." if judged else "No attempt had a goal."
+    yield f"{told} Each change of level, with its reason, is in the record."
     numbers = ("levels", "played", "reached", "right", "up", "down", "hand", "goals")
     yield _table(("code", "task", *numbers), [_challenge_row(each) for each in found.challenge], numbers)
     yield (

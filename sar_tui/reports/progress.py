@@ -50,7 +50,7 @@ class SessionProgress(msgspec.Struct, frozen=True):
     status: str
     attempts: int
     planned: int
-    reached: int
+    reached: int | None
     trials: int
     right: int
     time_on_task_s: float
@@ -201,7 +201,7 @@ def _line(line: Line, began_in: Mapping[str, list[str]]) -> LineProgress:
 
 
 def _goal(task: Task) -> float | None:
-    goals = {task.target(level).threshold for level in range(1, task.levels + 1)}
+    goals = {task.goal_value(level) for level in range(1, task.levels + 1)}
     return goals.pop() if len(goals) == 1 else None
 
 

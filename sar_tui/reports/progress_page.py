@@ -92,7 +92,7 @@ def _table(line: LineProgress, tr: Language) -> str:
             "" if each.mean is None else progress_words.result(line, each.mean, tr),
             "" if each.sd is None else progress_words.result(line, each.sd, tr),
             f"{each.right / each.trials:.0%}" if each.trials else "",
-            f"{each.reached}/{each.attempts}",
+            "" if each.reached is None else f"{each.reached}/{each.attempts}",
             f"{each.at_goal.level:.1f}" if each.at_goal and each.at_goal.level else "–",
             progress_words.band(line, each, tr) or "–",
         )

@@ -154,7 +154,7 @@ def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[s
         f"{session.first_level}→{session.last_level}",
         tr.figures(progress_words.mean(line, session)),
         f"{session.right / session.trials:.0%}" if session.trials else "",
-        f"{session.reached}/{session.attempts}",
+        "" if session.reached is None else f"{session.reached}/{session.attempts}",
         progress_words.band(line, session, tr) or tr(progress_words.SIDES[session.side]),
         "·" if session.pain is None else str(session.pain),
         "·" if session.tiredness is None else str(session.tiredness),

@@ -88,7 +88,9 @@ def _number(line: LineProgress, difficulty: float, tr: Language) -> str:
 
 
 def sentences(line: LineProgress, tr: Language) -> list[str]:
-    """Return what can be said of a line, in the order in which it is read."""
+    """Return what can be said of a line, in the order in which it is read; nothing of a task without a result."""
+    if line.metric.is_none:
+        return []
     said = [_now(line, tr)]
     if line.measure:
         said += [_practice(line, tr), _noise(line, tr), _verdict(line, tr)]

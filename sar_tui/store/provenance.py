@@ -13,7 +13,7 @@ import msgspec
 import sar_tui
 from sar_tui.framework.task import Task
 from sar_tui.framework.task_pictures import pictures_in
-from sar_tui.framework.trial_types import Metric
+from sar_tui.framework.trial_types import NO_METRIC, Metric
 from sar_tui.store import connection
 
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
@@ -33,7 +33,7 @@ def software(task: type[Task], source: str, task_code: Path, theme_folder: Path)
         "task": {
             "title": task.title,
             "version": task.version,
-            "metric": msgspec.to_builtins(task.metric),
+            "metric": None if task.metric.is_none else msgspec.to_builtins(task.metric),
             "source": source,
             "hash": folder_hash(task_code),
             **({"pictures": pictures} if pictures else {}),
@@ -51,8 +51,12 @@ def _picture_hashes(folder: Path) -> dict[str, str]:
 
 
 def metric(recorded: dict[str, Any]) -> Metric:
-    """Return the metric that a session's task declared, from the stored result of ``software``."""
-    return msgspec.convert(recorded["task"]["metric"], Metric)
+    """Return the metric that a session's task declared, from the stored result of ``software``.
+
+    A task that has none has `NO_METRIC`.
+    """
+    declared = recorded["task"]["metric"]
+    return NO_METRIC if declared is None else msgspec.convert(declared, Metric)
 
 
 def _version(package: str) -> str | None:

@@ -16,12 +16,12 @@ from sar_tui.store.sessions import FINITE_METRIC, status_now
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
     " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-    " WHERE participant=:who AND json_extract(software, '$.task.metric') IS NOT NULL {of_task} {among}"
+    " WHERE participant=:who AND json_type(software, '$.task.metric') IS NOT NULL {of_task} {among}"
     " ORDER BY sessions.rowid"
 )
 _ATTEMPTS = (
-    f"SELECT attempts.session, attempts.seat, level, {FINITE_METRIC}, correct, trials, outcome='success',"
-    " max(0, ended_ns - started_ns)"
+    f"SELECT attempts.session, attempts.seat, level, {FINITE_METRIC}, correct, trials,"
+    " nullif(outcome, 'none')='success', max(0, ended_ns - started_ns)"
     " FROM seats CROSS JOIN attempts ON attempts.session=seats.session AND attempts.seat=seats.seat"
     " WHERE participant=:who AND NOT practice {among} ORDER BY attempts.session, attempt"
 )
@@ -39,7 +39,7 @@ _NEWEST = (
 _LONGEST_ATTEMPT_NS = 6 * 3600 * 1_000_000_000
 """An attempt that seems longer was begun before the computer was started again: its stamps cannot be compared."""
 
-_Stored = tuple[AttemptResult, int, int, int]
+_Stored = tuple[AttemptResult, int, int | None, int]
 
 
 def newest_of(
@@ -104,7 +104,7 @@ def _results(
             metric=provenance.metric({"task": made_by}),
             parameters=msgspec.json.decode(parameters),
             results=[result for result, *_ in attempts],
-            reached=sum(reached for _, _, reached, _ in attempts),
+            reached=_reached([reached for _, _, reached, _ in attempts]),
             trials=sum(trials for _, trials, _, _ in attempts),
             right=sum(result.correct for result, *_ in attempts),
             seconds=sum(lasted for *_, lasted in attempts) / 1e9,
@@ -113,16 +113,22 @@ def _results(
         )
 
 
+def _reached(attempts: Sequence[int | None]) -> int | None:
+    """Return how many attempts reached their goal; None if there are some, and none of them had a goal."""
+    judged = [reached for reached in attempts if reached is not None]
+    return None if attempts and not judged else sum(judged)
+
+
 def _said_in(db: sqlite3.Connection, sessions: Sequence[str]) -> Iterator[wellbeing.Row]:
     return chain.from_iterable(wellbeing.by_session(db, sessions).values())
 
 
 class Played(msgspec.Struct, frozen=True):
-    """An attempt of a session: level, result, success, and how long it took."""
+    """An attempt of a session: level, result, success (None without a goal), and how long it took."""
 
     level: int
     metric: float | None
-    reached: bool
+    reached: bool | None
     seconds: float
 
 
@@ -130,12 +136,14 @@ def attempts_of(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[tuple[s
     """Return the attempts of some sessions by session and seat, in order; practice is left out."""
     found: dict[tuple[str, str], list[Played]] = {}
     rows = db.execute(
-        "SELECT session, seat, level, metric, outcome='success', max(0, ended_ns - started_ns)"
+        "SELECT session, seat, level, metric, nullif(outcome, 'none')='success', max(0, ended_ns - started_ns)"
         " FROM json_each(?) AS chosen CROSS JOIN attempts ON attempts.session=chosen.value"
         " WHERE NOT practice ORDER BY session, attempt",
         (msgspec.json.encode(list(sessions)).decode(),),
     )
     for session, seat, level, metric, reached, took in rows:
         lasted = took if took <= _LONGEST_ATTEMPT_NS else 0
-        found.setdefault((session, seat), []).append(Played(level, metric, bool(reached), lasted / 1e9))
+        found.setdefault((session, seat), []).append(
+            Played(level, metric, reached if reached is None else bool(reached), lasted / 1e9)
+        )
     return found

@@ -144,7 +144,7 @@ class KeyboardTask(Task):
 
     def goal(self, level: int) -> str:
         tr, prompts = self.tr, self.parameters.prompts_per_attempt
-        time = goal_text(self.metric, self.target(level).threshold, tr)
+        time = goal_text(self.metric, self.goal_value(level) or 0.0, tr)
         enough = math.ceil(self.parameters.min_accuracy * prompts - 1e-9)
         if not enough:
             return tr("Your goal: press the right key in less than {time} on average.", time=time)

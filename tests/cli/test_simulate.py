@@ -13,7 +13,7 @@ from tests.program import Call
 AVERAGE = ("simulate", "keyboard", "--user", "average")
 COLUMNS = {
     "session", "attempt", "seat", "run", "practice", "level", "metric", "metric_unit", "accuracy", "correct", "trials",
-    "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities", "choice",
+    "outcome", "feedback", "started_ns", "ended_ns", "goal", "qualities", "choice", "condition",
 }  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.framework import topics as t
-from sar_tui.framework.trial_types import Metric
+from sar_tui.framework.trial_types import NO_METRIC, Metric
 from sar_tui.operator.trend import trend
 from sar_tui.plugins import Catalogue
 from tests.operator import panel_driver as b
@@ -36,6 +36,19 @@ def test_markers_have_colours_of_their_own() -> None:
 @pytest.mark.parametrize("attempts", [(), DONE[:1]])
 def test_before_the_first_attempt_it_says_so(attempts: tuple[object, ...]) -> None:
     assert trend(attempts, TIME, 54, 14).plain == "No attempt finished yet"  # type: ignore[arg-type]
+
+
+def test_of_a_task_without_a_result_nothing_is_plotted() -> None:
+    assert trend(DONE, NO_METRIC, 54, 14).plain == "This task has no result"
+
+
+def test_attempts_without_goal_have_a_marker_and_no_line() -> None:
+    done = [b.attempt(attempt=2, goal=None, outcome="none"), b.attempt(attempt=3, goal=None, outcome="none")]
+    plot = trend(done, TIME, 54, 14)
+    assert "• no goal" in plot.plain
+    assert "goal 0" not in plot.plain
+    assert "╌" not in plot.plain
+    assert {plot.plain[span.start]: span.style for span in plot.spans}["•"] == "$accent"
 
 
 def test_of_a_session_of_an_earlier_version_nothing_is_plotted() -> None:

@@ -91,13 +91,14 @@ def _programme(
         parameters = build(kind.Parameters, usable(kind.Parameters, saved.parameters)[0])
         task = set_up(kind, parameters)
         start = start_after(task, played)
-        goal = task.target(start.level).threshold
+        value = task.goal_value(start.level)
+        goal = "" if value is None else short_goal(kind.metric, value)
         prompts = task.trials_at(start.level)
     except (ParameterError, Failed) as error:
         return None, str(error)
     except PLUGIN_ERRORS:
         return None, "The task cannot be set up."
-    return Programme(saved.version, parameters.attempts, prompts, short_goal(kind.metric, goal), *start), ""
+    return Programme(saved.version, parameters.attempts, prompts, goal, *start), ""
 
 
 class Waiting(msgspec.Struct, frozen=True):
@@ -148,6 +149,7 @@ def read_sessions(database: sqlite3.Connection, folder: Path, catalogue: Catalog
         attempts = played.get((row["id"], seat), [])
         began = datetime.fromisoformat(row["started_at"]).astimezone()
         means = [each.metric for each in attempts if each.metric is not None]
+        judged = [each.reached for each in attempts if each.reached is not None]
         metric = _metric(row)
         return Line(
             day=began.date(),
@@ -156,7 +158,7 @@ def read_sessions(database: sqlite3.Connection, folder: Path, catalogue: Catalog
             task=titles[row["task"]],
             levels=[each.level for each in attempts],
             result=words.short(metric, fmean(means)) if means and metric else "",
-            reached=f"{sum(each.reached for each in attempts)} of {len(attempts)}" if attempts else "",
+            reached=f"{sum(judged)} of {len(judged)}" if judged else "",
             minutes=round(sum(each.seconds for each in attempts) / 60),
             note=_note(row, felt.get(row["id"], []), participant, is_offered=row is offered),
         )

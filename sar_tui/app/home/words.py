@@ -34,13 +34,14 @@ class Past(msgspec.Struct, frozen=True):
     Args:
         level: at which it was played: see `level_played`.
         result: mean of its attempts, with its unit; empty if there is none.
+        reached: number of attempts that reached the goal; None if they had none.
         felt: the worst pain and tiredness, in words.
     """
 
     day: date
     level: int | None
     result: str
-    reached: int
+    reached: int | None
     attempts: int
     status: str = "completed"
     felt: str = ""
@@ -123,7 +124,8 @@ def _chance_words(levels: Sequence[int]) -> str:
 
 def last_words(last: Past, today: date) -> str:
     """Return the last session in a sentence: "Tue 17 Nov: 12 of 20 reached, tired 3"."""
-    said = [f"{last.reached} of {last.attempts} reached" if last.attempts else "no attempt was finished"]
+    of_goal = f"{last.attempts} attempts" if last.reached is None else f"{last.reached} of {last.attempts} reached"
+    said = [of_goal if last.attempts else "no attempt was finished"]
     if note := status_words(last.status):
         said.append(note)
     if last.felt:

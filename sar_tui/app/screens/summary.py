@@ -106,7 +106,7 @@ class Summary(Vertical):
         colors = self.app.theme_variables
         text.highlight_regex(f"[{BARS}]+", colors["text-muted"])
         for name, marker in MARKERS.items():
-            text.highlight_regex(f"{marker}+", colors["success" if name == "reached" else "warning"])
+            text.highlight_regex(f"{marker}+", colors[{"reached": "success", "no goal": "accent"}.get(name, "warning")])
         plot.update(text)
 
     def _legend(self) -> str:
@@ -116,7 +116,7 @@ class Summary(Vertical):
         attempts = [attempt for each in self._attempts for attempt in each]
         _, factor = axis(self._metric, language_of(self.app))
         results = [self._result(attempt) for attempt in attempts]
-        return "  ".join(legend([(a.goal or 0.0) * factor for a in attempts], results, language_of(self.app)))
+        return "  ".join(legend([_scaled(a.goal, factor) for a in attempts], results, language_of(self.app)))
 
     def _result(self, attempt: AttemptEnded) -> "ResultName":
         from sar_tui.reports.attempt_results import result_name
@@ -132,24 +132,28 @@ class Summary(Vertical):
 
         tr = language_of(self.app)
         heading, factor = axis(self._metric, tr)
-        if not attempts or width < 20 or height < 6:
+        if not attempts or self._metric.is_none or width < 20 or height < 6:
             return []
         figure = attempts_figure(
             [a.level for a in attempts],
-            [None if a.metric is None else a.metric * factor for a in attempts],
+            [_scaled(a.metric, factor) for a in attempts],
             metric=heading,
-            goals=[(a.goal or 0.0) * factor for a in attempts],
+            goals=[_scaled(a.goal, factor) for a in attempts],
             width=width - _GAP if len(self._attempts) > 1 else width,
             height=height,
             color=False,
             results=[self._result(attempt) for attempt in attempts],
             beside=[
-                None if value is None else value * factor
+                _scaled(value, factor)
                 for each in self._attempts
                 for a in each
-                for value in (a.metric, a.goal or 0.0)
+                for value in ((a.metric, a.goal) if a.goal is not None else (a.metric,))
             ],
             has_legend=len(self._attempts) == 1,
             tr=tr,
         )
         return [line.ljust(width) for line in figure.splitlines()]
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else value * factor

@@ -53,7 +53,8 @@ operator."""
 Policy = Literal["queue", "interrupt", "drop"]
 ActionPart = Literal["say", "show", "gesture", "gaze", "tone"]
 PartState = Literal["queued", "started", "done", "aborted", "failed"]
-Outcome = Literal["success", "failure"]
+Outcome = Literal["success", "failure", "none"]
+"""``none``: of an attempt without goal."""
 Json = dict[str, str | int | float | bool | None]
 """Values that a task may add to a trial's row."""
 SensorState = Literal["attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"]

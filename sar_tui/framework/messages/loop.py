@@ -351,8 +351,9 @@ class Spread(msgspec.Struct, frozen=True):
 class AttemptEnded(Message, frozen=True, kw_only=True):
     """A scored attempt. ``feedback`` is ``none`` if none was due; ``choice`` says why, and how it is given.
 
-    ``goal``: the value the metric was compared with. ``qualities``: means of the task's qualities (knowledge of
-    performance), by name. ``spreads``: of the trials behind the metric and the qualities, by name; none before rules 5.
+    ``goal``: the value the metric was compared with; None for an attempt without goal, whose ``outcome`` is ``none``.
+    ``qualities``: means of the task's qualities (knowledge of performance), by name. ``spreads``: of the trials behind
+    the metric and the qualities, by name; none before rules 5.
     """
 
     attempt: int

@@ -179,13 +179,13 @@ class AttemptFlow(TrialFlow):
         self._after_feedback = Phase.READY if goes_on else Phase.REVIEW
         minutes = (self.now - self._rested_at) / _MINUTE
         self._must_rest = goes_on and is_rest_due(self.task.parameters, self._attempts_since_rest, minutes)
-        self._feedback_due_at = max(one.feedback.due for one in scored.seats)
+        self._feedback_due_at = max(one.feedback.due if one.feedback else 0 for one in scored.seats)
         self._has_feedback = any(one.is_feedback_due for one in scored.seats)
         self._await_feedback()
 
     def _give_feedback(self, scored: AttemptScore, seats: Collection[str]) -> None:
         for one in scored.seats:
-            if one.is_feedback_due and one.ended.seat in seats:
+            if one.feedback and one.is_feedback_due and one.ended.seat in seats:
                 self.emit(FEEDBACK, one.feedback)
 
     def _request_feedback(self) -> None:

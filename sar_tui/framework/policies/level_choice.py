@@ -35,6 +35,11 @@ def moves_goal(parameters: TaskParameters) -> bool:
     return POLICIES[parameters.difficulty_policy].goal is not None
 
 
+def moves_level(parameters: TaskParameters) -> bool:
+    """Return True if the level follows the person, rather than an order of its own."""
+    return POLICIES[parameters.difficulty_policy].moves_level
+
+
 def goal(results: Sequence[float | None], metric: Metric, parameters: TaskParameters) -> Goal | None:
     """Return the goal of the next attempt, from the results so far at its level; None: the task's own."""
     policy = POLICIES[parameters.difficulty_policy]
