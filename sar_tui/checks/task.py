@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from sar_tui.checks import level_steps, task_prompts, task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
+from sar_tui.framework import frames
 from sar_tui.framework.bus import FAULT, Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.declaration import Field, ParameterError
@@ -142,11 +143,13 @@ def _prompts(kind: type[Task], task: Task) -> str:
             situation = replace(first, trial=trial, streams=streams, results_by_seat=earlier, condition=condition)
             prompt = task.stimulus(situation)
             where = f"at level {level}, trial {trial}"
-            if problem := _content_problem(prompt, where):
+            if problem := _content_problem(prompt, where) or _timing_problem(prompt, task.parameters, where):
                 return problem
             if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
                 return f"The prompt differs when asked for again {where}. Draw from situation.streams only."
-            missed = task.timed_out(Trial(situation, prompt, onset=0))
+            onsets = tuple(frames.planned(prompt.frames, place) for place in range(len(prompt.frames)))
+            onset = frames.planned(prompt.frames, frames.timed(prompt.frames))
+            missed = task.timed_out(Trial(situation, prompt, onset=onset, frames=onsets))
             earlier += (missed if isinstance(missed, dict) else dict.fromkeys(task.seats, missed),)
     return ""
 
@@ -164,6 +167,16 @@ def _content_problem(prompt: Stimulus, where: str) -> str:
     for frame in prompt.frames:
         texts += (frame.text, frame.glyph, frame.hint, *frame.halves)
     return control_problem(f"What the prompt shows {where}", "".join(texts))
+
+
+def _timing_problem(prompt: Stimulus, parameters: TaskParameters, where: str) -> str:
+    timeout_ms = parameters.response_timeout_ms if prompt.timeout_ms is None else prompt.timeout_ms
+    if (place := frames.never_shown(prompt.frames, timeout_ms)) is None:
+        return ""
+    return (
+        f"Frame {place + 1} of {len(prompt.frames)} would come after the time for the response is over "
+        f"({timeout_ms:g} ms), {where}. Give the stimulus a longer timeout_ms, or mark a later frame as timed."
+    )
 
 
 # --- what it does ---------------------------------------------------------------------------------------------

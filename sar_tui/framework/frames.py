@@ -15,6 +15,8 @@ SHORTEST_MS = 10
 """No terminal draws a frame that stands for less."""
 LEAD = 8 * MS
 """A frame is requested this long before its time: drawing takes 2 to 5 ms, and then the screen waits for the time."""
+LATE = 10 * MS
+"""A trial with a frame that is seen later than this after its time is flagged."""
 _MOST = 1000
 
 
@@ -71,6 +73,12 @@ def awaited(frames: Sequence[Frame]) -> int:
 def planned(frames: Sequence[Frame], place: int) -> int:
     """Return the time from the onset of the first frame to that of another, in ns, as declared."""
     return round(sum(frame.ms or 0.0 for frame in frames[:place]) * MS)
+
+
+def never_shown(frames: Sequence[Frame], timeout_ms: float) -> int | None:
+    """Return the place of the first frame that comes after the time for the response is over; None if none does."""
+    over = planned(frames, timed(frames)) + round(timeout_ms * MS)
+    return next((place for place in range(1, len(frames)) if planned(frames, place) >= over), None)
 
 
 def problem(frames: Sequence[Frame]) -> str:

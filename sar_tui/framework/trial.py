@@ -162,6 +162,8 @@ class OpenTrial:
 
     def set_onset(self, shown: Shown) -> None:
         """Store the onset of the prompt, or of one of its frames."""
+        if (due := self.next_onset_due) is not None and shown.at - due > frames.LATE:
+            self.flag("late_frame")
         if len(self._onsets) <= self._timed:
             self._onset_source = shown.source
         self._onsets = (*self._onsets, shown.at)

@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 from textual.geometry import Region
 
+from sar_tui.framework.messages import ToneBegan
 from sar_tui.framework.parameters import build
+from sar_tui.framework.topics import TONE_BEGAN
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import open_app
@@ -67,3 +69,18 @@ async def test_each_frame_replaces_the_one_before(
         await driver.press("f")
         await driver.see_the_summary()
         assert driver.session.faults == []
+
+
+async def test_tones_that_are_not_heard_are_told_of_after_the_attempt(data: Path, masked: Catalogue) -> None:
+    task = masked.task("masked")
+    plan = Plan(task, build(task.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
+    async with open_app(data, masked, plan) as driver:
+        await driver.to_first_prompt()
+        failed = ToneBegan(attempt=1, trial=1, presentation=1, frame=0, at=1, source="failed", detail="Plug it in.")
+        driver.session.bus.post(TONE_BEGAN, failed)
+        await driver.wait(600)
+        assert not driver.sees("not heard"), "nothing moves in a trial"
+        await driver.press("f")
+        await driver.wait(500)
+        assert driver.sees("The tones of the prompts are not heard.")
+        assert driver.sees("Plug it in.")

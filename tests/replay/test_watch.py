@@ -9,14 +9,15 @@ from textual.widgets import Static
 from sar_tui.app import watch
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import AttemptStarted, KeyPressed, Prompt, SessionStarted, ThemeApplied
+from sar_tui.framework.messages import AttemptStarted, FrameDue, KeyPressed, Prompt, SessionStarted, ThemeApplied
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_STARTED, KEY, PROMPT, SESSION, THEME
+from sar_tui.framework.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 from sar_tui.widgets.big_prompt import BigPrompt
+from tests.documented import write_documented
 from tests.program import Call
 from tests.replay.test_replay import dump
 
@@ -112,3 +113,29 @@ def test_what_cannot_be_watched_is_refused(call: Call, simulated: str, words: tu
     called = call("replay", simulated, *words)
     assert (called.code, called.out) == (2, "")
     assert said in called.err
+
+
+async def test_the_frames_of_a_prompt_are_shown_at_their_times(
+    call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
+    tasks = write_documented(tmp_path / "mytasks", "stopping").parent
+    call("simulate", "stopping", "--user", "average", "--seed", 1, "--attempts", 1, "--tasks", str(tasks))
+    with closing(connect(data)) as database:
+        catalogue = Catalogue(tasks=(tasks,))
+        app = watch.WatchApp(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
+    due: list[FrameDue] = []
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        player = app.watched.player
+        player.bus.subscribe(FRAME, due.append)
+        while not due:
+            player.advance(SECOND // 1000)
+        await pilot.pause()
+        assert "Press: " in prompt_text(app)
+        player.advance(due[0].at - player.clock.now())
+        assert "Do not press." in prompt_text(app)
+
+
+def prompt_text(app: watch.WatchApp) -> str:
+    return "\n".join(line for line, _ in app.screen.query_one(BigPrompt)._lines)

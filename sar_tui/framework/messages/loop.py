@@ -257,7 +257,8 @@ class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
     loop while the response was awaited. ``false_starts``: keys pressed in the foreperiod, each of which restarted it.
     ``flags``: ``anticipation``, ``focus_lost``, ``paste``, ``unreadable_input``, ``repeat_key``, ``late_key``,
     ``other_seat`` (a key of a participant whose turn it was not), ``skipped``, ``onset_refresh``, ``early_key`` (a key
-    before the frame from which responses are awaited), ``no_picture`` (its glyph was drawn instead), ``tone_failed``.
+    before the frame from which responses are awaited), ``no_picture`` (its glyph was drawn instead), ``tone_failed``,
+    ``late_frame`` (one was seen over 10 ms after its time).
     ``frame_onsets_ns``: onsets of the frames that were shown; ``tone_onsets_ns``: of the tones that began, by
     ``tone_source`` (see `ToneBegan`).
     """

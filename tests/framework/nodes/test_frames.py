@@ -7,6 +7,7 @@ import msgspec
 import pytest
 
 from sar_tui.framework.clock import MS
+from sar_tui.framework.frames import never_shown
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import FAULT, FRAME, PROMPT, SHOWN, TRIAL, VOIDED
@@ -263,3 +264,30 @@ def test_one_slow_drawing_does_not_make_the_next_frame_early(calm: Theme) -> Non
     driver.wait(600)
     first = driver.all(SHOWN)[-4].at
     assert [(one.at - first) / MS for one in driver.all(SHOWN)[-4:]] == [0, 100, 400, 450]
+
+
+def test_a_frame_that_is_seen_late_is_flagged(calm: Theme) -> None:
+    driver = LoopDriver(Cued, calm, **PARAMETERS)
+    driver.start()
+    driver.screen.shows = False
+    driver.wait(112)
+    driver.screen.show_frame(1)
+    driver.screen.shows = True
+    driver.wait(500)
+    driver.press("f")
+    assert driver.last(TRIAL).timing.flags == ("late_frame",)
+
+
+@pytest.mark.parametrize(
+    ("shown", "timeout_ms", "place"),
+    [
+        ((Frame("1", 400), Frame("2", 400), Frame("3")), 700, 2),
+        ((Frame("1", 400), Frame("2", 400), Frame("3")), 900, None),
+        ((Frame("1", 400), Frame("2", 400), Frame("3", timed=True)), 10, None),
+        ((), 10, None),
+    ],
+)
+def test_frames_after_the_time_for_the_response_are_found(
+    shown: tuple[Frame, ...], timeout_ms: float, place: int | None
+) -> None:
+    assert never_shown(shown, timeout_ms) == place
