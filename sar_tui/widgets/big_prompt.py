@@ -2,7 +2,7 @@
 
 import functools
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 from rich.cells import cell_len
@@ -43,6 +43,7 @@ class BigPrompt(Widget):
         self._lines: Sequence[Line] = ()
         self._picture: Drawn | None = None
         self._to_come: Sequence[str] = ()
+        self._strips: dict[tuple[int, Region], list[Strip]] = {}
         self._top = 0
         self._drawn_for: Size | None = None
 
@@ -72,9 +73,8 @@ class BigPrompt(Widget):
         """Prepare pictures that a prompt will soon show, so that its frame takes no longer for them."""
         self._to_come = pictures
         for name in pictures if self.size else ():
-            picture = self._drawn_picture(name)
-            for row in picture.rows if picture else ():
-                Strip(row).render(self.app.console)  # its styles keep their escape sequences
+            if picture := self._drawn_picture(name):
+                self._strips_of(picture)
 
     def on_resize(self) -> None:
         """Prepare for the new size, also for the first one: nothing could be prepared before."""
@@ -104,9 +104,8 @@ class BigPrompt(Widget):
         if prompt and prompt.picture:
             self._picture = self._drawn_picture(prompt.picture)
         if prompt and self._picture:
-            blank = ("",) * len(self._picture.rows)
-            self._lines = with_text(blank, prompt.text, prompt.hint, *self.size)
-            self._top = len(self._lines) - len(blank) - 3
+            self._top = self._top_of(self._picture)
+            self._lines = with_text(("",) * len(self._picture.rows), prompt.text, prompt.hint, *self.size)
         else:
             draw = self._answer or functools.partial(self._draw, prompt)
             self._lines = draw(*self.size)
@@ -123,8 +122,6 @@ class BigPrompt(Widget):
             self._draw_lines()
         width = self.size.width
         style = self.rich_style
-        if self._picture and 0 <= y - self._top < len(self._picture.rows):
-            return Strip(list(self._picture_row(y - self._top, self._picture, style)), width)
         if y >= len(self._lines):
             return Strip.blank(width, style)
         line, bold = self._lines[y]
@@ -139,25 +136,40 @@ class BigPrompt(Widget):
         ).adjust_cell_length(width, style)
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Add what is painted over a picture to its last row, behind the filters of lines, which show no such thing."""
+        """Put the rows of a picture, which are prepared, between the lines that are drawn now."""
         strips = super().render_lines(crop)
-        picture = self._picture
-        if not picture or not picture.overlay:
-            return strips
-        last = self._top + len(picture.rows) - 1 - crop.y
-        if 0 <= last < len(strips):
-            left = (self.size.width - picture.columns) // 2
-            segment = overlay(picture, self.region.x + left, self.region.y + self._top)
-            strips[last] = Strip([*strips[last], segment], strips[last].cell_length)
+        if self._picture:
+            for y, row in enumerate(self._strips_of(self._picture), self._top - crop.y):
+                if 0 <= y < len(strips):
+                    strips[y] = row.crop(crop.x, crop.right)
         return strips
 
-    def _picture_row(self, row: int, picture: Drawn, style: Style) -> Iterator[Segment]:
-        """Yield a row of the picture, in the middle."""
-        left = (self.size.width - picture.columns) // 2
-        yield Segment(" " * left, style)
-        for text, own, _ in picture.rows[row]:
-            yield Segment(text, own or style)
-        yield Segment(" " * (self.size.width - left - picture.columns), style)
+    def _strips_of(self, picture: Drawn) -> list[Strip]:
+        """Return the rows of a picture as lines of the present width, rendered for this terminal.
+
+        What is painted over the picture follows its last row. It must not pass the filters of lines, which would make
+        its escape sequences visible.
+        """
+        key = (id(picture), self.region)
+        if key not in self._strips:
+            style, background = self.rich_style, self.background_colors[1]
+            left = (self.size.width - picture.columns) // 2
+            margins = Segment(" " * left, style), Segment(" " * (self.size.width - left - picture.columns), style)
+            rows = [Strip([margins[0], *row, margins[1]], self.size.width) for row in picture.rows]
+            for each in self.app.get_line_filters():
+                rows = [row.apply_filter(each, background) for row in rows]
+            if picture.overlay:
+                painted = overlay(picture, self.region.x + left, self.region.y + self._top_of(picture))
+                rows[-1] = Strip([*rows[-1], painted], self.size.width)
+            for row in rows:
+                row.render(self.app.console)  # the strip keeps it
+            self._strips[key] = rows
+        return self._strips[key]
+
+    def _top_of(self, picture: Drawn) -> int:
+        """Return the line on which a picture begins."""
+        blank = ("",) * len(picture.rows)
+        return len(with_text(blank, "", "", *self.size)) - len(blank) - 3
 
     def _coloured(self, text: str, style: Style) -> list[Segment]:
         """Return a line in the prompt's colour, except frames, and except the plain line."""

@@ -120,7 +120,7 @@ class Pictures:
 
         number = next(_IDS)
         file = io.BytesIO()
-        picture.save(file, "PNG")
+        picture.save(file, "PNG", compress_level=1)
         data = base64.b64encode(file.getvalue()).decode()
         for start in range(0, len(data), _CHUNK):
             more = int(start + _CHUNK < len(data))

@@ -177,9 +177,11 @@ async def test_a_prepared_picture_is_not_read_again_when_it_is_shown(
     app = Stage(pictures(folder, "sixel")[0])
     async with app.run_test(size=(80, 14)):
         app.query_one(BigPrompt).prepare(["red.png", "missing.png"])
+        (prepared,) = app.query_one(BigPrompt)._strips.values()
         monkeypatch.setattr(Image, "open", lambda *_: pytest.fail("read in the prompt's frame"))
         assert app.query_one(BigPrompt).show(with_picture("red.png")) == "sixel"  # type: ignore[arg-type]
-        assert app.query_one(BigPrompt)._picture
+        assert app.query_one(BigPrompt).render_lines(Region(0, 0, 80, 14))[:11] == prepared
+        assert all(strip._render_cache for strip in prepared), "they are rendered, too"
 
 
 async def test_the_drawing_has_the_colour_of_the_prompt_and_nothing_else_has(monkeypatch: pytest.MonkeyPatch) -> None:
