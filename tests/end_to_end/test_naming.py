@@ -1,10 +1,12 @@
 """The documented task with pictures, in a real terminal: seen, killed, resumed, replayed and simulated."""
 
 import json
+import re
 import subprocess
 import time
 from pathlib import Path
 
+import pytest
 from PIL import Image
 
 from sar_tui.timing.pty import Terminal
@@ -38,22 +40,33 @@ def name_pictures(terminal: Terminal, reader: ScreenReader, count: int) -> None:
             terminal.read(time.monotonic_ns() + 20_000_000)
 
 
-def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tmp_path: Path) -> None:
+def naming(tmp_path: Path) -> Path:
+    """Write the documented task with fewer prompts, and its pictures."""
     task = write_documented(tmp_path / "mytasks", "naming")
     source = (task / "task.py").read_text(encoding="utf-8").replace("return 10", f"return {PROMPTS}")
     (task / "task.py").write_text(source, encoding="utf-8")
     (task / "pictures").mkdir()
     for name, color in COLORS.items():
         Image.new("RGB", (60, 40), color).save(task / "pictures" / f"{name}.png")
+    return task
+
+
+def begin(terminal: Terminal) -> None:
+    """Continue from the instructions to the first foreperiod."""
+    terminal.wait_for("Press Enter to go on.")
+    terminal.press("enter")
+    terminal.wait_for("Press Enter to begin")
+    terminal.settle()
+    terminal.press("enter")
+
+
+def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tmp_path: Path) -> None:
+    task = naming(tmp_path)
     where = ("--data", str(data), "--tasks", str(task.parent))
     settings = [f"--set={name}={value}" for name, value in (QUICK | {"attempts": 1}).items()]
     with Terminal(command("run", "naming", "-p", "P01", "--seed", "7", *where, *settings)) as terminal:
         reader = ScreenReader(terminal)
-        terminal.wait_for("Press Enter to go on.")
-        terminal.press("enter")
-        terminal.wait_for("Press Enter to begin")
-        terminal.settle()
-        terminal.press("enter")
+        begin(terminal)
         name_pictures(terminal, reader, 2)
         terminal.kill()
         terminal.wait()
@@ -83,3 +96,39 @@ def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tm
     simulated = command("simulate", "naming", "--user", "average", "--seed", "3", "--attempts", "2", *where)
     assert subprocess.run(simulated, capture_output=True, check=False).returncode == 0
     assert rows(data, "SELECT count(*) FROM trials JOIN sessions ON id=session WHERE mode='simulated'") == [(8,)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("way", "answers", "picture"),
+    [
+        ("sixel", {"\x1b[c": b"\x1b[?62;4c", "\x1b[16t": b"\x1b[6;20;10t"}, rb"\x1bP0;0;0q.*\x1b\\\x1b8.*What is it\?"),
+        (
+            "kitty",
+            {"\x1b[c": b"\x1b[?62c", "a=q": b"", "\x1b[16t": b"\x1b[6;20;10t"},
+            "\U0010eeee.*What is it\\?".encode(),
+        ),
+    ],
+)
+def test_graphics_of_the_terminal_are_flushed_with_the_text(
+    data: Path, tmp_path: Path, way: str, answers: dict[str, bytes], picture: bytes
+) -> None:
+    where = ("--data", str(data), "--tasks", str(naming(tmp_path).parent))
+    settings = [f"--set={name}={value}" for name, value in (QUICK | {"attempts": 1}).items()]
+    words = command("run", "naming", "-p", "P01", "--seed", "7", *where, *settings)
+    with Terminal(words, environment={"COLORTERM": "truecolor"}) as terminal:
+        for question, answer in answers.items():
+            terminal.wait_for(question)
+            terminal.settle(silence_ms=20)
+            number = re.search(rb"_Gi=(\d+)", terminal.output)
+            terminal.write(answer or b"\x1b_Gi=%s;OK\x1b\\" % number[1] if number else answer)
+        begin(terminal)
+        start = len(terminal.output)
+        terminal.wait_for("What is it?", since=start)
+        terminal.settle(silence_ms=100)
+        assert re.search(picture, bytes(terminal.output[start:]), re.DOTALL)
+        terminal.press("a")
+        terminal.settle()
+        terminal.press("ctrl+q")
+    (message,) = rows(data, "SELECT message FROM events WHERE topic='screen/shown' ORDER BY seq LIMIT 1")[0]
+    assert (json.loads(message)["picture"], json.loads(message)["source"]) == (way, "flush")
