@@ -144,6 +144,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "reaction_time_ms": "open",
         "timing": "parts",
         "details": "parts",
+        "data": "parts",
     },
     "trials.timing": {
         "onset_source": "open",

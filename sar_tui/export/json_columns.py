@@ -51,10 +51,12 @@ def columns(
     table: str,
     column: str,
     declared: Mapping[str, Declared],
+    other: str = "",
 ) -> dict[str, Column]:
     """Return the columns for the keys of a JSON column, by key: those declared, and others that the sessions hold.
 
-    What nobody declares may be anything: its texts leave only if texts are asked for.
+    What nobody declares may be anything: its texts leave only if texts are asked for, unless the program knows where
+    all of it comes from, and says so in ``other``.
     """
     found: dict[str, set[Type]] = {key: set(one.types) for key, one in declared.items()}
     tasks: dict[str, set[str]] = {}
@@ -74,10 +76,10 @@ def columns(
     made: dict[str, Column] = {}
     for key, types in found.items():
         type = _common(types)
-        is_open = key in declared or type != "string"
+        is_open = key in declared or bool(other) or type != "string"
         made[key] = Column(
             name=_name(column, key, {each.name for each in made.values()}),
-            meaning=declared[key].meaning if key in declared else _UNKNOWN,
+            meaning=declared[key].meaning if key in declared else other or _UNKNOWN,
             type=type,
             unit=next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), ""),
             treatment="open" if is_open else "text",

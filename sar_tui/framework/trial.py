@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from sar_tui.framework import frames, prompt_texts, tone
+from sar_tui.framework import frames, prompt_data, prompt_texts, tone
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import (
     CueGiven,
@@ -135,6 +135,7 @@ class OpenTrial:
             colour=self.stimulus.colour,
             picture=self.stimulus.picture,
             tone=self.stimulus.tone,
+            data=self.stimulus.data,
         )
 
     def frame(self) -> FrameDue:
@@ -332,6 +333,7 @@ class OpenTrial:
                 tone_source=self._tone_source,
             ),
             details=result.details,
+            data=self.stimulus.data,
         )
 
 
@@ -341,4 +343,4 @@ def stimulus_problem(stimulus: Stimulus) -> str:
         return f"The timeout_ms of a prompt is {stimulus.timeout_ms}; it is a time above 0, or None."
     if stimulus.tone is not None and (problem := tone.problem(stimulus.tone)):
         return problem
-    return frames.problem(stimulus.frames) or prompt_texts.problem(stimulus)
+    return frames.problem(stimulus.frames) or prompt_texts.problem(stimulus) or prompt_data.problem(stimulus.data)

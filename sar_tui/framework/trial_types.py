@@ -204,6 +204,7 @@ class Stimulus(msgspec.Struct, frozen=True):
         colour: of what is drawn large: a name of `prompt_colors.OKABE_ITO`; empty for the colour of texts.
         picture: a file in the task's folder, shown instead of ``glyph``: "pictures/cat.png".
         tone: sounds from the onset of the prompt on; with frames, each may have its own instead.
+        data: kept with the trial and never shown, as JSON: lists, no tuples.
     """
 
     name: str
@@ -221,6 +222,7 @@ class Stimulus(msgspec.Struct, frozen=True):
     colour: str = ""
     picture: str = ""
     tone: Tone | None = None
+    data: dict[str, Any] = {}
 
 
 class Trial(msgspec.Struct, frozen=True):

@@ -78,6 +78,7 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
         colour=prompt.colour,
         picture=prompt.picture,
         tone=prompt.tone,
+        data=prompt.data,
     )
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 

@@ -21,7 +21,7 @@ _JSON = {
     "sessions": ("id", ("parameters", "software", "machine")),
     "runs": ("session", ("clock_anchor", "software", "machine")),
     "attempts": ("session", ("qualities", "choice")),
-    "trials": ("session", ("timing", "details")),
+    "trials": ("session", ("timing", "details", "data")),
     "actions": ("session", ("proposed", "final")),
     "programmes": ("participant", ("parameters",)),
     "earlier_events": ("session", ("message",)),

@@ -16,7 +16,7 @@ SQL = {
     "messages": "INSERT INTO messages (session_number, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
     "trials": (
         "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns, response_ns,"
-        " reaction_time_ms, timing, details) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
+        " reaction_time_ms, timing, details, data) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
     ),
     "marks": (
         "UPDATE trials SET correct=?, details=json_set(details, '$.mark', ?)"
@@ -109,7 +109,7 @@ def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> Non
             rows["marks"] = [mark for mark in rows["marks"] if mark[2:] != here]
             rows["trials"].append(
                 (session, t.attempt, t.trial, t.seat, run, t.stimulus, t.response, t.correct, t.onset,
-                 t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details))
+                 t.response_at, t.reaction_time_ms, _text(t.timing), _text(t.details), _text(t.data))
             )  # fmt: skip
         case m.TrialMarked() as k:
             rows["marks"].append((k.correct, k.mark or None, session, k.attempt, k.trial, k.seat))

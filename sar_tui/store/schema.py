@@ -295,6 +295,12 @@ def version_17(db: sqlite_utils.Database) -> None:
         db.execute(view)
 
 
+@migrations()
+def version_18(db: sqlite_utils.Database) -> None:
+    """The data of prompts."""
+    db.execute("ALTER TABLE trials ADD COLUMN data TEXT NOT NULL DEFAULT '{}'")
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

@@ -34,7 +34,7 @@ _JSON = {
     "sessions": ("parameters", "software", "machine"),
     "runs": ("clock_anchor", "software", "machine"),
     "attempts": ("qualities", "choice"),
-    "trials": ("timing", "details"),
+    "trials": ("timing", "details", "data"),
     "actions": ("proposed", "final"),
 }
 _RESULTS = {"attempts": ("metric",), "trials": ("reaction_time_ms",)}

@@ -2,9 +2,12 @@
 
 import re
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from sar_tui.export.damage import Damage
+from sar_tui.export.tables.trials import trials
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.parameters import build
@@ -78,6 +81,20 @@ def test_points_after_each_choice_of_a_tree_that_reverses(tmp_path: Path) -> Non
     assert set(good) == {"left", "right"}
     seen = [record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN]
     assert len(seen) == len(shown)
+
+
+def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:
+    played = play(tmp_path, "flankers")
+    kept = [trial["data"]["congruent"] for trial in played.trials]
+    assert kept == [prompt.data["congruent"] for prompt in played.prompts]
+    assert kept == [trial["stimulus"][0] == trial["stimulus"][2] for trial in played.trials]
+    with closing(connect(tmp_path / "data")) as database:
+        session = played.trials[0]["session"]
+        table = trials(database, [session], {}, Damage(database, lambda _: None))
+        rows = list(table.rows(database, session))
+    (place,) = (number for number, column in enumerate(table.columns) if column.name == "data_congruent")
+    assert [row[place] for row in rows] == kept
+    assert table.columns[place].treatment == "open"
 
 
 def test_two_back_in_one_stream(tmp_path: Path) -> None:

@@ -69,8 +69,8 @@ def measured(table: Table) -> list[Column]:
 
 
 def in_seconds(table: Table, column: Column) -> bool:
-    """Return True if the stamps of a column leave in seconds as well. Those in details may be durations."""
-    is_clock = is_stamp(column) and not column.name.startswith(("details_", "qualities_"))
+    """Return True if the stamps of a column leave in seconds as well. Those in details and data may be durations."""
+    is_clock = is_stamp(column) and not column.name.startswith(("details_", "data_", "qualities_"))
     return is_clock and any(other.name == "run" for other in table.columns)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime
-from itertools import groupby, islice
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,8 +29,8 @@ _TYPES: dict[Type, str] = {"string": "string", "integer": "int64", "number": "fl
 class ParquetFormat:
     """The same columns with the same types in every export, whatever it holds, so that all are one data set.
 
-    Columns that differ between tasks (details of trials, qualities of attempts) are one column, a JSON object. Columns
-    that do not leave are there, and empty. Missing values are null.
+    Columns that differ between tasks (details of trials and data of their prompts, qualities of attempts) are one
+    column each, a JSON object. Columns that do not leave are there, and empty. Missing values are null.
     """
 
     name = "parquet"
@@ -73,12 +73,10 @@ class _Shape:
         self._places = {column.name: index for index, column in enumerate(leaving.columns)}
         self.plain = [column for column in whole.columns if column.tasks is None and column.name != "site"]
         objects = [column for column in whole.columns if column.tasks is not None]
-        self._objects = {
-            name: [(_key(column), self._places[column.name]) for column in columns if column.name in self._places]
-            for name, columns in groupby(objects, key=_object)
-        }
-        if not objects and (name := _OBJECTS.get(whole.name)):
-            self._objects[name] = []
+        self._objects: dict[str, list[tuple[str, int]]] = {name: [] for name in _OBJECTS.get(whole.name, ())}
+        for column in objects:
+            if column.name in self._places:
+                self._objects[_object(column)].append((_key(column), self._places[column.name]))
         self.schema = self._schema(whole)
 
     def _schema(self, whole: Table) -> "pyarrow.Schema":
@@ -132,8 +130,8 @@ def _fits(value: object, kind: "pyarrow.DataType") -> bool:
     return True
 
 
-_OBJECTS = {"trials": "details", "attempts": "qualities"}
-"""Tables with a column of what differs between tasks."""
+_OBJECTS = {"trials": ("details", "data"), "attempts": ("qualities",)}
+"""Columns of tables with what differs between tasks."""
 
 
 def _object(column: Column) -> str:

@@ -109,36 +109,43 @@ def trials(
         declared: the details that the tasks of these sessions declare, by name.
     """
     details = columns(database, sessions, "trials", "details", declared)
+    data = columns(database, sessions, "trials", "data", {}, other="Kept with the prompt by its task.")
     return Table(
         name="trials",
         title="A trial at a seat",
-        columns=(*_PLAIN, *details.values()),
+        columns=(*_PLAIN, *details.values(), *data.values()),
         key=("session", "attempt", "trial", "seat"),
-        rows=partial(_rows, details, damage),
+        rows=partial(_rows, details, data, damage),
         references=(TO_SESSION,),
     )
 
 
 def _rows(
-    details: Mapping[str, Column], damage: Damage, database: sqlite3.Connection, session: str
+    details: Mapping[str, Column],
+    data: Mapping[str, Column],
+    damage: Damage,
+    database: sqlite3.Connection,
+    session: str,
 ) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
     (mode, task) = database.execute("SELECT mode, task FROM sessions WHERE id=?", (session,)).fetchone()
     for row in database.execute(
         "SELECT trials.attempt, trial, trials.seat, trials.run, practice, level, stimulus, response, trials.correct,"
-        " onset_ns, response_ns, reaction_time_ms, timing, details FROM trials LEFT JOIN attempts ON"
+        " onset_ns, response_ns, reaction_time_ms, timing, details, data FROM trials LEFT JOIN attempts ON"
         " attempts.session=trials.session AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"
         " WHERE trials.session=? ORDER BY trials.attempt, trial, trials.seat",
         (session,),
     ):
-        attempt, trial, seat, run, practice, level, stimulus, response, correct, onset, end, reaction, timed, told = row
-        found = damage.object_of("details", told)
+        attempt, trial, seat, run, practice, level, stimulus, response, correct, onset, end, *rest = row
+        reaction, timed, told, kept = rest
+        found, of_prompt = damage.object_of("details", told), damage.object_of("data", kept)
         yield (
             session, mode, task, codes.get(seat), attempt, trial, seat, run, as_bool(practice), level, stimulus,
             response, as_bool(correct), onset, end,
             finite(reaction),
             *_timing(damage.object_of("timing", timed)),
             *(value_for(column, found.get(key)) for key, column in details.items()),
+            *(value_for(column, of_prompt.get(key)) for key, column in data.items()),
         )  # fmt: skip
 
 

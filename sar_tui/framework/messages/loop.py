@@ -1,6 +1,6 @@
 """Messages of perception and the event handler: percepts, waits, prompts, trials, attempts."""
 
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -151,7 +151,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     half of the screen, instead of the glyph. ``cue``: the side to which the agent looked or pointed before.
     ``frames``: shown one after the other, from the first; ``text`` then only says what the prompt is. ``colour``: the
     name of the glyph's colour, empty for that of texts. ``picture``: a file in the task's folder, shown instead of the
-    glyph. ``tone``: sounds with it.
+    glyph. ``tone``: sounds with it. ``data``: what the task keeps with the trial, never shown.
     """
 
     attempt: int
@@ -172,6 +172,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     colour: str = ""
     picture: str = ""
     tone: Tone | None = None
+    data: dict[str, Any] = {}
 
     def shown(self, frame: int = 0) -> "Prompt":
         """Return the prompt with the contents of a frame, to be drawn; of a prompt without frames, itself."""
@@ -278,7 +279,8 @@ class Timing(msgspec.Struct, frozen=True, omit_defaults=True):
 class TrialEnded(Message, frozen=True, kw_only=True):
     """One prompt and its result. A miss has no response. ``value``: its contribution to the metric.
 
-    ``onset``: of the prompt; in tasks that time movements, of the movement, with ``response_at`` as its end.
+    ``onset``: of the prompt; in tasks that time movements, of the movement, with ``response_at`` as its end. ``data``:
+    of the prompt.
     """
 
     attempt: int
@@ -292,6 +294,7 @@ class TrialEnded(Message, frozen=True, kw_only=True):
     value: float | None
     timing: Timing
     details: Json
+    data: dict[str, Any] = {}
 
 
 class TrialFeedback(Message, frozen=True, kw_only=True):

@@ -70,7 +70,7 @@ def go_on(folder: Path, session: str, *, trials: int = 1, status: str = "complet
                     (number, 2 * trial + offset - 1, run, 1000 * trial, f'["{response}",{trial}]', *topic),
                 )
             db.execute(
-                "INSERT INTO trials VALUES (?,1,?,'A',?,'F',?,1,?,?,?,'{}','{}')",
+                "INSERT INTO trials VALUES (?,1,?,'A',?,'F',?,1,?,?,?,'{}','{}','{}')",
                 (session, trial, run, response, 1000 * trial, 1500 * trial, 1 / trial),
             )
             db.execute("INSERT INTO notes VALUES (?,?,'op','\"so\"','')", (session, trial % 2))
