@@ -20,6 +20,7 @@ from sar_tui.framework.settings.feedback import FeedbackSettings, ScheduleSettin
 from sar_tui.framework.settings.goal import GoalSettings
 from sar_tui.framework.settings.limits import LimitSettings
 from sar_tui.framework.settings.operator import OperatorSettings
+from sar_tui.framework.settings.questions import QuestionSettings
 from sar_tui.framework.settings.session import SessionSettings
 from sar_tui.framework.settings.timing import TimingSettings
 from sar_tui.framework.settings.wellbeing import WellbeingSettings
@@ -27,6 +28,7 @@ from sar_tui.framework.settings.wellbeing import WellbeingSettings
 _COMMON: tuple[type[Settings], ...] = (
     SessionSettings,
     WellbeingSettings,
+    QuestionSettings,
     LimitSettings,
     GoalSettings,
     *registry.settings_types(difficulty.POLICIES),
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
     class TaskParameters(
         SessionSettings,
         WellbeingSettings,
+        QuestionSettings,
         LimitSettings,
         GoalSettings,
         OneUpOneDownSettings,

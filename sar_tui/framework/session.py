@@ -18,6 +18,7 @@ from sar_tui.framework.nodes.memory import Memory
 from sar_tui.framework.nodes.perception import Perception
 from sar_tui.framework.replay_comparison import Comparison
 from sar_tui.framework.rules import RULES
+from sar_tui.framework.steps.step import Step
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
@@ -43,6 +44,7 @@ class Session:
         others_best: the same for the other participants, by seat.
         names: what the agent calls each participant, by seat; without a name, the seat.
         done_today: what the participant did today, if something limits a day (`policies.limits.Dose`).
+        steps: those between attempts beside the task's own.
         rules: version of the rules; a record that is replayed brings its own.
         parts: the classes of the framework's nodes, if not its own.
 
@@ -61,6 +63,7 @@ class Session:
         others_best: dict[str, dict[str, float]] | None = None,
         names: dict[str, str] | None = None,
         done_today: dict[str, float] | None = None,
+        steps: tuple[Step, ...] = (),
         rules: int = RULES,
         parts: "Parts | None" = None,
     ) -> None:
@@ -72,6 +75,7 @@ class Session:
         self.others_best = others_best or {}
         self.names = names or {}
         self.done_today = done_today or {}
+        self.steps = steps
         self.clock = clock
         self.bus = Bus(clock)
         self.faults: list[Fault] = []
@@ -144,6 +148,7 @@ class Session:
             names=self.names,
             rules=self._rules,
             done_today=self.done_today,
+            steps=self.steps if run == 1 else (),
         )
         self.bus.publish(SESSION, started)
 

@@ -24,6 +24,7 @@ class Phase(Enum):
     RESPONSE = auto()
     RESULT = auto()  # the trial is over; the answer to it is shown
     FEEDBACK = auto()  # the attempt is over; its feedback comes after a delay
+    STEP = auto()  # a question, or another step between attempts
     REST = auto()  # a rest that must be taken, before the next attempt
     PAUSED = auto()
     REVIEW = auto()  # every attempt is done; waits for Enter
@@ -40,7 +41,7 @@ PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor":
 """Events that end a pause, by its reason; a pause for any other reason ends with a command to resume."""
 LEFT = "left"
 """Reason of a pause in which the session was left on purpose: a later run begins as after an interruption."""
-MARKABLE = {Phase.RESULT, Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.REST, Phase.READY, Phase.REVIEW}
+MARKABLE = {Phase.RESULT, Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.STEP, Phase.REST, Phase.READY, Phase.REVIEW}
 """Phases in which a mark applies to the last trial."""
 REQUESTABLE = {Phase.REST, Phase.READY, Phase.REVIEW}
 """Phases in which a participant may request feedback on the last attempt."""
@@ -55,6 +56,7 @@ WAITS: dict[Phase, tuple[str, str]] = {
     Phase.ONSET: ("response", "trial"),
     Phase.RESULT: ("result", "trial"),
     Phase.FEEDBACK: ("answer", "answer"),
+    Phase.STEP: ("step", "step"),
     Phase.REST: ("rest", "rest"),
     Phase.REVIEW: ("enter", "review"),
     Phase.CLOSING: ("storage", "ended"),

@@ -18,6 +18,7 @@ from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.rules import RULES
+from sar_tui.framework.steps.step import Step
 from sar_tui.framework.trial_types import (
     NO_METRIC,
     Act,
@@ -133,6 +134,11 @@ class Task(ABC):
     def restarts_attempts(self) -> bool:
         """True if an attempt that was interrupted begins again from its first prompt, rather than going on."""
         return False
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """Questions, screens to read, rests and calibrations between attempts; by default none."""
+        return ()
 
     @property
     def start_key(self) -> str:

@@ -22,6 +22,7 @@ _WAITING = {
     "start": "Waits for the start key",
     "agent": "Waits until the agent has finished",
     "answer": "Waits to give feedback",
+    "step": "Waits for an answer",
     "rest": "A rest that must be taken",
     "quiet": "Waits until no key is pressed",
     "foreperiod": "A prompt is about to appear",

@@ -187,6 +187,7 @@ def play(
         others_best=started.others_best,
         names=started.names,
         done_today=started.done_today,
+        steps=started.steps,
         rules=started.rules,
     )
     ended: list[AttemptEnded] = []

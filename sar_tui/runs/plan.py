@@ -10,6 +10,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters, build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
+from sar_tui.framework.steps.step import Step
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
@@ -27,6 +28,7 @@ class Plan(msgspec.Struct, frozen=True):
         id: the session's id; if empty, it is drawn when the session starts.
         programme: the version of the participant's programme; None if there is none.
         left_out: values of the programme that this version of the task cannot use, and for each why not.
+        steps: between attempts, beside the task's own.
     """
 
     task: type[Task]
@@ -39,6 +41,7 @@ class Plan(msgspec.Struct, frozen=True):
     id: str = ""
     programme: int | None = None
     left_out: Mapping[str, str] = {}
+    steps: tuple[Step, ...] = ()
 
 
 class Failed(Exception):
@@ -61,6 +64,7 @@ def make_plan(
     seed: int | None = None,
     mode: sessions.Mode = "live",
     id: str = "",
+    steps: tuple[Step, ...] = (),
 ) -> Plan:
     """Plan a session, and check everything that can be checked before its devices are opened.
 
@@ -76,6 +80,7 @@ def make_plan(
         seed: decides everything random; drawn by default.
         mode: live or simulated.
         id: the session's id; drawn when the session starts by default.
+        steps: between attempts, beside the task's own (see `framework.steps.file.read_steps`).
 
     Raises:
         StoreError: a code is not valid, or of another site, or the codes do not match the task's seats.
@@ -108,6 +113,7 @@ def make_plan(
         id=id,
         programme=saved.version or None,
         left_out=left_out,
+        steps=steps,
     )
 
 

@@ -144,7 +144,7 @@ def start(
             held += [locks.hold(folder, "participant", code) for code in codes]
         facts = _participant_facts(database, task, codes, plan.mode)
         _check_day(task, codes[0], facts["done_today"])
-        session = Session(task, theme, clock, plan.seed, nodes, **facts, parts=parts)
+        session = Session(task, theme, clock, plan.seed, nodes, **facts, steps=plan.steps, parts=parts)
         session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
         provenance = _provenance(plan.task, theme.name, folder, catalogue)

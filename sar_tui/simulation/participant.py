@@ -8,6 +8,7 @@ from sar_tui.framework.clock import MS, Handle
 from sar_tui.framework.frames import planned, timed
 from sar_tui.framework.messages import (
     Action,
+    AskedStep,
     FrameDue,
     KeyPressed,
     OutputReport,
@@ -22,6 +23,7 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.steps.entry import Entry
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
     ACTION,
@@ -37,11 +39,14 @@ from sar_tui.framework.topics import (
     WAITING,
 )
 from sar_tui.framework.trial_types import Act, Cue, Performance, Stimulus
+from sar_tui.simulation.answers import answer_keys
 
 SHOWING = 4 * MS
 """Time from a prompt's publication to its onset."""
 READING = 1200 * MS
 """Time from a request for a key to its press."""
+TYPING = 250 * MS
+"""Time between two keys of an answer."""
 _SEEN: tuple[PartState, ...] = ("queued", "started", "done")
 
 
@@ -125,6 +130,8 @@ class SimulatedParticipant(_Performer):
     name = "participant"
     emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN)
     _next: Handle | None = None
+    _asked = 0
+    _keys: tuple[str, ...] = ()
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
@@ -134,10 +141,24 @@ class SimulatedParticipant(_Performer):
         """
         if self._next:
             self._next.cancel()
+        if waiting.step and not waiting.until:
+            self._answer(waiting.step)
+            return
         key = {"enter": "" if waiting.until else "enter", "start": self._task.start_key}.get(waiting.what)
         if waiting.ask and self._wants_feedback(waiting):
             key = waiting.ask
         self._next = self._press(key, self.now + READING) if key else None
+
+    def _answer(self, asked: AskedStep) -> None:
+        """Press the next of the keys that answer a question; each changes what the session waits for."""
+        if asked.number != self._asked or asked.entry == Entry():
+            streams = RandomStreams(self._seed, "person", "step", asked.number)
+            self._asked, self._keys = asked.number, answer_keys(asked.step, streams)
+            pause = READING
+        else:
+            pause = TYPING
+        self._next = self._press(self._keys[0], self.now + pause) if self._keys else None
+        self._keys = self._keys[1:]
 
     def _wants_feedback(self, waiting: Waiting) -> bool:
         return self._person.wants_feedback(RandomStreams(self._seed, "person", waiting.attempt, waiting.stage))

@@ -49,6 +49,10 @@ SQL = {
         " VALUES (?,?,'difficulty',?,?,?,?,?) ON CONFLICT DO UPDATE SET final=excluded.final,"
         " decision=excluded.decision, actor=excluded.actor, decided_ns=excluded.decided_ns, ground=excluded.ground"
     ),
+    "answers": (
+        "INSERT OR REPLACE INTO answers (session, number, run, attempt, seat, step, kind, text, labels, status, answer,"
+        " shown_ns, answered_ns) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
+    ),
     "notes": "INSERT INTO notes (session, at_ns, author, text, label) VALUES (?,?,?,?,?)",
     "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
     "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
@@ -64,7 +68,7 @@ def _text(value: object) -> str:
     return _json.encode(value).decode()
 
 
-_OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded}
+_OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded, m.StepEnded}
 _OF_ACTIONS = {m.Proposal, m.PendingApproval, m.ProposalSeen, m.Action, m.Dropped, m.LevelDecided, m.OutputReport}
 _OF_SESSIONS = {m.NoteAdded, m.SessionCommand, m.SessionEnded}
 """Messages that become more than a row of ``messages``: a small part of all."""
@@ -113,6 +117,12 @@ def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> Non
             )  # fmt: skip
         case m.TrialMarked() as k:
             rows["marks"].append((k.correct, k.mark or None, session, k.attempt, k.trial, k.seat))
+        case m.StepEnded() as s:
+            answer = None if s.answer is None else _text(s.answer)
+            rows["answers"].append(
+                (session, s.number, run, s.attempt, s.seat, s.name, s.kind, s.text, _text(s.labels), s.status, answer,
+                 s.shown, s.ended)
+            )  # fmt: skip
         case m.AttemptEnded() as a:
             rows["attempts"].append(
                 (session, a.attempt, a.seat, run, a.practice, a.level, a.metric, a.metric_unit, a.accuracy,

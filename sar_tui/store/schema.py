@@ -301,6 +301,17 @@ def version_18(db: sqlite_utils.Database) -> None:
     db.execute("ALTER TABLE trials ADD COLUMN data TEXT NOT NULL DEFAULT '{}'")
 
 
+@migrations()
+def version_19(db: sqlite_utils.Database) -> None:
+    """Answers to questions between attempts."""
+    db.execute(
+        "CREATE TABLE answers (session TEXT NOT NULL, number INTEGER NOT NULL, run INTEGER NOT NULL,"
+        " attempt INTEGER NOT NULL, seat TEXT NOT NULL, step TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL,"
+        " labels TEXT NOT NULL, status TEXT NOT NULL, answer TEXT, shown_ns INTEGER NOT NULL,"
+        " answered_ns INTEGER NOT NULL, PRIMARY KEY (session, number))"
+    )
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

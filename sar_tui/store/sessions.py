@@ -28,7 +28,7 @@ from sar_tui.store.stored_json import read_json
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
 
-Table = Literal["attempts", "trials", "actions", "runs", "imu_streams", "seats"]
+Table = Literal["attempts", "trials", "actions", "runs", "imu_streams", "seats", "answers"]
 
 _JSON = {
     "sessions": ("parameters", "software", "machine"),

@@ -4,12 +4,13 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.large_message import is_roomy
 from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.session_layout import LayoutScreen
+from sar_tui.app.screens.step_text import decline_text, step_text
 from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
 from sar_tui.framework.clock import SECOND, Handle
 from sar_tui.framework.messages import Feedback, Waiting
 from sar_tui.widgets.goal_bar import GoalBar, bar_of
 
-_BETWEEN = ("attempt", "answer", "rest", "review")
+_BETWEEN = ("attempt", "answer", "step", "rest", "review")
 """Stages between two attempts, and after the last."""
 _BEFORE = ("instructions", "attempt", "paused")
 """Stages in which the agent is in the middle too, if there is room."""
@@ -57,17 +58,20 @@ class MessageScreen(LayoutScreen):
         ask = self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr)) if waiting.ask else ""
         drawing = self._live.view.between_attempts() if waiting.stage in ("attempt", "review") else None
         is_between = waiting.stage in _BETWEEN and waiting.attempt > 1
-        bars = [bar for _, bar in sorted(self._bars.items())] if is_between else []
-        self.query_one(MessagePanel).show(text, bars, drawing, ask)
+        shows_result = is_between and not waiting.step
+        bars = [bar for _, bar in sorted(self._bars.items())] if shows_result else []
+        self.query_one(MessagePanel).show(text, bars, drawing, ask or decline_text(waiting.step, self.tr))
         is_tight = (drawing or waiting.stage == "instructions") and self.app.size.height < _FULL_HEIGHT
         is_in_middle = is_between or (waiting.stage in _BEFORE and is_roomy(*self.app.size))
         self._seat_agent("" if not (is_in_middle and self.agent.display) else "drawn" if is_tight else "between")
         self._stage("message")
-        if waiting.stage == "rest":
+        if waiting.stage == "rest" or (waiting.step and waiting.until):
             self._count_down(waiting)
 
     def _waiting_text(self, waiting: Waiting) -> WaitingText | None:
         left = max(0, waiting.until - self._live.clock.now())
+        if waiting.step:
+            return step_text(waiting.step, self.tr, left)
         is_goal_shown = bool(self._bars) and waiting.goal == self._goal
         session = self._live.run.session
         over = session.is_recording_over

@@ -3,6 +3,7 @@
 from typing import Literal
 
 from sar_tui.framework.messages.base import ActionPart, Message, PartState, SensorState
+from sar_tui.framework.steps.step import Step
 from sar_tui.framework.theme import Theme
 
 __all__ = [
@@ -35,7 +36,8 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     ``others_best``: those of other participants, by seat. ``names``: what the agent calls each participant, by seat;
     without a name, the seat. ``rules``: version of the loop's rules that the session follows (see `rules.RULES`).
     ``done_today``: what the participant did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing
-    limits a day.
+    limits a day. ``steps``: those between attempts that the session was begun with, beside the task's; only in the
+    first run.
     """
 
     run: int
@@ -47,6 +49,7 @@ class SessionStarted(Message, frozen=True, kw_only=True):
     names: dict[str, str] = {}
     rules: int = 1
     done_today: dict[str, float] = {}
+    steps: tuple[Step, ...] = ()
 
 
 class ThemeApplied(Message, frozen=True, kw_only=True):

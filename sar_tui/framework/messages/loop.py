@@ -6,11 +6,15 @@ import msgspec
 
 from sar_tui.framework.frames import Frame
 from sar_tui.framework.messages.base import Degree, Form, Json, Message, Outcome, Reference, Valence
+from sar_tui.framework.steps.entry import Answer, Entry
+from sar_tui.framework.steps.step import Kind as StepKind
+from sar_tui.framework.steps.step import Step
 from sar_tui.framework.tone import Tone
 
 __all__ = [
     "AttemptEnded",
     "AttemptStarted",
+    "AskedStep",
     "CueGiven",
     "Fault",
     "Feedback",
@@ -29,6 +33,8 @@ __all__ = [
     "RecalledAttempts",
     "SessionEnded",
     "Spread",
+    "StepEnded",
+    "StepStatus",
     "Timing",
     "ToneDue",
     "TonesAhead",
@@ -82,14 +88,28 @@ class ReachPerceived(Percept, frozen=True, kw_only=True):
     trace_marks: tuple[float, float, float, float] | None = None
 
 
+class AskedStep(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
+    """A step that stands on the screen.
+
+    ``number`` counts the steps of the session from 1. ``step``: with its texts in the session's language. ``seat``: who
+    is asked. ``shown``: since when (ns). ``entry``: what they have chosen or typed.
+    """
+
+    number: int
+    step: Step
+    seat: str = "A"
+    shown: int = 0
+    entry: Entry = Entry()
+
+
 class Waiting(Message, frozen=True, kw_only=True):
     """The session waits. A screen shows this; a simulated participant reacts to it.
 
     ``what``: ``enter`` (the Return key), ``start`` (the key that starts a trial), ``agent`` (until it is still),
-    ``answer`` (until delayed feedback is given), ``rest`` (until a rest is over), ``quiet`` (no keys for a moment),
+    ``answer`` (until delayed feedback is given), ``step`` (for an answer, or until it is over), ``rest`` (until a rest is over), ``quiet`` (no keys for a moment),
     ``foreperiod``, ``storage`` (the disk), ``response``, ``result`` (the answer to a trial is shown), ``resume``
     (paused), ``sensor`` (no data), ``nothing`` (ended). ``stage``: ``instructions``, ``attempt`` (before one),
-    ``trial``, ``answer``, ``rest``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something
+    ``trial``, ``answer``, ``step``, ``rest``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something
     failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in trials. ``seat``: whose
     turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before the prompt. ``notice``:
     shown to the participant first: a new level, a trial to repeat, a limit. ``why``: why level or goal have changed,
@@ -98,7 +118,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     data); while it waits for quiet: ``held`` (a key is held down). ``detail``: the error of disk or sensor, for the
     experimenter. ``ask``: the key that requests feedback on the last attempt, if there is some. ``until``: when a rest
     is over, or the attempt begins by itself (ns). ``restarts``: number of attempts so far that were interrupted and
-    began again under the next number.
+    began again under the next number. ``step``: the question, or another step, that stands on the screen.
     """
 
     what: Literal[
@@ -106,6 +126,7 @@ class Waiting(Message, frozen=True, kw_only=True):
         "start",
         "agent",
         "answer",
+        "step",
         "rest",
         "quiet",
         "foreperiod",
@@ -116,7 +137,7 @@ class Waiting(Message, frozen=True, kw_only=True):
         "sensor",
         "nothing",
     ]
-    stage: Literal["instructions", "attempt", "trial", "answer", "rest", "paused", "review", "ended", "broken"]
+    stage: Literal["instructions", "attempt", "trial", "answer", "step", "rest", "paused", "review", "ended", "broken"]
     attempt: int = 0
     trial: int = 0
     level: int = 0
@@ -130,6 +151,7 @@ class Waiting(Message, frozen=True, kw_only=True):
     ask: str = ""
     until: int = 0
     restarts: int = 0
+    step: AskedStep | None = None
 
 
 class AttemptStarted(Message, frozen=True, kw_only=True):
@@ -435,6 +457,30 @@ class Feedback(Message, frozen=True, kw_only=True):
     advice: str = ""
     correction: str = ""
     condition: str = ""
+
+
+StepStatus = Literal["answered", "declined", "skipped", "done"]
+
+
+class StepEnded(Message, frozen=True, kw_only=True):
+    """A step between attempts is over.
+
+    ``number``: of the session's steps, from 1. ``attempt``: number of attempts before it, without practice. ``name``,
+    ``kind``, ``text``, ``labels``: as it was asked. ``status``: ``answered``, ``declined`` (would rather not say),
+    ``skipped`` (by an operator), ``done`` (read, or over). ``answer``: a point of a scale, 0 to 100 on a line, the words
+    of an option or of several, or a text; None without one. ``shown``, ``ended``: from when to when (ns).
+    """
+
+    number: int
+    attempt: int
+    name: str
+    kind: StepKind
+    text: str
+    labels: tuple[str, ...] = ()
+    status: StepStatus
+    answer: Answer = None
+    shown: int
+    ended: int
 
 
 class SessionEnded(Message, frozen=True, kw_only=True):

@@ -20,6 +20,7 @@ from sar_tui.framework.node import Node, on
 from sar_tui.framework.policies import encouragement
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.repetition import least_repeating
+from sar_tui.framework.steps.step import spoken
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import FEEDBACK, FILLER_DUE, PROPOSED, RECALL, SESSION, SESSION_ENDED, THEME, WAITING
@@ -62,6 +63,7 @@ class ActionCenter(Node):
         self._phrases = _Phrases(theme, RandomStreams(seed))
         self._feedback_text = FeedbackText(task, self._phrases)
         self._instructed = False
+        self._asked = 0
         self._considered = (0, 0)
         self._prepared = 0
         self._rested = 0
@@ -126,10 +128,13 @@ class ActionCenter(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Propose instructions, and between attempts encouragement or a rest: once for each attempt."""
+        """Propose instructions, and between attempts questions, encouragement or a rest: once for each."""
         if waiting.stage == "instructions" and not self._instructed:
             self._instructed = True
             self._propose("instruction", "", spoken=self._task.instructions())
+        if waiting.step and waiting.step.number != self._asked:
+            self._asked = waiting.step.number
+            self._propose("instruction", "", spoken=spoken(waiting.step.step))
         if waiting.stage == "rest" and waiting.attempt != self._rested:
             self._rested = waiting.attempt
             self._propose("rest", self._task.tr("Now a rest. Put your hands down for a while."), joins=True)

@@ -23,6 +23,7 @@ from sar_tui.framework.nodes.approvals import Approvals, is_level
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
 from sar_tui.framework.theme import Theme
+from sar_tui.framework.steps.entry import Entry
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,
@@ -132,7 +133,8 @@ class Arbiter(Approvals):
         if waiting.stage == "trial" and (waiting.what != "agent" or self._rules.version < 2):
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
-        if waiting.stage not in ("instructions", "paused"):
+        is_asked = waiting.step is not None and waiting.step.entry != Entry()  # its question may be heard to the end
+        if waiting.stage not in ("instructions", "paused") and not is_asked:
             self._drop("late", lambda one: one.kind == "instruction")
             if current and current.kind == "instruction":
                 self.emit(HALT, Halt(action=current.id, reason="left", asked=self.now))

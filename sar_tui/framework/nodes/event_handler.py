@@ -12,7 +12,7 @@ from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
-from sar_tui.framework.nodes.attempt_flow import AttemptFlow
+from sar_tui.framework.nodes.step_flow import StepFlow
 from sar_tui.framework.policies.limits import Dose
 from sar_tui.framework.session_phase import (
     ENTER_RESUMES,
@@ -42,6 +42,7 @@ from sar_tui.framework.topics import (
     SENSOR,
     SESSION,
     SESSION_ENDED,
+    STEP_ENDED,
     STORAGE,
     STORED,
     TIMER,
@@ -56,8 +57,8 @@ from sar_tui.framework.topics import (
 from sar_tui.framework.trial_types import Result
 
 
-class EventHandler(AttemptFlow):
-    """Runs the session: phases, pauses, faults and the end. The base classes run its attempts and their trials."""
+class EventHandler(StepFlow):
+    """Runs the session: phases, pauses, faults and the end. The base classes run its steps, attempts and trials."""
 
     name = "event_handler"
     emits = (
@@ -77,6 +78,7 @@ class EventHandler(AttemptFlow):
         LEVEL,
         GOAL,
         FEEDBACK,
+        STEP_ENDED,
         SESSION_ENDED,
     )
 
@@ -101,6 +103,7 @@ class EventHandler(AttemptFlow):
         """Show the instructions in the first run; continue where the last run stopped in a later one."""
         text_of(self.task.instructions(), "instructions")  # raises here, where it ends the session, not on the screen
         self._rules = session.rules
+        self._given = session.steps or self._given
         self._last_key = None
         self._start_key.release()
         self._focused = True
@@ -164,6 +167,8 @@ class EventHandler(AttemptFlow):
             self._skip_attempt()
         elif self.is_resting:
             self._end_rest()
+        elif self._phase is Phase.STEP:
+            self._end_step("skipped", None, self.now)
         elif self._phase in IN_TRIAL:
             self._finish(Result(correct=False, flags=("skipped",)))
 
@@ -232,6 +237,8 @@ class EventHandler(AttemptFlow):
             self._await_feedback()
         elif self._paused_from is Phase.REST:
             self._rest(self._rest_until)
+        elif self._paused_from is Phase.STEP:
+            self._show_step()
         else:
             self._wait(self._paused_from)
             self._wait_for_decision()
@@ -259,7 +266,8 @@ class EventHandler(AttemptFlow):
 
     def _is_all_done_in(self, phase: Phase) -> bool:
         """Return True if the last attempt has ended."""
-        return phase is Phase.REVIEW or (phase is Phase.FEEDBACK and self._after_feedback is Phase.REVIEW)
+        is_between = phase in (Phase.FEEDBACK, Phase.STEP)
+        return phase is Phase.REVIEW or (is_between and self._after_feedback is Phase.REVIEW)
 
     def _close(self, status: Literal["completed", "aborted"]) -> None:
         """End the session as soon as its last trial is on disk."""
@@ -276,10 +284,12 @@ class EventHandler(AttemptFlow):
     def _key_between_trials(self, percept: m.KeyPerceived) -> None:
         match self._phase, percept.key:
             case Phase.INSTRUCTIONS, "enter":
-                self._wait(Phase.READY)
-                self._wait_for_decision()
-                if self._blockers.is_sensor_lost:
-                    self._pause("sensor")
+                if self._is_step_due():
+                    self._ask()
+                else:
+                    self._await_first_attempt()
+            case Phase.STEP, _:
+                self._key_in_step(percept)
             case Phase.READY, "enter" if not percept.repeat:
                 self._begin_attempt_or_end()
             case Phase.REVIEW, "enter" if not percept.repeat:
@@ -288,6 +298,11 @@ class EventHandler(AttemptFlow):
                 self._request_feedback()
             case Phase.PAUSED, "enter" if self._reason in ENTER_RESUMES:
                 self._resume()
+
+    def _await_first_attempt(self) -> None:
+        super()._await_first_attempt()
+        if self._blockers.is_sensor_lost:
+            self._pause("sensor")
 
     def _begin_attempt_or_end(self) -> None:
         """Begin the attempt, unless a limit was reached while the participant rested."""
@@ -323,12 +338,16 @@ class EventHandler(AttemptFlow):
             until=self._ends_at(phase),
         )
         changed = self._why_changed if phase is Phase.READY else ""
+        if phase is Phase.STEP:
+            message = replace(message, step=self._asked)
         self.emit(WAITING, replace(message, why=changed) if changed else message)
 
     def _ends_at(self, phase: Phase) -> int:
         """Return when a wait ends by itself (ns); 0 if that is not known."""
         if phase is Phase.REST:
             return self._rest_until
+        if phase is Phase.STEP:
+            return self._step_until
         return self._continues_at if phase is Phase.READY and self.has_timer("continue") else 0
 
     @property

@@ -1,0 +1,1 @@
+"""Steps between attempts: questions, screens to read, rests and calibrations."""

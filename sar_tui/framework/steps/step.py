@@ -1,0 +1,130 @@
+"""A step between attempts, as a task, a therapist or a file declares it."""
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+import msgspec
+
+Kind = Literal[
+    "screen", "rest", "calibration", "number", "likert", "borg", "line", "choice", "choices", "text"
+]  # fmt: skip
+QUESTIONS: frozenset[Kind] = frozenset(("number", "likert", "borg", "line", "choice", "choices", "text"))
+"""Kinds that ask for an answer; ``screen`` is read, ``rest`` and ``calibration`` end by themselves."""
+TIMED: frozenset[Kind] = frozenset(("rest", "calibration"))
+SCALES: frozenset[Kind] = frozenset(("number", "likert", "borg", "choice"))
+"""Kinds of which one point is chosen."""
+LONGEST_S = 600.0
+MOST_LABELS = 9
+LONGEST_TEXT = 500
+"""Most characters of a text that is typed as an answer."""
+_BORG = (
+    ("0", "nothing at all"), ("0.3", ""), ("0.5", "extremely weak"), ("0.7", ""), ("1", "very weak"), ("1.5", ""),
+    ("2", "weak"), ("2.5", ""), ("3", "moderate"), ("4", ""), ("5", "strong"), ("6", ""), ("7", "very strong"),
+    ("8", ""), ("9", ""), ("10", "extremely strong"), ("11", ""),
+)  # fmt: skip
+"""Borg's category-ratio scale CR10: values and their words (Borg 1998, Borg's Perceived Exertion and Pain Scales)."""
+
+
+class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
+    """Something between attempts. Without ``before``, ``every`` and ``after`` it comes after the last attempt.
+
+    Args:
+        name: stored with its answers: a short name, without spaces.
+        text: the question, or what is to be read: one or two sentences.
+        kind: ``number`` (0 to 10), ``likert`` (one of ``labels``, in order), ``borg`` (CR10), ``line`` (a visual
+            analogue scale, 0 to 100), ``choice`` (one of ``labels``), ``choices`` (several), ``text`` (words);
+            ``screen`` (read it, then Enter), ``rest`` and ``calibration`` (they last for ``seconds``).
+        labels: the options; of ``number`` and ``line`` the words at both ends, or none.
+        seconds: duration of a rest or a calibration.
+        before: True to come before the first attempt.
+        every: come after each so many attempts.
+        after: come after these attempts; practice is not counted.
+        at_end: True to come after the last attempt as well.
+    """
+
+    name: str
+    text: str
+    kind: Kind = "screen"
+    labels: tuple[str, ...] = ()
+    seconds: float = 0.0
+    before: bool = False
+    every: int = 0
+    after: tuple[int, ...] = ()
+    at_end: bool = False
+
+    def is_due(self, done: int, total: int) -> bool:
+        """Return True if it comes after ``done`` of ``total`` attempts (without practice); 0: before the first."""
+        if done == 0:
+            return self.before
+        is_last = self.at_end or not (self.before or self.every or self.after)
+        return done in self.after or (self.every > 0 and done % self.every == 0) or (is_last and done == total)
+
+    @property
+    def is_question(self) -> bool:
+        """True if it asks for an answer."""
+        return self.kind in QUESTIONS
+
+
+class Point(NamedTuple):
+    """A point of a scale, or an option: how it is typed, its words, and what is stored if it is chosen."""
+
+    typed: str
+    label: str
+    value: int | float | str
+
+
+def points(step: Step) -> tuple[Point, ...]:
+    """Return the points of a scale, or the options of a choice; none for other kinds."""
+    match step.kind:
+        case "number":
+            low, high = step.labels or ("", "")
+            return tuple(Point(str(n), {0: low, 10: high}.get(n, ""), n) for n in range(11))
+        case "borg":
+            return tuple(Point(typed, label, float(typed)) for typed, label in _BORG)
+        case "likert":
+            return tuple(Point(str(n), label, n) for n, label in enumerate(step.labels, 1))
+        case "choice" | "choices":
+            return tuple(Point(str(n), label, label) for n, label in enumerate(step.labels, 1))
+    return ()
+
+
+def translated(step: Step, tr: Callable[[str], str]) -> Step:
+    """Return a step with its texts in the session's language."""
+    return msgspec.structs.replace(step, text=tr(step.text), labels=tuple(map(tr, step.labels)))
+
+
+def spoken(step: Step) -> str:
+    """Return what a voice says of a step: its text, and the words that can be chosen."""
+    ends = [step.text, *filter(None, (point.label for point in points(step))), *(step.labels * (step.kind == "line"))]
+    return " ".join(part if part[-1] in ".?!…" else f"{part}." for part in (end.strip() for end in ends))
+
+
+def problem(step: Step) -> str:
+    """Return why a step cannot be used, in one sentence; empty if it can."""
+    name = f"The step {step.name!r}"
+    if not step.name or not all(char.isalnum() or char in "_-" for char in step.name):
+        return f"The name of a step is letters, digits, - and _, not {step.name!r}."
+    if not step.text.strip():
+        return f"{name} has no text."
+    if step.every < 0 or any(number < 1 for number in step.after):
+        return f"{name}: every is 0 or more, and after names attempts from 1."
+    if step.kind in TIMED and not 0 < step.seconds <= LONGEST_S:
+        return f"{name} lasts seconds = 1 to {LONGEST_S:g}, not {step.seconds:g}."
+    if step.kind not in TIMED and step.seconds:
+        return f"{name} is of the kind {step.kind}, which has no seconds."
+    return _labels_problem(step, name)
+
+
+def _labels_problem(step: Step, name: str) -> str:
+    count = len(step.labels)
+    if step.kind in ("likert", "choice", "choices"):
+        if not 2 <= count <= MOST_LABELS:
+            return f"{name} needs 2 to {MOST_LABELS} labels, and has {count}."
+        if not all(label.strip() for label in step.labels) or len(set(step.labels)) < count:
+            return f"{name}: each label is a different word or sentence."
+    elif step.kind in ("number", "line"):
+        if count not in (0, 2):
+            return f"{name} needs two labels, for its ends, or none; it has {count}."
+    elif count:
+        return f"{name} is of the kind {step.kind}, which has no labels."
+    return ""

@@ -1,0 +1,39 @@
+"""Answers of simulated participants to questions between attempts: the keys that give them."""
+
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.steps.entry import DECLINE_KEY, FULL
+from sar_tui.framework.steps.step import Step, points
+
+DECLINES = 0.03
+"""Share of questions that a simulated participant would rather not answer."""
+_WORDS = ("fine", "ok", "it went well", "my arm is tired")
+
+
+def answer_keys(step: Step, streams: RandomStreams) -> tuple[str, ...]:
+    """Return the keys with which a participant answers a step; none for one that ends by itself.
+
+    Each option is equally likely; ratings lie near the middle.
+    """
+    if step.kind in ("rest", "calibration"):
+        return ()
+    if not step.is_question:
+        return ("enter",)
+    if streams.uniform("declines") < DECLINES:
+        return (DECLINE_KEY,)
+    match step.kind:
+        case "text":
+            return (*("space" if char == " " else char for char in streams.choice(_WORDS, "words")), "enter")
+        case "line":
+            return (str(int(_middling(streams) * FULL) // 10), "enter")
+        case "choices":
+            ticked = [str(n) for n in range(1, len(step.labels) + 1) if streams.uniform("tick", n) < 0.5]
+            return (*(ticked or ["1"]), "enter")
+        case "choice":
+            return (streams.choice(points(step), "option").typed, "enter")
+    scale = points(step)
+    return (*scale[int(_middling(streams) * len(scale))].typed, "enter")
+
+
+def _middling(streams: RandomStreams) -> float:
+    """Return a number in [0, 1), most often near a half."""
+    return (streams.uniform("one") + streams.uniform("other")) / 2
