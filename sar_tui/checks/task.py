@@ -19,6 +19,7 @@ from sar_tui.framework.parameters import TaskParameters, build, changed, fields
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.session import ReplayError, Session
+from sar_tui.framework.steps.file import problem_of
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial import stimulus_problem
 from sar_tui.framework.trial_types import Results, Situation, Stimulus, Trial
@@ -119,6 +120,8 @@ def _lacks(field: Field) -> str:
 def _words(task: Task) -> str:
     if not task.instructions().strip():
         return "Its instructions are empty."
+    if wrong := problem_of(task.steps):
+        return wrong
     silent = [level for level in _levels(task) if not task.goal(level).strip() and task.goal_value(level) is not None]
     return f"The goal is empty at level {silent[0]}." if silent else ""
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
+    from sar_tui.framework.steps.step import Step
     from sar_tui.framework.task import Task
     from sar_tui.plugins import Catalogue
 
@@ -60,6 +61,15 @@ Pairs = Annotated[
     list[str] | None,
     typer.Option(
         "--set", metavar="NAME=VALUE", show_default=False, help="Set a parameter of the task. May be repeated."
+    ),
+]
+Steps = Annotated[
+    Path | None,
+    typer.Option(
+        "--steps",
+        metavar="FILE.toml",
+        show_default=False,
+        help="Questions, screens to read and rests between attempts; see docs/ask-questions.md.",
     ),
 ]
 Seed = Annotated[
@@ -261,6 +271,18 @@ def read_settings(pairs: Sequence[str] | None, **options: str | None) -> dict[st
             raise Refused(f"--set takes NAME=VALUE, such as --set attempts=10, not {pair!r}.")
         found[name.strip()] = value
     return found | {name: value for name, value in options.items() if value is not None}
+
+
+def steps_of(file: Path | None) -> "tuple[Step, ...]":
+    """Return the steps of a file, if one is given. Raises Refused."""
+    if file is None:
+        return ()
+    from sar_tui.framework.steps.file import StepFileError, read_steps
+
+    try:
+        return read_steps(file)
+    except StepFileError as error:
+        raise Refused(str(error)) from error
 
 
 @contextmanager

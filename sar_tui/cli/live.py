@@ -16,6 +16,7 @@ from sar_tui.cli.common import (
     Pairs,
     Seed,
     Speech,
+    Steps,
     SyncFlash,
     TaskName,
     Tasks,
@@ -24,6 +25,7 @@ from sar_tui.cli.common import (
     is_interactive,
     need_terminal,
     read_settings,
+    steps_of,
 )
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
@@ -87,6 +89,7 @@ def run(
     outputs: Outputs = None,
     speech: Speech = None,
     language: Language = None,
+    steps: Steps = None,
     seed: Seed = None,
     operator: AllowOperators = False,
     listen: Listen = None,
@@ -116,9 +119,19 @@ def run(
 
     with home.database() as database:
         saved = programmes.newest(database, check_code(participant[0]), task)
+    added = steps_of(steps)
     with checked_settings(kind):
         plan = make_plan(
-            catalogue, kind, participant, given, saved=saved, theme=theme, speech=speech, seed=seed, id=new_id()
+            catalogue,
+            kind,
+            participant,
+            given,
+            saved=saved,
+            theme=theme,
+            speech=speech,
+            seed=seed,
+            id=new_id(),
+            steps=added,
         )
     if text := left_out_text(plan):
         print(f"! {text}", file=sys.stderr)

@@ -15,6 +15,7 @@ from sar_tui.cli.common import (
     Pairs,
     Seed,
     Speech,
+    Steps,
     TaskName,
     Tasks,
     checked_settings,
@@ -22,6 +23,7 @@ from sar_tui.cli.common import (
     print_json,
     progress_bar,
     read_settings,
+    steps_of,
     watch_plugins,
 )
 from sar_tui.cli.errors import Refused
@@ -70,6 +72,7 @@ def simulate(
         int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. Default: the task's.")
     ] = None,
     seed: Seed = None,
+    steps: Steps = None,
     settings: Pairs = None,
     theme: Annotated[str, typer.Option(metavar="NAME", help="The theme.")] = "calm",
     outputs: Outputs = None,
@@ -129,9 +132,18 @@ def simulate(
 
     if len(user) > len(kind.seats):
         raise Refused(f"The task {kind.name} is for {len(kind.seats)}: give --user no more often.")
+    added = steps_of(steps)
     with checked_settings(kind):
         plan = make_plan(
-            catalogue, kind, participant or ["SIM"], values, theme=theme, speech=speech, seed=seed, mode="simulated"
+            catalogue,
+            kind,
+            participant or ["SIM"],
+            values,
+            theme=theme,
+            speech=speech,
+            seed=seed,
+            mode="simulated",
+            steps=added,
         )
     people = [_person(each, practice_effect, fatigue) for each in user]
     profile = None if operator is None else PROFILES[operator.value]

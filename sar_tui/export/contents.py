@@ -12,6 +12,7 @@ from sar_tui.export.json_columns import Declared, declared_keys
 from sar_tui.export.passports import Passport
 from sar_tui.export.privacy import Privacy
 from sar_tui.export.tables.actions import actions
+from sar_tui.export.tables.answers import answers
 from sar_tui.export.tables.attempts import attempts
 from sar_tui.export.tables.events import EVENTS
 from sar_tui.export.tables.imu import IMU_STREAMS, imu, sensor_faults
@@ -74,6 +75,7 @@ class Contents:
             sync_signals(damage),
             wellbeing(selection.sessions),
             attempts(database, selection.ids, damage),
+            answers(damage),
             trials(database, selection.ids, _declared(catalogue, selection.tasks), damage),
             actions(damage),
             outputs(damage),

@@ -2,7 +2,7 @@
 
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.steps.entry import DECLINE_KEY, FULL
-from sar_tui.framework.steps.step import Step, points
+from sar_tui.framework.steps.step import TIMED, Step, points
 
 DECLINES = 0.03
 """Share of questions that a simulated participant would rather not answer."""
@@ -14,24 +14,28 @@ def answer_keys(step: Step, streams: RandomStreams) -> tuple[str, ...]:
 
     Each option is equally likely; ratings lie near the middle.
     """
-    if step.kind in ("rest", "calibration"):
+    if step.kind in TIMED:
         return ()
-    if not step.is_question:
-        return ("enter",)
-    if streams.uniform("declines") < DECLINES:
+    if step.is_question and streams.uniform("declines") < DECLINES:
         return (DECLINE_KEY,)
+    return (*_chosen(step, streams), "enter")
+
+
+def _chosen(step: Step, streams: RandomStreams) -> tuple[str, ...]:
+    """Return the keys before Enter."""
     match step.kind:
         case "text":
-            return (*("space" if char == " " else char for char in streams.choice(_WORDS, "words")), "enter")
+            return tuple("space" if char == " " else char for char in streams.choice(_WORDS, "words"))
         case "line":
-            return (str(int(_middling(streams) * FULL) // 10), "enter")
+            return (str(int(_middling(streams) * FULL) // 10),)
         case "choices":
-            ticked = [str(n) for n in range(1, len(step.labels) + 1) if streams.uniform("tick", n) < 0.5]
-            return (*(ticked or ["1"]), "enter")
+            return tuple(str(n) for n in range(1, len(step.labels) + 1) if streams.uniform("tick", n) < 0.5) or ("1",)
         case "choice":
-            return (streams.choice(points(step), "option").typed, "enter")
+            return (streams.choice(points(step), "option").typed,)
+        case "screen":
+            return ()
     scale = points(step)
-    return (*scale[int(_middling(streams) * len(scale))].typed, "enter")
+    return tuple(scale[int(_middling(streams) * len(scale))].typed)
 
 
 def _middling(streams: RandomStreams) -> float:

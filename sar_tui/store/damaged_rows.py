@@ -13,7 +13,7 @@ Kind = Literal["file", "orphan", "gap", "samples", "text"]
 of events, attempts or trials. ``samples``: a block of a sensor's samples. ``text``: characters, or JSON."""
 
 _SESSION_TABLES = (
-    "seats", "runs", "attempts", "trials", "actions", "notes", "imu_streams", "imu_chunks", "checkpoints",
+    "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks", "checkpoints",
     "earlier_events", "wellbeing", "adverse_events",
 )  # fmt: skip
 _OF_SESSION = "(SELECT id FROM session_numbers WHERE number=session_number)"
@@ -23,6 +23,7 @@ _JSON = {
     "attempts": ("session", ("qualities", "choice")),
     "trials": ("session", ("timing", "details", "data")),
     "actions": ("session", ("proposed", "final")),
+    "answers": ("session", ("labels", "answer")),
     "programmes": ("participant", ("parameters",)),
     "earlier_events": ("session", ("message",)),
     "messages": (_OF_SESSION, ("message",)),

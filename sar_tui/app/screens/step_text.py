@@ -29,7 +29,8 @@ def step_text(asked: AskedStep, tr: Language, left: int = 0) -> WaitingText:
         "text": tr("Please type your answer first, then press Enter."),
         "choices": tr("Please choose at least one, then press Enter."),
     }.get(step.kind, tr("Please choose first, then press Enter."))
-    return WaitingText(step.text, _options(asked), missing if asked.entry.is_missing else _how(asked, tr))
+    question = tr("{who}: {words}", who=asked.who, words=step.text) if asked.who else step.text
+    return WaitingText(question, _options(asked), missing if asked.entry.is_missing else _how(asked, tr))
 
 
 def decline_text(asked: AskedStep | None, tr: Language) -> str:

@@ -12,9 +12,9 @@ from sar_tui.framework.steps.step import Step
 from sar_tui.framework.tone import Tone
 
 __all__ = [
+    "AskedStep",
     "AttemptEnded",
     "AttemptStarted",
-    "AskedStep",
     "CueGiven",
     "Fault",
     "Feedback",
@@ -92,12 +92,14 @@ class AskedStep(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     """A step that stands on the screen.
 
     ``number`` counts the steps of the session from 1. ``step``: with its texts in the session's language. ``seat``: who
-    is asked. ``shown``: since when (ns). ``entry``: what they have chosen or typed.
+    is asked; ``who``: their name, if there are several. ``shown``: since when (ns). ``entry``: what they have chosen or
+    typed.
     """
 
     number: int
     step: Step
     seat: str = "A"
+    who: str = ""
     shown: int = 0
     entry: Entry = Entry()
 
@@ -106,19 +108,20 @@ class Waiting(Message, frozen=True, kw_only=True):
     """The session waits. A screen shows this; a simulated participant reacts to it.
 
     ``what``: ``enter`` (the Return key), ``start`` (the key that starts a trial), ``agent`` (until it is still),
-    ``answer`` (until delayed feedback is given), ``step`` (for an answer, or until it is over), ``rest`` (until a rest is over), ``quiet`` (no keys for a moment),
-    ``foreperiod``, ``storage`` (the disk), ``response``, ``result`` (the answer to a trial is shown), ``resume``
-    (paused), ``sensor`` (no data), ``nothing`` (ended). ``stage``: ``instructions``, ``attempt`` (before one),
-    ``trial``, ``answer``, ``step``, ``rest``, ``paused``, ``review`` (all attempts are done), ``ended``, ``broken`` (something
-    failed). ``attempt_name``: for people, "attempt 3 of 20". ``goal``: of the attempt; empty in trials. ``seat``: whose
-    turn it is, or whose sensor is awaited; empty for everybody's, or if it is unknown before the prompt. ``notice``:
-    shown to the participant first: a new level, a trial to repeat, a limit. ``why``: why level or goal have changed,
-    for the participant. ``reason``, in a pause: how the participant is (see `SessionCommand`), ``interrupted`` (the
-    program had ended), ``storage`` (writing fails; also at the end), ``restored`` (writing works again), ``sensor`` (no
-    data); while it waits for quiet: ``held`` (a key is held down). ``detail``: the error of disk or sensor, for the
-    experimenter. ``ask``: the key that requests feedback on the last attempt, if there is some. ``until``: when a rest
-    is over, or the attempt begins by itself (ns). ``restarts``: number of attempts so far that were interrupted and
-    began again under the next number. ``step``: the question, or another step, that stands on the screen.
+    ``answer`` (until delayed feedback is given), ``step`` (for an answer, or until it is over), ``rest`` (until a rest
+    is over), ``quiet`` (no keys for a moment), ``foreperiod``, ``storage`` (the disk), ``response``, ``result`` (the
+    answer to a trial is shown), ``resume`` (paused), ``sensor`` (no data), ``nothing`` (ended). ``stage``:
+    ``instructions``, ``attempt`` (before one), ``trial``, ``answer``, ``step``, ``rest``, ``paused``, ``review`` (all
+    attempts are done), ``ended``, ``broken`` (something failed). ``attempt_name``: for people, "attempt 3 of 20".
+    ``goal``: of the attempt; empty in trials. ``seat``: whose turn it is, or whose sensor is awaited; empty for
+    everybody's, or if it is unknown before the prompt. ``notice``: shown to the participant first: a new level, a trial
+    to repeat, a limit. ``why``: why level or goal have changed, for the participant. ``reason``, in a pause: how the
+    participant is (see `SessionCommand`), ``interrupted`` (the program had ended), ``storage`` (writing fails; also at
+    the end), ``restored`` (writing works again), ``sensor`` (no data); while it waits for quiet: ``held`` (a key is
+    held down). ``detail``: the error of disk or sensor, for the experimenter. ``ask``: the key that requests feedback
+    on the last attempt, if there is some. ``until``: when a rest is over, or the attempt begins by itself (ns).
+    ``restarts``: number of attempts so far that were interrupted and began again under the next number. ``step``: the
+    question, or another step, that stands on the screen.
     """
 
     what: Literal[
@@ -467,8 +470,8 @@ class StepEnded(Message, frozen=True, kw_only=True):
 
     ``number``: of the session's steps, from 1. ``attempt``: number of attempts before it, without practice. ``name``,
     ``kind``, ``text``, ``labels``: as it was asked. ``status``: ``answered``, ``declined`` (would rather not say),
-    ``skipped`` (by an operator), ``done`` (read, or over). ``answer``: a point of a scale, 0 to 100 on a line, the words
-    of an option or of several, or a text; None without one. ``shown``, ``ended``: from when to when (ns).
+    ``skipped`` (by an operator), ``done`` (read, or over). ``answer``: a point of a scale, 0 to 100 on a line, the
+    words of an option or of several, or a text; None without one. ``shown``, ``ended``: from when to when (ns).
     """
 
     number: int

@@ -22,8 +22,8 @@ from sar_tui.framework.node import on, serves
 from sar_tui.framework.nodes.approvals import Approvals, is_level
 from sar_tui.framework.policies import arbitration
 from sar_tui.framework.settings.operator import OperatorSettings
-from sar_tui.framework.theme import Theme
 from sar_tui.framework.steps.entry import Entry
+from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import (
     ACTING,
     ACTION,

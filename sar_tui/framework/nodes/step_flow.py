@@ -70,11 +70,9 @@ class StepFlow(AttemptFlow):
         """Show the first step that is due."""
         step, seat = self._due[0]
         self._number += 1
-        shown = translated(step, self.task.tr)
-        if len(self.task.seats) > 1 and step.is_question:
-            words = self.task.tr("{who}: {words}", who=self.task.display_name(seat), words=shown.text)
-            shown = replace(shown, text=words)
-        self._asked = m.AskedStep(number=self._number, step=shown, seat=seat)
+        is_one_of_several = len(self.task.seats) > 1 and step.is_question
+        who = self.task.display_name(seat) if is_one_of_several else ""
+        self._asked = m.AskedStep(number=self._number, step=translated(step, self.task.tr), seat=seat, who=who)
         self._show_step()
 
     def _show_step(self) -> None:

@@ -80,7 +80,8 @@ def points(step: Step) -> tuple[Point, ...]:
             low, high = step.labels or ("", "")
             return tuple(Point(str(n), {0: low, 10: high}.get(n, ""), n) for n in range(11))
         case "borg":
-            return tuple(Point(typed, label, float(typed)) for typed, label in _BORG)
+            anchors = step.labels or [label for _, label in _BORG]
+            return tuple(Point(typed, label, float(typed)) for (typed, _), label in zip(_BORG, anchors, strict=True))
         case "likert":
             return tuple(Point(str(n), label, n) for n, label in enumerate(step.labels, 1))
         case "choice" | "choices":
@@ -89,8 +90,11 @@ def points(step: Step) -> tuple[Point, ...]:
 
 
 def translated(step: Step, tr: Callable[[str], str]) -> Step:
-    """Return a step with its texts in the session's language."""
-    return msgspec.structs.replace(step, text=tr(step.text), labels=tuple(map(tr, step.labels)))
+    """Return a step with its texts in the session's language; also with the words of Borg's scale."""
+    labels = [label for _, label in _BORG] if step.kind == "borg" else step.labels
+    return msgspec.structs.replace(
+        step, text=tr(step.text), labels=tuple(tr(label) if label else "" for label in labels)
+    )
 
 
 def spoken(step: Step) -> str:

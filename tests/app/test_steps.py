@@ -1,0 +1,92 @@
+"""A question between attempts on the participant's screen."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.app.screens.step_text import decline_text, step_text
+from sar_tui.framework.language import Language
+from sar_tui.framework.messages import AskedStep
+from sar_tui.framework.steps.entry import Entry
+from sar_tui.framework.steps.questions import QUESTIONS
+from sar_tui.framework.steps.step import Step
+from sar_tui.framework.task import Task
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import open_app, plan, stored
+
+ENGLISH = Language()
+EMPTY = Entry()
+PLACES = Step(name="where", text="Where?", kind="choices", labels=("hand", "arm"))
+
+
+def shown(step: Step, entry: Entry = EMPTY, who: str = "") -> list[str]:
+    text = step_text(AskedStep(number=1, step=step, entry=entry, who=who), ENGLISH)
+    return [text.headline, *text.text.replace("\u00a0", " ").split("\n"), text.press]
+
+
+async def test_a_question_is_answered_on_the_screen(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    asked = plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1, questions=("pain", "effort", "remark"))
+    async with open_app(data, catalogue, asked) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.wait(1500)
+        assert driver.sees("How strong is your pain now?")
+        assert driver.sees("Tab: I would rather not say.")
+        await driver.press("enter")
+        assert driver.sees("Please choose first")
+        await driver.press("1", "0")
+        assert driver.sees("[10]")
+        await driver.press("enter")
+        assert driver.sees("How hard was that for you?")
+        await driver.wait(500)
+        await driver.press("tab")
+        assert driver.sees("Is there anything you would like to tell us?")
+        await driver.wait(500)
+        await driver.press("o", "k", "enter")
+        assert driver.sees("All done")
+    assert stored(data, "SELECT step, status, answer FROM answers ORDER BY number") == [
+        ("pain", "answered", "10"),
+        ("effort", "declined", None),
+        ("remark", "answered", '"ok"'),
+    ]
+
+
+def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:
+    headline, row, ends, _ = shown(QUESTIONS["pain"], Entry(chosen=(3,)))
+    assert headline == "How strong is your pain now?"
+    assert row.split() == ["0", "1", "2", "[3]", "4", "5", "6", "7", "8", "9", "10"]
+    assert ends.startswith("no pain")
+    assert ends.endswith("the worst pain you can imagine")
+
+
+def test_borgs_scale_fits_on_a_small_screen() -> None:
+    _, *rows, how = shown(QUESTIONS["effort"], Entry(chosen=(2,)))
+    assert len(rows) == 6
+    assert max(map(len, rows)) <= 68
+    assert "▶ 0.5  extremely weak" in rows[2]
+    assert how.endswith("Tab: I would rather not say.")
+
+
+def test_options_are_ticked_and_the_cursor_points_at_one() -> None:
+    _, *rows, _ = shown(PLACES, Entry(chosen=(1,), place=0))
+    assert [row.strip() for row in rows] == ["▶ [ ] 1  hand", "[x] 2  arm"]
+
+
+@pytest.mark.parametrize(("place", "at"), [(None, -1), (0, 1), (100, 51)])
+def test_a_mark_stands_on_a_line_once_it_is_placed(place: int | None, at: int) -> None:
+    line = shown(Step(name="a", text="A", kind="line"), Entry(place=place))[1]
+    assert line.find("●") == at
+
+
+def test_who_is_asked_is_named_if_there_are_several() -> None:
+    assert shown(PLACES, who="Left")[0] == "Left: Where?"
+
+
+def test_a_screen_to_read_needs_no_answer() -> None:
+    step = Step(name="a", text="Next comes the harder part.")
+    assert shown(step) == ["", "Next comes the harder part.", "Press Enter to go on."]
+    assert decline_text(AskedStep(number=1, step=step), ENGLISH) == ""
+
+
+def test_a_calibration_tells_the_time_that_is_left() -> None:
+    step = Step(name="a", text="Keep still.", kind="calibration", seconds=3)
+    assert step_text(AskedStep(number=1, step=step), ENGLISH, 2_500_000_000).text == "We go on in 3 seconds."

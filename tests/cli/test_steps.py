@@ -1,0 +1,84 @@
+"""Questions between attempts from the command line: simulated, stored, replayed, exported."""
+
+import csv
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Call = Callable[..., Any]
+KEYBOARD = ("simulate", "keyboard", "--user", "average", "--attempts", "2", "--seed", "2")
+SHORT = ("--set", "prompts_per_attempt=2")
+STEPS = """
+[[steps]]
+name = "read"
+text = "Next comes the harder part."
+before = true
+
+[[steps]]
+name = "mood"
+kind = "line"
+text = "How do you feel?"
+labels = ["very bad", "very good"]
+every = 1
+
+[[steps]]
+name = "words"
+kind = "text"
+text = "Anything else?"
+"""
+
+
+@pytest.fixture
+def asked(call: Call, tmp_path: Path) -> Path:
+    """Return the data folder of a simulated session with questions from a file and from the settings."""
+    file = tmp_path / "steps.toml"
+    file.write_text(STEPS)
+    data = tmp_path / "data"
+    assert call(*KEYBOARD, *SHORT, "--steps", file, "--set", "questions=effort", "--data", data).code == 0
+    return data
+
+
+def rows(data: Path, sql: str) -> list[tuple[Any, ...]]:
+    with closing(sqlite3.connect(data / "sar-tui.db")) as database:
+        return database.execute(sql).fetchall()
+
+
+def test_answers_are_stored_apart_from_trials_and_scores(asked: Path) -> None:
+    found = rows(asked, "SELECT attempt, step, kind, status FROM answers ORDER BY number")
+    assert [row[:3] for row in found] == [
+        (0, "read", "screen"), (1, "mood", "line"), (2, "effort", "borg"), (2, "mood", "line"), (2, "words", "text"),
+    ]  # fmt: skip
+    assert {row[3] for row in found} <= {"done", "answered", "declined"}
+    assert rows(asked, "SELECT count(*) FROM answers WHERE answered_ns <= shown_ns") == [(0,)]
+
+
+def test_a_session_with_questions_replays_identically(call: Call, asked: Path) -> None:
+    replayed = call("replay", "last", "--data", asked)
+    assert (replayed.code, "identical" in replayed.out) == (0, True)
+
+
+def test_typed_words_leave_only_with_notes(call: Call, asked: Path, tmp_path: Path) -> None:
+    (typed,) = rows(asked, "SELECT answer, status FROM answers WHERE kind='text'")
+    assert typed[1] == "answered"
+    for more, has_words in (((), False), (("--with-notes",), True)):
+        folder = tmp_path / f"export{has_words}"
+        assert call("export", "--all", "--simulated", *more, "--data", asked, "--to", folder).code == 0
+        with (folder / "answers.csv").open() as file:
+            table = list(csv.DictReader(file))
+        assert ("words" in table[0]) is has_words
+        assert [row["labels"] for row in table if row["step"] == "mood"] == ["very bad; very good"] * 2
+        assert all(0 <= float(row["value"]) <= 100 for row in table if row["value"])
+        assert (typed[0].strip('"') in (folder / "answers.csv").read_text()) is has_words
+
+
+def test_steps_that_cannot_be_used_are_refused(call: Call, tmp_path: Path) -> None:
+    file = tmp_path / "steps.toml"
+    file.write_text('[[steps]]\nname="a"\ntext="A"\nkind="likert"\n')
+    refused = call(*KEYBOARD, "--steps", file)
+    assert (refused.code, "needs 2 to 9 labels" in refused.err) == (2, True)
+    refused = call(*KEYBOARD, "--set", "questions=mood")
+    assert (refused.code, 'There is no question "mood"' in refused.err) == (2, True)

@@ -1,0 +1,212 @@
+"""Steps stand between attempts until they are answered, declined, skipped or over; nothing of them is lost."""
+
+import pytest
+
+from sar_tui.framework import messages as m
+from sar_tui.framework.steps.entry import Entry
+from sar_tui.framework.steps.step import Step, points
+from sar_tui.framework.task import Task
+from sar_tui.framework.topics import PROPOSED, SESSION_ENDED, STEP_ENDED
+from sar_tui.plugins import Catalogue
+from tests.loop_driver import LoopDriver
+
+TWO = {"attempts": 2, "prompts_per_attempt": 1}
+
+
+def questioned(keyboard: type[Task], *steps: Step, **parameters: object) -> LoopDriver:
+    class Questioned(keyboard):  # type: ignore[misc, valid-type]
+        @property
+        def steps(self) -> tuple[Step, ...]:
+            return steps
+
+    theme = Catalogue().theme("calm")
+    return LoopDriver(Questioned, theme, **{**TWO, **parameters})
+
+
+def asked(driver: LoopDriver) -> m.AskedStep | None:
+    return driver.waiting.step
+
+
+def settle(driver: LoopDriver) -> None:
+    driver.wait(500)
+
+
+def answer(driver: LoopDriver, *keys: str) -> m.StepEnded:
+    settle(driver)
+    for key in (*keys, "enter"):
+        driver.press(key)
+    ended = driver.last(STEP_ENDED)
+    settle(driver)
+    return ended
+
+
+PAIN = Step(name="pain", text="How strong is your pain?", kind="number", every=1)
+READ = Step(name="read", text="Now comes the harder part.", before=True)
+STILL = Step(name="still", kind="calibration", text="Keep still.", seconds=3, after=(1,))
+LAST = Step(name="word", kind="text", text="Anything else?")
+
+
+def test_a_step_before_the_first_attempt_comes_after_the_instructions(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, READ)
+    driver.enter()
+    shown = asked(driver)
+    assert shown is not None
+    assert (driver.waiting.what, driver.waiting.stage, shown.step.text) == ("step", "step", READ.text)
+    settle(driver)
+    driver.press("enter")
+    assert driver.last(STEP_ENDED).status == "done"
+    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 1)
+
+
+def test_a_question_after_each_attempt_is_answered_with_the_keyboard(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN)
+    driver.enter()
+    driver.attempt()
+    shown = asked(driver)
+    assert shown is not None
+    assert (shown.number, shown.entry) == (1, Entry())
+    ended = answer(driver, "1", "0")
+    assert (ended.name, ended.attempt, ended.status, ended.answer) == ("pain", 1, "answered", 10)
+    assert ended.shown < ended.ended
+    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 2)
+    driver.attempt()
+    assert answer(driver, "3").number == 2
+    assert driver.waiting.stage == "review"
+
+
+def test_the_next_attempt_does_not_begin_before_the_answer(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN)
+    driver.enter()
+    driver.attempt()
+    settle(driver)
+    driver.press("enter")
+    shown = asked(driver)
+    assert shown is not None
+    assert shown.entry.is_missing
+    assert driver.all(STEP_ENDED) == []
+
+
+def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, READ)
+    driver.enter()
+    driver.press("enter")
+    assert driver.all(STEP_ENDED) == []
+
+
+def test_a_calibration_lasts_its_time_and_ends_by_itself(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, STILL)
+    driver.enter()
+    driver.attempt()
+    settle(driver)
+    driver.press("enter")
+    until = driver.waiting.until
+    assert until - driver.clock.now() > 1_000_000_000
+    driver.until(lambda: driver.all(STEP_ENDED))
+    ended = driver.last(STEP_ENDED)
+    assert (ended.kind, ended.status, ended.ended - ended.shown) == ("calibration", "done", 3_000_000_000)
+
+
+def test_tab_declines_and_is_no_request_for_feedback(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN, feedback_schedule="request")
+    driver.enter()
+    driver.attempt()
+    settle(driver)
+    driver.press("tab")
+    assert (driver.last(STEP_ENDED).status, driver.last(STEP_ENDED).answer) == ("declined", None)
+
+
+def test_an_operator_can_skip_a_step(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN)
+    driver.enter()
+    driver.attempt()
+    driver.operate("skip")
+    assert driver.last(STEP_ENDED).status == "skipped"
+    assert driver.waiting.stage == "attempt"
+
+
+def test_a_pause_keeps_what_was_typed(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, LAST, attempts=1)
+    driver.enter()
+    driver.attempt()
+    for key in "ok":
+        driver.press(key)
+    driver.operate("pause")
+    driver.press("x")
+    driver.operate("resume")
+    assert answer(driver, "!").answer == "ok!"
+    assert driver.waiting.stage == "review"
+
+
+def test_a_session_that_is_ended_while_its_last_question_stands_is_complete(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, LAST, attempts=1)
+    driver.enter()
+    driver.attempt()
+    driver.operate("end")
+    assert driver.last(SESSION_ENDED).status == "completed"
+    assert driver.all(STEP_ENDED) == []
+
+
+def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered(keyboard: type[Task]) -> None:
+    again = Step(name="again", text="And now?", kind="number", every=1)
+    first = questioned(keyboard, PAIN, again)
+    first.enter()
+    first.attempt()
+    answer(first, "3")
+    first.press("5")
+    assert asked(first) is not None
+    kind = type(first.session.task)
+    second = LoopDriver(kind, Catalogue().theme("calm"), history=first.records, **TWO)
+    assert (second.waiting.stage, second.waiting.reason) == ("paused", "interrupted")
+    second.press("enter")
+    shown = asked(second)
+    assert shown is not None
+    assert (shown.step.name, shown.number, shown.entry.chosen) == ("again", 2, (5,))
+    assert answer(second).answer == 5
+    assert (second.waiting.stage, second.waiting.attempt) == ("attempt", 2)
+
+
+def test_the_steps_that_a_session_was_begun_with_are_kept_by_its_record(keyboard: type[Task]) -> None:
+    first = LoopDriver(keyboard, Catalogue().theme("calm"), begin=False, **TWO)
+    first.session.steps = (PAIN,)
+    first.session.begin(1)
+    first.enter()
+    first.attempt()
+    assert asked(first) is not None
+    second = LoopDriver(keyboard, Catalogue().theme("calm"), history=first.records, **TWO)
+    second.press("enter")
+    assert answer(second, "2").name == "pain"
+
+
+def test_the_question_is_spoken_once(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN)
+    driver.enter()
+    driver.attempt()
+    answer(driver, "1", "2", "4")
+    said = [each.spoken for each in driver.all(PROPOSED) if each.kind == "instruction"]
+    assert said[1:] == ["How strong is your pain?"]
+
+
+@pytest.mark.parametrize("every", [0, 1])
+def test_therapists_choose_questions_by_name(keyboard: type[Task], every: int) -> None:
+    driver = LoopDriver(keyboard, Catalogue().theme("calm"), **TWO, questions=("pain", "effort"), questions_every=every)
+    driver.enter()
+    for _ in range(2):
+        driver.attempt()
+        while asked(driver):
+            answer(driver, "2")
+    assert [each.name for each in driver.all(STEP_ENDED)] == ["pain", "effort"] * (1 + every)
+
+
+def test_questions_are_in_the_language_of_the_session(keyboard: type[Task]) -> None:
+    spanish = {"attempts": 1, "prompts_per_attempt": 1, "questions": ("pain", "effort"), "language": "es"}
+    driver = LoopDriver(keyboard, Catalogue().theme("calm", "es"), **spanish)
+    driver.enter()
+    driver.attempt()
+    shown = asked(driver)
+    assert shown is not None
+    assert shown.step.text == "¿Cuánto dolor hay ahora?"
+    assert "ningún dolor" in shown.step.labels
+    answer(driver, "1")
+    shown = asked(driver)
+    assert shown is not None
+    assert points(shown.step)[0].label == "nada"
