@@ -7,6 +7,8 @@ import pytest
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework import language as module
 from sar_tui.framework.language import Language, language, read_words, slot_problem
+from sar_tui.framework.steps.questions import QUESTIONS
+from sar_tui.framework.steps.step import BORG_WORDS
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
 
@@ -27,6 +29,7 @@ def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolet
     code = (path.read_text("utf-8") for path in FRAMEWORK.rglob("*.py"))
     usual = Metric("x", unit="", better="lower")
     texts = {Task.trials, usual.improved, usual.worsened}.union(*map(texts_in, code))
+    texts |= {*BORG_WORDS.values(), *(text for step in QUESTIONS.values() for text in (step.text, *step.labels))}
     translations = read_words(FRAMEWORK / "words.es.toml")
     assert set(translations) == texts
     assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []

@@ -17,7 +17,7 @@ _LEAP = 10
 
 
 class Entry(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What has been chosen or typed so far.
+    """Everything that has been chosen or typed so far.
 
     Attributes:
         chosen: indices of points, in order.

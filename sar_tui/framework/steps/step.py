@@ -17,12 +17,15 @@ LONGEST_S = 600.0
 MOST_LABELS = 9
 LONGEST_TEXT = 500
 """Most characters of a text that is typed as an answer."""
-_BORG = (
-    ("0", "nothing at all"), ("0.3", ""), ("0.5", "extremely weak"), ("0.7", ""), ("1", "very weak"), ("1.5", ""),
-    ("2", "weak"), ("2.5", ""), ("3", "moderate"), ("4", ""), ("5", "strong"), ("6", ""), ("7", "very strong"),
-    ("8", ""), ("9", ""), ("10", "extremely strong"), ("11", ""),
+BORG = (
+    "0", "0.3", "0.5", "0.7", "1", "1.5", "2", "2.5", "3", "4", "5", "6", "7", "8", "9", "10", "11",
 )  # fmt: skip
-"""Borg's category-ratio scale CR10: values and their words (Borg 1998, Borg's Perceived Exertion and Pain Scales)."""
+"""Points of Borg's category-ratio scale CR10 (Borg 1998, Borg's Perceived Exertion and Pain Scales)."""
+BORG_WORDS = {
+    0.0: "nothing at all", 0.5: "extremely weak", 1.0: "very weak", 2.0: "weak", 3.0: "moderate", 5.0: "strong",
+    7.0: "very strong", 10.0: "extremely strong",
+}  # fmt: skip
+"""Its words, by point; the others have none."""
 
 
 class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
@@ -80,8 +83,8 @@ def points(step: Step) -> tuple[Point, ...]:
             low, high = step.labels or ("", "")
             return tuple(Point(str(n), {0: low, 10: high}.get(n, ""), n) for n in range(11))
         case "borg":
-            anchors = step.labels or [label for _, label in _BORG]
-            return tuple(Point(typed, label, float(typed)) for (typed, _), label in zip(_BORG, anchors, strict=True))
+            words = step.labels or [BORG_WORDS.get(float(typed), "") for typed in BORG]
+            return tuple(Point(typed, label, float(typed)) for typed, label in zip(BORG, words, strict=True))
         case "likert":
             return tuple(Point(str(n), label, n) for n, label in enumerate(step.labels, 1))
         case "choice" | "choices":
@@ -91,7 +94,7 @@ def points(step: Step) -> tuple[Point, ...]:
 
 def translated(step: Step, tr: Callable[[str], str]) -> Step:
     """Return a step with its texts in the session's language; also with the words of Borg's scale."""
-    labels = [label for _, label in _BORG] if step.kind == "borg" else step.labels
+    labels = [point.label for point in points(step)] if step.kind == "borg" else step.labels
     return msgspec.structs.replace(
         step, text=tr(step.text), labels=tuple(tr(label) if label else "" for label in labels)
     )
