@@ -11,6 +11,6 @@ def write_documented(folder: Path, name: str, *files: str) -> Path:
     task = folder / name
     task.mkdir(parents=True)
     for file in files or ("task",):
-        (source,) = re.findall(rf"`mytasks/{name}/{file}\.py`:\n\n```python\n(.*?)```", PAGE, re.DOTALL)
+        (source,) = re.findall(rf"`mytasks/{name}/{file}\.py`[^`]*?\n\n```python\n(.*?)```", PAGE, re.DOTALL)
         (task / f"{file}.py").write_text(source, encoding="utf-8")
     return task

@@ -1,6 +1,5 @@
 """The tasks of docs/write-your-own-task.md run from the page's own code: simulated, and replayed as they were."""
 
-import re
 from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
@@ -21,8 +20,8 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
+from tests.documented import write_documented
 
-PAGE = (Path(__file__).parents[2] / "docs" / "write-your-own-task.md").read_text(encoding="utf-8")
 SEED = 3
 
 
@@ -38,9 +37,7 @@ class Played(NamedTuple):
 
 def documented(folder: Path, name: str) -> Catalogue:
     """The task of this name, written from the page into a folder of tasks."""
-    (folder / name).mkdir(parents=True)
-    (source,) = re.findall(rf"`mytasks/{name}/task\.py`[^`]*?\n\n```python\n(.*?)```", PAGE, re.DOTALL)
-    (folder / name / "task.py").write_text(source, encoding="utf-8")
+    write_documented(folder, name)
     return Catalogue(tasks=(folder,))
 
 
