@@ -103,6 +103,7 @@ def show(
         found["operators"] = store.operators(database, found["id"]).get(found["id"], [])
         attempts = store.rows(database, "attempts", found["id"])
         trials = store.rows(database, "trials", found["id"])
+        answers = store.rows(database, "answers", found["id"])
         outputs = output_summaries(database, found["id"])
         markers = marker_summaries(database, found["id"])
         felt = wellbeing.of_session(database, found["id"])
@@ -116,10 +117,11 @@ def show(
         found["site"] = found["site"] or sites.own(database)
     if as_json:
         known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs, "markers": markers}
-        print_json({**known, "wellbeing": felt, "adverse_events": events})
+        print_json({**known, "wellbeing": felt, "adverse_events": events, "answers": answers})
         return
 
     from sar_tui.cli.tables import attempts_table, seats, summary
+    from sar_tui.reports.answers import lines
     from sar_tui.store import provenance
 
     metric = provenance.metric(found["software"])
@@ -135,6 +137,8 @@ def show(
         out.print("\n".join(changes), markup=False, soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_wellbeing(out, found, felt, events)
+    if said := lines(answers):
+        out.print("\n".join(said), markup=False, soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
     for sent in markers:
         out.print(sent.line, markup=False, soft_wrap=True)

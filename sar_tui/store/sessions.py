@@ -34,6 +34,7 @@ _JSON = {
     "sessions": ("parameters", "software", "machine"),
     "runs": ("clock_anchor", "software", "machine"),
     "attempts": ("qualities", "choice"),
+    "answers": ("labels", "answer"),
     "trials": ("timing", "details", "data"),
     "actions": ("proposed", "final"),
 }

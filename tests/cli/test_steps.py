@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from sar_tui.reports.answers import lines
+
 Call = Callable[..., Any]
 KEYBOARD = ("simulate", "keyboard", "--user", "average", "--attempts", "2", "--seed", "2")
 SHORT = ("--set", "prompts_per_attempt=2")
@@ -82,3 +84,31 @@ def test_steps_that_cannot_be_used_are_refused(call: Call, tmp_path: Path) -> No
     assert (refused.code, "needs 2 to 9 labels" in refused.err) == (2, True)
     refused = call(*KEYBOARD, "--set", "questions=mood")
     assert (refused.code, 'There is no question "mood"' in refused.err) == (2, True)
+
+
+def test_answers_are_shown_with_the_session(call: Call, asked: Path) -> None:
+    shown = call("show", "last", "--data", asked).out
+    assert "After attempt 1: How do you feel? " in shown
+    assert "After attempt 2: How hard was that for you? " in shown
+    assert "Next comes the harder part." not in shown
+    rows = call("show", "last", "--data", asked, "--json").json["answers"]
+    assert [row["step"] for row in rows] == ["read", "mood", "effort", "mood", "words"]
+    assert rows[1]["labels"] == ["very bad", "very good"]
+
+
+def test_answers_are_told_in_words() -> None:
+    row = {"attempt": 0, "seat": "A", "status": "answered", "text": "Fun?", "kind": "likert", "labels": ["no", "yes"]}
+    rows = [
+        row | {"answer": 2},
+        row | {"attempt": 3, "kind": "choices", "answer": ["no", "yes"]},
+        row | {"attempt": 3, "kind": "text", "answer": "fine"},
+        row | {"attempt": 4, "status": "declined", "answer": None},
+        row | {"status": "done", "answer": None},
+    ]
+    assert lines(rows) == [
+        "Before the first attempt: Fun? 2 (yes)",
+        "After attempt 3: Fun? no, yes",
+        'After attempt 3: Fun? "fine"',
+        "After attempt 4: Fun? would rather not say",
+    ]
+    assert lines([*rows, row | {"seat": "B", "answer": 1}])[-1] == "Before the first attempt, seat B: Fun? 1 (no)"
