@@ -2,9 +2,12 @@
 
 from pathlib import Path
 
+from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import Plan
 from tests.app.app_driver import AppDriver, open_app, plan
+from tests.documented import write_documented
 
 
 def glyphs(driver: AppDriver) -> list[str]:
@@ -40,3 +43,17 @@ async def test_a_pause_covers_it(data: Path, catalogue: Catalogue, keyboard: typ
         await driver.press("escape")
         assert driver.waiting.stage == "paused"
         assert glyphs(driver) == []
+
+
+async def test_a_prompt_that_follows_at_once_takes_its_place(data: Path, tmp_path: Path) -> None:
+    file = write_documented(tmp_path / "mytasks", "harvest") / "task.py"
+    source = file.read_text("utf-8")
+    file.write_text(source.replace("class Harvest(Task):", "class Harvest(Task):\n    has_foreperiod = False"), "utf-8")
+    catalogue = Catalogue(tasks=(tmp_path / "mytasks",))
+    kind = catalogue.task("harvest")
+    async with open_app(data, catalogue, Plan(kind, build(kind.Parameters, {}), "calm", "P01", seed=7)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        assert driver.sees("0")
+        assert not driver.sees("Left or right?")
+        assert (await driver.to_prompt()).trial == 2
+        assert driver.sees("Left or right?")

@@ -9,9 +9,17 @@ from textual.widgets import Static
 from sar_tui.app import watch
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import AttemptStarted, FrameDue, KeyPressed, Prompt, SessionStarted, ThemeApplied
+from sar_tui.framework.messages import (
+    AttemptStarted,
+    FrameDue,
+    KeyPressed,
+    Prompt,
+    SessionStarted,
+    ThemeApplied,
+    TrialFeedback,
+)
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME
+from sar_tui.framework.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME, TRIAL_FEEDBACK
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
 from sar_tui.store import sessions
@@ -135,6 +143,28 @@ async def test_the_frames_of_a_prompt_are_shown_at_their_times(
         assert "Press: " in prompt_text(app)
         player.advance(due[0].at - player.clock.now())
         assert "Do not press." in prompt_text(app)
+
+
+async def test_the_answer_to_a_trial_is_shown_for_as_long_as_it_was(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
+    seen = ("simulate", "keyboard", "--user", "average", "-p", "P01", "--seed", 1, "--attempts", 1, "--json")
+    session = call(*seen, "--set", "trial_feedback_ms=700").json["session"]
+    data = tmp_path / "data"
+    with closing(connect(data)) as database:
+        app = watch.WatchApp(data, Catalogue(), database, sessions.find(database, data, session), 1.0)
+    due: list[TrialFeedback] = []
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        player = app.watched.player
+        player.bus.subscribe(TRIAL_FEEDBACK, due.append)
+        while not due:
+            player.advance(SECOND // 1000)
+        await pilot.pause()
+        assert due[0].text in prompt_text(app)
+        player.advance(SECOND)
+        assert due[0].text not in prompt_text(app)
 
 
 def prompt_text(app: watch.WatchApp) -> str:

@@ -113,8 +113,8 @@ class SessionScreen(KeysScreen):
             self.clear_agent("listening")
         self._update_motion(waiting)
         self._warn()
-        if before is not None and before.what == "result":
-            self.query_one(BigPrompt).clear()
+        if before is not None and before.what == "result" and waiting.what != "response":
+            self.query_one(BigPrompt).clear()  # the next prompt, where no wait precedes it, has replaced the answer
         self._prepare_pictures(waiting)
         if waiting.what in ("foreperiod", "response", "result"):
             if waiting.what == "response":
