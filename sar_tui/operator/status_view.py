@@ -165,6 +165,8 @@ def waiting_text(state: SessionState) -> str:
     text = _WAITING[waiting.what]
     if waiting.what == "answer" and state.arbiter and any(one.deadline for one in state.arbiter.pending):
         text = "Waits for a decision"
+    if waiting.what == "enter" and waiting.until:
+        text = "The next attempt begins by itself"
     if state.is_paused and waiting.reason in ("", *PAUSE_REASONS) and state.pauser and state.welcome:
         theirs = state.pauser == PARTICIPANT
         text = f"{participant_name(state.welcome) if theirs else short_name(state.pauser)} paused"

@@ -49,6 +49,25 @@ def test_a_prompt_is_shown_until_its_trial_ends() -> None:
     assert over.seat("A").trials[-1].reaction_time_ms == 412
 
 
+def test_the_answer_to_a_trial_and_an_attempt_that_begins_by_itself_are_named() -> None:
+    told = after((t.WAITING, b.waiting("result")))
+    assert "The answer to a prompt is shown" in status_view.activity(told, 60).plain
+    coming = after((t.WAITING, b.waiting("enter", "attempt", until=5)))
+    assert "The next attempt begins by itself" in status_view.activity(coming, 60).plain
+
+
+def test_an_attempt_that_began_again_is_counted_once() -> None:
+    again = after((t.WAITING, b.waiting("enter", "attempt", attempt=5, restarts=2)))
+    assert "attempt 3 of 20" in status_view.session_line(again)
+
+
+def test_an_attempt_without_a_goal_has_neither_tick_nor_cross() -> None:
+    free = after((t.ATTEMPT_ENDED, b.attempt(goal=None, outcome="none")), (t.WAITING, b.waiting("enter", "attempt")))
+    shown = status_view.activity(free, 60).plain
+    assert "Attempt 2 · 498, 95%" in shown
+    assert not {"✓", "✗"} & set(shown)
+
+
 def test_a_voided_prompt_is_not_shown() -> None:
     voided = m.PromptVoided(attempt=3, trial=5, presentation=1, reason="pause")
     assert after((t.PROMPT, b.prompt()), (t.VOIDED, voided)).prompt is None
