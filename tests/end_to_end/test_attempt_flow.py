@@ -78,6 +78,33 @@ def _messages(topic: str) -> str:
 
 
 @pytest.mark.slow
+def test_questions_between_attempts_are_asked_again_after_a_kill_and_none_is_lost(data: Path, tmp_path: Path) -> None:
+    arrows: dict[str, Keys] = {r"Press: left": LEFT, r"Press: right": RIGHT, "It was fun": ((600, "3"), (900, "enter"))}
+    tasks = tmp_path / "mytasks"
+    write_documented(tasks, "effort")
+    where = ("--data", str(data), "--tasks", str(tasks))
+    settings = QUICK | {"attempts": 2}
+    words = ("run", "effort", "-p", "P01", "--seed", "3", *where, *(f"--set={n}={v}" for n, v in settings.items()))
+    read: dict[str, Keys] = {"Now use your other hand": ((600, "enter"),)}
+    effort: dict[str, Keys] = {"How hard was that": ((700, "5"), (1000, "enter"))}
+    with Terminal(command(*words)) as terminal:
+        Player(terminal, arrows | read).play(lambda: b"How hard was that" in terminal.output)
+        terminal.kill()
+        terminal.wait()
+    assert rows(data, "SELECT step, status FROM answers ORDER BY number") == [("read", "done")]
+    with Terminal(command("resume", only_session(data), *where)) as terminal:
+        Player(terminal, arrows | effort).play(lambda: b"see how it went" in terminal.output)
+        see_the_summary(terminal)
+        terminal.press("enter")
+        assert terminal.wait() == 0
+    assert rows(data, "SELECT attempt, step, run, answer FROM answers ORDER BY number") == [
+        (0, "read", 1, None), (1, "effort", 2, "5.0"), (2, "effort", 2, "5.0"), (2, "fun", 2, "3"),
+    ]  # fmt: skip
+    assert rows(data, "SELECT count(*) FROM trials") == [(4,)]
+    assert replays_identically(data, "--tasks", str(tasks))
+
+
+@pytest.mark.slow
 def test_a_killed_attempt_of_a_task_with_memory_begins_again(data: Path, tmp_path: Path) -> None:
     play(tmp_path, data, "twoback", {r"Letter: [A-Z]": ((150, "space"),)}, killed_after=2)
     found = rows(data, "SELECT attempt, count(*) FROM trials GROUP BY 1")

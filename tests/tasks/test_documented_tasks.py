@@ -13,7 +13,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.staircase import Staircase
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import KEY, PROMPT, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN
+from sar_tui.framework.topics import KEY, PROMPT, STEP_ENDED, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -78,6 +78,17 @@ def test_points_after_each_choice_of_a_tree_that_reverses(tmp_path: Path) -> Non
     assert set(good) == {"left", "right"}
     seen = [record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN]
     assert len(seen) == len(shown)
+
+
+def test_questions_between_attempts_are_answered(tmp_path: Path) -> None:
+    played = play(tmp_path, "effort")
+    asked = [record.message for record in played.history if record.topic is STEP_ENDED]
+    assert [(each.attempt, each.name) for each in asked] == [
+        (0, "read"), (1, "effort"), (2, "effort"), (3, "effort"), (3, "fun"),
+    ]  # fmt: skip
+    with closing(connect(tmp_path / "data")) as database:
+        stored = sessions.rows(database, "answers", played.trials[0]["session"])
+    assert [row["answer"] for row in stored] == [each.answer for each in asked]
 
 
 def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:
