@@ -23,6 +23,7 @@ from sar_tui.framework.messages import (
     TrialFeedback,
     TrialFeedbackShown,
     TrialMarked,
+    Typed,
     Waiting,
 )
 from sar_tui.framework.node import on
@@ -43,6 +44,7 @@ from sar_tui.framework.topics import (
     TRIAL,
     TRIAL_FEEDBACK,
     TRIAL_FEEDBACK_SHOWN,
+    TYPED,
     VOIDED,
     WAITING,
 )
@@ -62,6 +64,9 @@ class Stage(AgentStage, Protocol):
 
     def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
         """Show a later frame of a prompt when it is ``due`` (ns), in a moment, and report its onset in the same way."""
+
+    def show_typed(self, prompt: Prompt, text: str) -> None:
+        """Show the text that the participant has typed so far in answer to a prompt."""
 
     def clear_prompt(self) -> None:
         """Remove the prompt."""
@@ -129,6 +134,11 @@ class ScreenOutput(OutputNode):
             show()
         else:
             self._frame = self.bus.clock.call_at(due.at, show)
+
+    @on(TYPED)
+    def typed(self, typed: Typed) -> None:
+        if self._prompt is not None:
+            self._stage.show_typed(self._prompt, typed.text)
 
     def _clear_prompt(self) -> None:
         if self._frame:

@@ -38,6 +38,7 @@ from sar_tui.framework.trial_types import (
     Target,
     Trial,
 )
+from sar_tui.framework.typed_text import typing
 
 _FRAMEWORK = Path(__file__).parent
 """Folder with the translations of the framework's own texts."""
@@ -290,11 +291,13 @@ class Task(ABC):
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """Return the acts of a simulated participant on a prompt: (ms after onset, key or movement).
 
-        Override it if the response is more than one key press.
+        Override it if the response is more than one key press, or than the expected text (see `typed_text.typing`).
 
         Args:
             stimulus: the prompt; ``seat`` is that of this participant.
             performance: the participant's performance of this prompt.
             streams: for anything else that is random.
         """
+        if stimulus.expects != "key":
+            return typing(stimulus.expected, performance)
         return [(performance.reaction_ms, "wrong" if performance.slips else stimulus.expected)]

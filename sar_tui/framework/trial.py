@@ -4,22 +4,26 @@ import math
 
 import msgspec
 
-from sar_tui.framework import frames, prompt_data, prompt_texts, tone
+from sar_tui.framework import frames, prompt_data, prompt_texts, tone, typed_text
 from sar_tui.framework.clock import MS
 from sar_tui.framework.messages import (
     CueGiven,
     FrameDue,
+    KeyPerceived,
     Percept,
     Prompt,
     PromptVoided,
     Shown,
+    TextPerceived,
     Timing,
     ToneBegan,
     ToneDue,
     TrialEnded,
+    Typed,
 )
 from sar_tui.framework.tone import Tone
 from sar_tui.framework.trial_types import Mark, Result, Situation, Stimulus, Trial
+from sar_tui.framework.typed_text import TypedText
 
 
 class OpenTrial:
@@ -46,6 +50,8 @@ class OpenTrial:
         if problem := stimulus_problem(stimulus):  # ends the session with this sentence
             raise ValueError(problem)
         self.stimulus = stimulus
+        if stimulus.expects != "key" and len(seats) > 1:
+            raise ValueError("Typed text can be expected only in a task with one participant.")
         self.seats = (stimulus.seat,) if stimulus.seat else seats
         self.presentation = presentation
         self.foreperiod = 0
@@ -65,6 +71,7 @@ class OpenTrial:
         self._tone_onsets: dict[int, int] = {}
         self._tone_source = ""
         self._percepts: tuple[Percept, ...] = ()
+        self._typed = TypedText()
         self._flags: list[str] = []
 
     def repeated(self) -> "OpenTrial":
@@ -136,6 +143,7 @@ class OpenTrial:
             picture=self.stimulus.picture,
             tone=self.stimulus.tone,
             data=self.stimulus.data,
+            expects=self.stimulus.expects,
         )
 
     def frame(self) -> FrameDue:
@@ -258,6 +266,40 @@ class OpenTrial:
             cued=self.cued,
             frames=self._onsets if self._frames else (),
             tones=tuple(self._tone_onsets.values()),
+            typed=self._typed.text,
+        )
+
+    @property
+    def expects_text(self) -> bool:
+        """True if the prompt is answered by typing."""
+        return self.stimulus.expects != "key"
+
+    def type(self, key: KeyPerceived) -> TextPerceived | None:
+        """Take a key of the typed text. Returns the text if the key is Enter, which sends it; None for any other."""
+        written = self._typed
+        if key.key != "enter":
+            self._typed = written.pressed(key.key, key.at, self.stimulus.expects)
+            return None
+        self._typed = TypedText()
+        return TextPerceived(
+            seat=key.seat,
+            at=key.at,
+            delay=key.delay,
+            loop_lag=key.loop_lag,
+            text=written.text,
+            began=written.began,
+            keys=written.keys,
+            corrections=written.corrections,
+        )
+
+    def typed(self) -> Typed:
+        """Return the text typed so far, to be shown."""
+        return Typed(
+            seat=self._seat,
+            attempt=self.situation.attempt,
+            trial=self.situation.trial,
+            presentation=self.presentation,
+            text=self._typed.text,
         )
 
     def remember(self, percept: Percept) -> None:
@@ -343,4 +385,9 @@ def stimulus_problem(stimulus: Stimulus) -> str:
         return f"The timeout_ms of a prompt is {stimulus.timeout_ms}; it is a time above 0, or None."
     if stimulus.tone is not None and (problem := tone.problem(stimulus.tone)):
         return problem
-    return frames.problem(stimulus.frames) or prompt_texts.problem(stimulus) or prompt_data.problem(stimulus.data)
+    return (
+        frames.problem(stimulus.frames)
+        or prompt_texts.problem(stimulus)
+        or prompt_data.problem(stimulus.data)
+        or typed_text.problem(stimulus)
+    )

@@ -190,7 +190,7 @@ class Stimulus(msgspec.Struct, frozen=True):
 
     Args:
         name: stored in ``trials.stimulus``.
-        expected: the key that answers it; empty if no single key does.
+        expected: the key or the typed text that answers it; empty if there is no single one.
         text: the plain-text line, one unbroken run of characters: "Press: f".
         glyph: shown very large; defaults to ``name``.
         hint: shown under the glyph.
@@ -205,6 +205,7 @@ class Stimulus(msgspec.Struct, frozen=True):
         picture: a file in the task's folder, shown instead of ``glyph``: "pictures/cat.png".
         tone: sounds from the onset of the prompt on; with frames, each may have its own instead.
         data: kept with the trial and never shown, as JSON: lists, no tuples.
+        expects: what answers it: a key, or text or digits that are typed and sent with Enter.
     """
 
     name: str
@@ -223,6 +224,7 @@ class Stimulus(msgspec.Struct, frozen=True):
     picture: str = ""
     tone: Tone | None = None
     data: dict[str, Any] = {}
+    expects: Literal["key", "text", "digits"] = "key"
 
 
 class Trial(msgspec.Struct, frozen=True):
@@ -231,7 +233,7 @@ class Trial(msgspec.Struct, frozen=True):
     ``started``: when the participant started the trial, if they do (ns). ``cued``: when the agent gave its cue (ns).
     ``frames``: onsets of the frames shown so far (ns), in a prompt that has some; ``onset`` is then that of the timed
     one, and if that is still to come, the time at which it is due. ``tones``: onsets of the tones that have begun (ns),
-    of a repeated one the first.
+    of a repeated one the first. ``typed``: the text typed so far and not sent, if the prompt expects one.
     """
 
     situation: Situation
@@ -242,6 +244,7 @@ class Trial(msgspec.Struct, frozen=True):
     cued: int | None = None
     frames: tuple[int, ...] = ()
     tones: tuple[int, ...] = ()
+    typed: str = ""
 
     def frame_at(self, at: int) -> int:
         """Return the place of the frame that was on the screen at a time stamp, counted from 0; -1 before the first."""

@@ -84,6 +84,7 @@ def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A")
         picture=prompt.picture,
         tone=prompt.tone,
         data=prompt.data,
+        expects=prompt.expects,  # type: ignore[arg-type]
     )
     return task.rehearse(stimulus, person.perform(prompt.choices, prompt.attempt, streams), streams)
 

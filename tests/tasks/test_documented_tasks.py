@@ -13,7 +13,7 @@ from sar_tui.framework.parameters import build
 from sar_tui.framework.policies.staircase import Staircase
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import KEY, PROMPT, STEP_ENDED, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN
+from sar_tui.framework.topics import KEY, PROMPT, STEP_ENDED, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN, TYPED
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
@@ -89,6 +89,18 @@ def test_questions_between_attempts_are_answered(tmp_path: Path) -> None:
     with closing(connect(tmp_path / "data")) as database:
         stored = sessions.rows(database, "answers", played.trials[0]["session"])
     assert [row["answer"] for row in stored] == [each.answer for each in asked]
+
+
+def test_digits_are_typed_and_timed_from_their_first_key(tmp_path: Path) -> None:
+    played = play(tmp_path, "digitspan")
+    right = [trial for trial in played.trials if trial["correct"]]
+    assert right
+    assert all(trial["response"] == trial["stimulus"] for trial in right)
+    assert all(len(trial["response"]) < len(trial["stimulus"]) for trial in played.trials if trial not in right)
+    typing_ms = (right[0]["response_ns"] - right[0]["onset_ns"]) / 1e6
+    assert typing_ms == 250 * len(right[0]["response"])
+    echoed = [record.message.text for record in played.history if record.topic is TYPED]
+    assert right[0]["response"] in echoed
 
 
 def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:

@@ -75,6 +75,10 @@ class SessionScreen(KeysScreen):
         if prompt.frames:
             paint_now(widget)
 
+    def show_typed(self, prompt: Prompt, text: str) -> None:
+        """Show the text typed so far, below the prompt or its last frame."""
+        self.query_one(BigPrompt).show(prompt.shown(len(prompt.frames) - 1, text))
+
     def clear_prompt(self) -> None:
         self._gc.end_trial()
         self.query_one(BigPrompt).clear()

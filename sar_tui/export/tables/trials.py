@@ -76,7 +76,7 @@ _PLAIN = (
     stored("attempts.practice", "boolean", "True for practice; missing if the attempt was cut off."),
     stored("attempts.level", "integer", "The level of the attempt; missing if the attempt was cut off."),
     stored("trials.stimulus", "string", "The prompt."),
-    stored("trials.response", "string", "The pressed key; missing for a miss."),
+    stored("trials.response", "string", "The pressed key, or the typed text; missing for a miss."),
     stored("trials.correct", "boolean", "True if the response was right."),
     stored(
         "trials.onset_ns",

@@ -35,12 +35,14 @@ __all__ = [
     "Spread",
     "StepEnded",
     "StepStatus",
+    "TextPerceived",
     "Timing",
     "ToneDue",
     "TonesAhead",
     "TrialEnded",
     "TrialFeedback",
     "TrialMarked",
+    "Typed",
     "Waiting",
 ]
 
@@ -64,6 +66,19 @@ class KeyPerceived(Percept, frozen=True, kw_only=True):
 
     key: str
     gap: int | None = None
+
+
+class TextPerceived(Percept, frozen=True, kw_only=True):
+    """A text that was typed and sent with Enter, ``at`` that time.
+
+    ``began``: time stamp (ns) of its first key; None if Enter was the only one. ``keys``: number of keys that changed
+    it; ``corrections``: of those, how many deleted a character.
+    """
+
+    text: str
+    began: int | None = None
+    keys: int = 0
+    corrections: int = 0
 
 
 class ReachPerceived(Percept, frozen=True, kw_only=True):
@@ -177,6 +192,7 @@ class Prompt(Message, frozen=True, kw_only=True):
     ``frames``: shown one after the other, from the first; ``text`` then only says what the prompt is. ``colour``: the
     name of the glyph's colour, empty for that of texts. ``picture``: a file in the task's folder, shown instead of the
     glyph. ``tone``: sounds with it. ``data``: what the task keeps with the trial, never shown.
+    ``expects``: what answers it: a ``key``, or typed ``text`` or ``digits``.
     """
 
     attempt: int
@@ -198,11 +214,16 @@ class Prompt(Message, frozen=True, kw_only=True):
     picture: str = ""
     tone: Tone | None = None
     data: dict[str, Any] = {}
+    expects: str = "key"
 
-    def shown(self, frame: int = 0) -> "Prompt":
-        """Return the prompt with the contents of a frame, to be drawn; of a prompt without frames, itself."""
-        if not self.frames:
-            return self
+    def shown(self, frame: int = 0, typed: str = "") -> "Prompt":
+        """Return the prompt with the contents of a frame, to be drawn; ``typed`` stands in place of its hint."""
+        prompt = self._framed(frame) if self.frames else self
+        if self.expects == "key" or frame < len(self.frames) - 1:
+            return prompt
+        return msgspec.structs.replace(prompt, hint=f"{typed}_")
+
+    def _framed(self, frame: int) -> "Prompt":
         now = self.frames[frame]
         return msgspec.structs.replace(
             self,
@@ -213,6 +234,15 @@ class Prompt(Message, frozen=True, kw_only=True):
             colour=now.colour,
             picture=now.picture,
         )
+
+
+class Typed(Message, frozen=True, kw_only=True):
+    """The text that the participant has typed so far, to be shown; empty after it was sent."""
+
+    attempt: int
+    trial: int
+    presentation: int
+    text: str
 
 
 class FrameDue(Message, frozen=True, kw_only=True):

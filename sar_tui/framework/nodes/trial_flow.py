@@ -29,6 +29,7 @@ from sar_tui.framework.topics import (
     TRIAL,
     TRIAL_FEEDBACK,
     TRIAL_FEEDBACK_SHOWN,
+    TYPED,
     UNREADABLE,
     VOIDED,
 )
@@ -314,11 +315,28 @@ class TrialFlow(TimedNode, ABC):
             self._trial.flag("early_key")
             return
         trial = self._trial.view()
-        self._trial.remember(percept)
         if trial.latency_ms(percept.at) > self._trial.timeout_ms:
+            self._trial.remember(percept)
             self._trial.flag("late_key")
             self._finish(self.task.timed_out(trial))
-        elif isinstance(result := self.task.perceived(trial, percept), Again):
+        elif self._trial.expects_text and isinstance(percept, m.KeyPerceived):
+            self._type(percept)
+        else:
+            self._take(percept)
+
+    def _type(self, key: m.KeyPerceived) -> None:
+        """Take a key of a typed text, show the text so far, and judge it when it is sent."""
+        before = self._trial.typed()
+        if text := self._trial.type(key):
+            self._take(text)
+        if self._phase is Phase.RESPONSE and (typed := self._trial.typed()) != before:
+            self.emit(TYPED, typed)
+
+    def _take(self, percept: m.Percept) -> None:
+        """Let the task judge a percept."""
+        trial = self._trial.view()
+        self._trial.remember(percept)
+        if isinstance(result := self.task.perceived(trial, percept), Again):
             self._try_again(result)
         elif result is not None:
             self._finish(result)
