@@ -4,6 +4,7 @@ It reads requests from its standard input and writes replies to its original sta
 voice process does; it is another one, so that speech cannot delay a tone.
 """
 
+import os
 from typing import BinaryIO, NoReturn
 
 from sar_tui.framework.clock import host_now
@@ -114,9 +115,11 @@ def main() -> NoReturn:
     if not isinstance(first, Setup):
         raise SystemExit(2)
     tones = Tones(first, replies)
-    for line in requests:
-        tones.do(decode_request(line))
-    raise SystemExit(0)
+    try:
+        for line in requests:
+            tones.do(decode_request(line))
+    finally:
+        os._exit(0)  # the card's thread must not keep the process
 
 
 if __name__ == "__main__":
