@@ -30,15 +30,15 @@ _READING_S = 0.06
 
 def steps(attempts: int) -> int:
     """Return the number of prompts of a measurement."""
-    return attempts * PROMPTS
+    return 2 * attempts * PROMPTS
 
 
 def measure(attempts: int, folder: Path, on_prompt: Callable[[], None]) -> dict[str, Any]:
     """Return statistics of the errors, and the checks.
 
-    Beside what the terminal received are the program's own stamps, the wait for a prompt after its foreperiod, and the
-    errors of a program that shows each frame for a whole number of refreshes of a monitor at 60 Hz, as programs that
-    wait for the refresh do at best.
+    Beside what the terminal received are the program's own stamps, the wait for a prompt after its foreperiod, the
+    frames of a bare loop, and the errors of a program that shows each frame for a whole number of refreshes of a
+    monitor at 60 Hz, as programs that wait for the refresh do at best.
 
     Args:
         attempts: of `PROMPTS` prompts each.
@@ -48,8 +48,10 @@ def measure(attempts: int, folder: Path, on_prompt: Callable[[], None]) -> dict[
     with tempfile.TemporaryDirectory(prefix="sar-tui-", dir=folder) as own:
         read = _read_prompts(Path(own), attempts, on_prompt)
         stamped, waits = _stored(Path(own))
+    bare = _read_bare(attempts * PROMPTS, on_prompt)
     errors = {
         "at the terminal": _errors(read),
+        "a bare loop's": _errors(bare),
         "its stamps": _errors(stamped),
         "a foreperiod": waits,
         "refreshes at 60 Hz": [round(ms / REFRESH_MS) * REFRESH_MS - ms for ms in DURATIONS_MS],
@@ -95,26 +97,40 @@ def _read_prompts(data: Path, attempts: int, on_prompt: Callable[[], None]) -> l
     return found
 
 
-def _read_frames(terminal: Terminal, trial: int, since: int) -> tuple[list[int], int]:
+def _read_bare(prompts: int, on_prompt: Callable[[], None]) -> list[list[int]]:
+    """Run the bare loop, and return when each frame of each prompt was read (ns)."""
+    found, since = [], 0
+    with Terminal([sys.executable, "-m", "benchmarks.bare_frames", str(prompts)]) as terminal:
+        terminal.write(b"\n")
+        for number in range(1, prompts + 1):
+            shown, since = _read_frames(terminal, number, since, key="enter")
+            found.append(shown)
+            on_prompt()
+        terminal.write(b"\n")
+    return found
+
+
+def _read_frames(terminal: Terminal, trial: int, since: int, key: str = "f") -> tuple[list[int], int]:
     """Read the frames of a prompt and answer it; return when each came, and where the output of the next begins."""
     shown = []
     for place in range(len(DURATIONS_MS) + 1):
         since = terminal.wait_for(frame_text(trial, place), since=since)
         shown.append(terminal.read_at)
     terminal.read(terminal.read_at + round(_READING_S * 1e9))
-    terminal.press("f")
+    terminal.press(key)
     return shown, since
 
 
 def _stored(data: Path) -> tuple[list[list[int]], list[float]]:
     """Return the stamps of the frames of each prompt (ns), and how long each came after its foreperiod (ms)."""
     with closing(sqlite3.connect(data / "sar-tui.db")) as database:
-        timings = database.execute("SELECT timing FROM trials ORDER BY attempt, trial").fetchall()
-        requested = database.execute(
-            "SELECT at_ns FROM events WHERE topic='event_handler/prompt' ORDER BY seq"
+        trials = database.execute("SELECT attempt, trial, timing FROM trials ORDER BY attempt, trial").fetchall()
+        prompts = database.execute(
+            "SELECT message->>'attempt', message->>'trial', at_ns FROM events WHERE topic='event_handler/prompt'"
         ).fetchall()
-    stamps = [json.loads(timing)["frame_onsets_ns"] for (timing,) in timings]
-    return stamps, [(shown[0] - at) / MS for shown, (at,) in zip(stamps, requested, strict=False)]
+    requested = {(attempt, trial): at for attempt, trial, at in prompts}  # of a repeated prompt the last
+    stamps = {(attempt, trial): json.loads(timing)["frame_onsets_ns"] for attempt, trial, timing in trials}
+    return list(stamps.values()), [(shown[0] - requested[key]) / MS for key, shown in stamps.items()]
 
 
 def _errors(prompts: Sequence[Sequence[int]]) -> list[float]:

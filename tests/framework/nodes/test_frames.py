@@ -132,9 +132,9 @@ def test_a_response_before_the_timed_frame_is_an_anticipation(calm: Theme) -> No
 def test_a_key_while_a_frame_is_drawn_is_judged_by_its_onset(calm: Theme) -> None:
     driver = LoopDriver(Cued, calm, **PARAMETERS)
     driver.start()
-    driver.wait(390)
+    driver.wait(380)
     driver.screen.shows = False
-    driver.wait(15)
+    driver.wait(25)
     pressed = driver.clock.now()
     driver.press("f")
     assert driver.all(TRIAL) == []
