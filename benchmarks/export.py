@@ -112,7 +112,7 @@ def _store_samples(data: Path, count: int) -> None:
             software={}, machine={}, mode="live",
         )  # fmt: skip
         sessions.begin_run(database, "5a3b1e", software={}, machine={}, clock_ns=0)
-        stream = ("5a3b1e", 1, "A", 1, "simulated", "model", "1", 1000, 35, 80, imu.layout(), 0)
+        stream = ("5a3b1e", 1, "A", 1, "simulated", "model", "1", 1000, 35, 80, imu.layout(), 0, "hand")
         database.execute(imu.INSERT_STREAM, stream)
         database.execute("BEGIN")
         database.executemany(imu.INSERT_CHUNK, map(_chunk, range(count // _BLOCK)))
