@@ -1,17 +1,28 @@
-"""Creates a new task as a copy of the example."""
+"""Creates a new task as a copy of an example."""
 
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import Enum
 from pathlib import Path
 
 from sar_tui.cli.errors import Refused
 
-_EXAMPLE = Path(__file__).parent / "example"
+_EXAMPLES = Path(__file__).parent / "examples"
 _NAME = "example"
 
 
-def make(name: str, to: Path) -> Path:
+class Pattern(Enum):
+    """Examples that a new task can be like, the commonest first."""
+
+    CHOICE = "choice"
+    COUNT = "count"
+    GONOGO = "gonogo"
+    IMU = "imu"
+    QUESTIONNAIRE = "questionnaire"
+
+
+def make(name: str, to: Path, like: Pattern = Pattern.CHOICE) -> Path:
     """Create the folder of a new task and return its absolute path. Raises Refused."""
     if not name.isidentifier() or not name.islower():
         raise Refused(f"{name!r} is not a valid name of a task. Use a Python name in small letters, such as tapping.")
@@ -20,8 +31,12 @@ def make(name: str, to: Path) -> Path:
         raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")
     folder.mkdir(parents=True)
     with whole_or_nothing(folder):
-        for file in ("task.py", "README.md"):
-            text = (_EXAMPLE / file).read_text(encoding="utf-8")
+        for source, file in (
+            (_EXAMPLES / like.value / "task.py", "task.py"),
+            (_EXAMPLES / like.value / "README.md", "README.md"),
+            (_EXAMPLES / "test_example.py", "test_task.py"),
+        ):
+            text = source.read_text(encoding="utf-8")
             (folder / file).write_text(_renamed(text, name, folder), encoding="utf-8")
     return folder
 

@@ -8,6 +8,7 @@ import typer
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, watch_plugins
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed, replaced_lines
+from sar_tui.cli.scaffold import Pattern
 from sar_tui.tui.exit_codes import FAILED
 
 app = typer.Typer(rich_markup_mode=None)
@@ -114,13 +115,14 @@ def new_task(
         str, typer.Argument(metavar="NAME", help="Its name in small letters, such as tapping.", show_default=False)
     ],
     to: Annotated[Path, typer.Option("--to", metavar="DIR", help="Folder to create it in.")] = Path(),
+    like: Annotated[Pattern, typer.Option("--like", help="The example to start from.")] = Pattern.CHOICE,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
     """Create a task from a working example."""
     from sar_tui.cli.scaffold import make
 
-    folder = make(name, to)
+    folder = make(name, to, like)
     console().print(
         f"Created {folder}, a working example. Edit task.py, then try\n"
         f"  sar-tui tasks check {folder}\n"

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.checks.task import check
+from sar_tui.cli.scaffold import Pattern
 from sar_tui.cli.scaffold import make as make_task
 from sar_tui.cli.theme_scaffold import make as make_theme
 from sar_tui.plugins import Catalogue
@@ -19,7 +20,7 @@ BAD = r"\u001b[31m\u202e"
 @pytest.fixture
 def tapping(tmp_path: Path) -> Path:
     """The folder of a new task."""
-    return make_task("tapping", tmp_path / "mine")
+    return make_task("tapping", tmp_path / "mine", Pattern.COUNT)
 
 
 @pytest.fixture

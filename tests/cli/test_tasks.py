@@ -1,6 +1,7 @@
 """``sar-tui tasks``: list, show, create, check."""
 
 import itertools
+import runpy
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ from sar_tui.cli.common import Home
 from sar_tui.cli.doctor.installation import tasks
 from sar_tui.plugins import Catalogue, task_folder
 from tests.edit import edit
+from tests.examples import first
 from tests.program import Call
 
 Change = Callable[[str, str], Path]
@@ -20,7 +22,7 @@ Change = Callable[[str, str], Path]
 @pytest.fixture
 def tapping(call: Call, tmp_path: Path) -> Path:
     """The folder of a new task."""
-    assert call("tasks", "new", "tapping", "--to", tmp_path / "mine").code == 0
+    assert call("tasks", "new", "tapping", "--like", "count", "--to", tmp_path / "mine").code == 0
     return tmp_path / "mine" / "tapping"
 
 
@@ -109,6 +111,29 @@ def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None
     rows = call("simulate", "tapping", "--user", "competent", "--seed", 1, "--tasks", tapping.parent, "--json").json
     assert {row["metric_unit"] for row in rows["attempts"]} == {"taps/s"}
     assert len({row["level"] for row in rows["attempts"]}) > 1
+
+
+def test_without_a_pattern_a_new_task_has_one_prompt_and_one_key(call: Call, tmp_path: Path) -> None:
+    assert call("tasks", "new", "pressing", "--to", tmp_path).code == 0
+    assert "Choice reaction" in (tmp_path / "pressing" / "README.md").read_text()
+    called = call("simulate", "pressing", "--user", "average", "--attempts", 2, "--tasks", tmp_path, "--json")
+    assert {row["metric_unit"] for row in called.json["attempts"]} == {"ms"}
+
+
+@pytest.mark.parametrize("like", first(2, ["choice", "gonogo", "count", "imu", "questionnaire"]))
+def test_each_pattern_is_a_working_task_with_a_test_beside_it(call: Call, tmp_path: Path, like: str) -> None:
+    assert call("tasks", "new", "mine", "--like", like, "--to", tmp_path).code == 0
+    sources = [path.read_text() for path in (tmp_path / "mine").iterdir()]
+    assert not any("xample" in source.replace("a working example", "") for source in sources)
+    test = runpy.run_path(str(tmp_path / "mine" / "test_task.py"))
+    test["test_it_keeps_the_contract_of_tasks_and_simulated_people_can_do_it"]()
+
+
+def test_an_unknown_pattern_is_bad_input(call: Call, tmp_path: Path) -> None:
+    called = call("tasks", "new", "mine", "--like", "chess", "--to", tmp_path)
+    assert called.code == 2
+    assert "questionnaire" in called.err
+    assert not (tmp_path / "mine").exists()
 
 
 def test_creating_a_task_prints_how_to_try_it(call: Call, tapping: Path) -> None:

@@ -1,0 +1,1 @@
+"""A choice reaction: one prompt, one key."""

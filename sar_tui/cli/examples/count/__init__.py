@@ -1,0 +1,1 @@
+"""Finger tapping: as many responses as possible within a time."""

@@ -1,0 +1,1 @@
+"""Go/No-Go: some prompts must not be answered."""

@@ -1,0 +1,1 @@
+"""A movement of the hand, measured by a motion sensor."""
