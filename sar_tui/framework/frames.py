@@ -103,4 +103,6 @@ def _duration_problem(ms: float | None, place: int, count: int) -> str:
     if ms is None:
         missing = f"Frame {place + 1} of {count} has no ms: only the last one may stand until the trial ends."
         return missing if place + 1 < count else ""
+    if not isinstance(ms, int | float):
+        return f"The ms of frame {place + 1} is a number, not {ms!r:.80}."
     return "" if SHORTEST_MS <= ms < math.inf else f"Frame {place + 1} has {ms} ms; it needs at least {SHORTEST_MS}."

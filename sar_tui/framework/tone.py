@@ -34,6 +34,19 @@ def problem(tone: Tone) -> str:
     """Return a sentence that says why a tone cannot be played; empty if it can."""
     if not isinstance(tone, Tone):
         return f"A tone is a Tone, not {tone!r:.80}."
+    return _type_problem(tone) or _range_problem(tone)
+
+
+def _type_problem(tone: Tone) -> str:
+    for name in ("hz", "ms", "every_ms"):
+        if not isinstance(value := getattr(tone, name), int | float):
+            return f"The {name} of a tone is a number, not {value!r:.80}."
+    if not isinstance(tone.times, int):
+        return f"The times of a tone are a whole number, not {tone.times!r:.80}."
+    return ""
+
+
+def _range_problem(tone: Tone) -> str:
     if not LOWEST_HZ <= tone.hz <= HIGHEST_HZ:
         return f"A tone has {tone.hz} Hz; it can have {LOWEST_HZ} to {HIGHEST_HZ}."
     if not 1 <= tone.ms <= LONGEST_MS:

@@ -381,8 +381,9 @@ class OpenTrial:
 
 def stimulus_problem(stimulus: Stimulus) -> str:
     """Return a sentence that says why a prompt cannot be shown, timed and stored as declared; empty if it can."""
-    if stimulus.timeout_ms is not None and not 0 < stimulus.timeout_ms < math.inf:
-        return f"The timeout_ms of a prompt is {stimulus.timeout_ms}; it is a time above 0, or None."
+    time = stimulus.timeout_ms
+    if time is not None and not (isinstance(time, int | float) and 0 < time < math.inf):
+        return f"The timeout_ms of a prompt is {time!r:.80}; it is a time above 0, or None."
     if stimulus.tone is not None and (problem := tone.problem(stimulus.tone)):
         return problem
     return (

@@ -1,5 +1,6 @@
 """Prompts of several frames: each is drawn at its time, stamped, and stored; responses count from the timed one."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -216,6 +217,7 @@ def test_a_session_with_frames_replays_identically(calm: Theme) -> None:
         ([Frame("x")], "are a tuple of Frame"),
         ((Frame("x"), Frame("y")), "Frame 1 of 2 has no ms"),
         ((Frame("x", 3), Frame("y")), "Frame 1 has 3 ms; it needs at least 10"),
+        ((Frame("x", "30"), Frame("y")), "The ms of frame 1 is a number, not '30'"),  # type: ignore[arg-type]
         ((Frame("x", 30, timed=True), Frame("y", timed=True)), "More than one frame is timed"),
         ((Frame("", 30), Frame("", 30)), "Two empty frames follow each other"),
     ],
@@ -228,6 +230,17 @@ def test_frames_that_cannot_be_shown_end_the_session_with_a_sentence(
     driver.enter()
     driver.press("enter")
     assert said in driver.last(FAULT).error
+
+
+@pytest.mark.parametrize("timeout_ms", [0, -5, math.nan, "900"])
+def test_a_time_for_the_response_that_is_none_ends_the_session_with_a_sentence(
+    calm: Theme, timeout_ms: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Framed, "timeout_ms", timeout_ms)
+    driver = LoopDriver(Framed, calm, **PARAMETERS)
+    driver.enter()
+    driver.press("enter")
+    assert f"The timeout_ms of a prompt is {timeout_ms!r}" in driver.last(FAULT).error
 
 
 def test_a_last_frame_with_a_time_is_followed_by_an_empty_one(calm: Theme, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -120,6 +120,8 @@ def test_a_session_with_tones_replays_identically(calm: Theme) -> None:
     [
         (Tone(5, 50), "A tone has 5 Hz"),
         (Tone(500, 0), "A tone lasts 0 ms"),
+        (Tone("500", 50), "The hz of a tone is a number, not '500'"),  # type: ignore[arg-type]
+        (Tone(500, 50, 2.5, 100), "The times of a tone are a whole number"),  # type: ignore[arg-type]
         (Tone(500, 50, times=0, every_ms=100), "A tone sounds 0 times"),
         (Tone(500, 50, times=3), "its every_ms must be at least its ms"),
     ],
