@@ -10,7 +10,7 @@ import sys
 import types
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import platformdirs
 
@@ -174,17 +174,17 @@ def task_of_module(name: str) -> str:
     return _installed.get(name, "")
 
 
-def view_module(task: "type[Task]") -> types.ModuleType | None:
-    """Load the ``view.py`` beside a task's module; None if there is none. Raises PluginError."""
+def module_beside(task: "type[Task]", name: Literal["view", "effect"]) -> types.ModuleType | None:
+    """Load the ``view.py`` or the ``effect.py`` beside a task's module; None if there is none. Raises PluginError."""
     folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
-    if not package or not (folder / "view.py").is_file():
+    if not package or not (folder / f"{name}.py").is_file():
         return None
     if package.startswith(f"{_PACKAGE}."):
         package = _package_of(folder)
     try:
-        return _import(folder, f"{package}.view")
+        return _import(folder, f"{package}.{name}")
     except PLUGIN_ERRORS as error:
-        raise PluginError(f"The view of the task {task.name} cannot be loaded: {_why(error)}") from error
+        raise PluginError(f"The {name} of the task {task.name} cannot be loaded: {_why(error)}") from error
 
 
 def _import(folder: Path, name: str) -> types.ModuleType:

@@ -43,7 +43,7 @@ def _problems(path: Path, texts: list[str]) -> Iterator[str]:
 def declared(kind: type[Task]) -> set[str]:
     """Return the declared texts of a task that participants read."""
     metric = kind.metric
-    texts = {kind.title, kind.summary, kind.trials}
+    texts = {kind.title, kind.summary, kind.trains, kind.trials}
     texts |= set() if metric.is_none else {metric.label, metric.improved, metric.worsened}
     texts.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
     texts.update(text for measure in kind.measured for text in (measure.title, measure.unit))

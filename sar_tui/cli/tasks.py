@@ -28,6 +28,7 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
         lambda task: {
             "title": task.title,
             "summary": task.summary,
+            "trains": task.trains,
             "metric": None if task.metric.is_none else task.metric,
         },
     )
@@ -39,12 +40,12 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
 
     from sar_tui.cli.tables import add, table
 
-    made = table("name", "title", "summary", "metric")
+    made = table("name", "title", "trains", "summary", "metric")
     for row in rows:
         metric = row["metric"]
         unit = f"{metric.unit}, " if metric and metric.unit else ""
         words = f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)" if metric else ""
-        add(made, row["name"], row["title"], row["summary"], words)
+        add(made, row["name"], row["title"], row["trains"], row["summary"], words)
     out = console()
     out.print(made)
     for text in replaced_lines(replaced):

@@ -56,6 +56,7 @@ class Task(ABC):
     Attributes:
         name: of its folder, and in the database.
         title, summary: for people.
+        trains: what it trains, in a word or two, for the list of tasks: "Attention".
         trials: name of its trials on the screen.
         version: stored with each session; change it when results are no longer comparable.
         metric: the measure of an attempt; None (kept as `NO_METRIC`) in a task without one.
@@ -72,6 +73,7 @@ class Task(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     summary: ClassVar[str] = ""
+    trains: ClassVar[str] = ""
     trials: ClassVar[str] = "Prompts"
     version: ClassVar[str] = "1"
     metric: ClassVar[Metric]

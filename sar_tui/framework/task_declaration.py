@@ -9,7 +9,7 @@ from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Details, Mark, Metric, Quality
 
-_TEXTS = ("title", "summary", "trials", "version")
+_TEXTS = ("title", "summary", "trains", "trials", "version")
 _CLASSES: dict[str, type] = {"Parameters": TaskParameters, "Details": Details}
 _LISTS: dict[str, type] = {"sensors": str, "seats": str, "qualities": Quality, "measured": Measure, "marks": Mark}
 

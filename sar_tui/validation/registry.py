@@ -8,6 +8,7 @@ from sar_tui.validation import (
     angular_velocity,
     changed_parts,
     difficulty,
+    effects,
     feedback,
     measures,
     modularity,
@@ -56,5 +57,6 @@ VALIDATIONS: dict[str, Validation] = {
     "praise": Validation("Praise by chance, and of a true change, under each kind of noise", praise.run),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run),
     "difficulty": Validation("Success and fitting challenge under each difficulty policy", difficulty.run),
+    "effects": Validation("Published effects of the tasks, in simulated participants and in controls", effects.run),
     "modularity": Validation("Share of the framework in the code that a session runs", modularity.run),
 }

@@ -20,7 +20,7 @@ from sar_tui.framework.node import Node
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
-from sar_tui.plugins import PluginError, view_module
+from sar_tui.plugins import PluginError, module_beside
 from sar_tui.widgets.prompt_lines import Line, plain_lines
 
 Colors = Mapping[str, str]
@@ -80,7 +80,7 @@ class TaskView(Node):
 
 def view_of(task: type[Task]) -> type[TaskView]:
     """Return a task's own view, or the plain one. Raises PluginError if its view cannot be loaded."""
-    module = view_module(task)
+    module = module_beside(task, "view")
     if module is None:
         return TaskView
     own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]

@@ -95,6 +95,7 @@ class KeyboardTask(Task):
     title = "Keyboard reaction"
     version = "2"
     summary = "Press the key that appears, as fast as you can."
+    trains = "Reaction"
     trials = "Keys"
     metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
     Parameters = KeyboardParameters

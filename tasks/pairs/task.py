@@ -58,6 +58,7 @@ class PairsTask(Task):
     name = "pairs"
     title = "Pairs"
     summary = "Two people at one keyboard: in turn, against each other, or together."
+    trains = "Together"
     metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
     Parameters = PairsParameters
     Details = PairsDetails

@@ -52,6 +52,7 @@ class ReachingTask(Task):
     name = "reaching"
     title = "Reaching"
     summary = "Reach out to a marker and back, as fast as you can, with a sensor on your hand."
+    trains = "Reaching"
     trials = "Reaches"
     metric = Metric("reach_time", unit="ms", better="lower", improved="faster", worsened="slower")
     Parameters = ReachingParameters

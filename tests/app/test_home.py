@@ -13,6 +13,7 @@ from sar_tui.store import programmes, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
+from sar_tui.widgets.marked_list import PickList
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
 from tests.sides_task import write_sides
@@ -101,7 +102,9 @@ async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_s
     database.close()
     async with open_app(data, catalogue) as driver:
         assert driver.sees("P01 · Reaching")
-        await driver.press("right", "up", "f2", "escape")
+        await driver.press("right")
+        driver.app.screen.query_one("#task", PickList).choose("pairs")
+        await driver.press("f2", "escape")
         assert driver.screen_name == "HomeScreen"
         assert driver.sees("P01 · Pairs")
         await driver.press("left", "down")
@@ -152,7 +155,8 @@ async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_st
     folder = write_sides(tmp_path / "mine")
     known(data, "P01")
     async with open_app(data, Catalogue((folder.parent,))) as driver:
-        await driver.press("right", "down", "down", "down")
+        driver.app.screen.query_one("#task", PickList).choose("sides")
+        await driver.settle()
         assert driver.sees("P01 · Sides")
         shutil.rmtree(folder)
         await driver.press("f1", "enter")
@@ -436,3 +440,16 @@ async def test_a_terminal_with_imprecise_timing_is_reported(
     monkeypatch.setenv("TMUX", "some")
     async with open_app(data, catalogue) as driver:
         assert driver.sees("inside ssh and tmux: reaction times are less exact")
+
+
+async def test_tasks_are_listed_by_what_they_train(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    async with open_app(data, catalogue) as driver:
+        tasks = driver.app.screen.query_one("#task", PickList)
+        listed = [str(option.prompt) for option in tasks.options]
+        assert tasks.chosen == "keyboard"
+        for trains, title in (("Reaction", "Keyboard reaction"), ("Attention", "Arrow in the middle")):
+            assert listed.index(trains) < listed.index(title)
+        assert [option.disabled for option in tasks.options if option.id is None] == [True] * len(
+            {catalogue.task(name).trains for name in catalogue.task_names()}
+        )

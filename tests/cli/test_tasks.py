@@ -48,11 +48,12 @@ def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
 
 
 def test_tasks_json(call: Call) -> None:
-    row, pairs, reaching = call("tasks", "--json").json["tasks"]
-    assert (row["name"], row["title"]) == ("keyboard", "Keyboard reaction")
-    assert row["metric"]["better"] == "lower"
-    assert (pairs["name"], pairs["metric"]["name"]) == ("pairs", "reaction_time")
-    assert (reaching["name"], reaching["metric"]["name"]) == ("reaching", "reach_time")
+    tasks = {task["name"]: task for task in call("tasks", "--json").json["tasks"]}
+    assert list(tasks) == sorted(tasks)
+    assert (tasks["keyboard"]["title"], tasks["keyboard"]["trains"]) == ("Keyboard reaction", "Reaction")
+    assert tasks["keyboard"]["metric"]["better"] == "lower"
+    assert tasks["pairs"]["metric"]["name"] == "reaction_time"
+    assert tasks["reaching"]["metric"]["name"] == "reach_time"
 
 
 def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(call: Call, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from sar_tui.app.home.joining import JoiningScreen
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
 from sar_tui.app.home.starting import StartingScreen
+from sar_tui.app.home.task_options import task_options
 from sar_tui.plugins import PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
@@ -25,6 +26,8 @@ if TYPE_CHECKING:  # loaded when the lists are filled: the empty screen is shown
     from sar_tui.framework.task import Task
 
 _LOOK_SECONDS = 3.0
+_FIRST_TASK = "keyboard"
+"""The task that is chosen before anybody has chosen one, if it is there."""
 
 
 class HomeScreen(JoiningScreen, StartingScreen):
@@ -72,15 +75,11 @@ class HomeScreen(JoiningScreen, StartingScreen):
         """Fill the screen; called once its empty frame is shown, because its contents take a moment."""
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
-        for name in self.app.catalogue.task_names():
-            try:
-                self._tasks.add_option(Option(self.app.catalogue.task(name).title, id=name))
-            except PluginError:
-                self._tasks.add_option(Option(f"{name} (does not load)", id=name, disabled=True))
+        self._tasks.add_options(task_options(self.app.catalogue))
         self.app.load_themes()
         self._themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
         self._themes.highlighted = 0
-        self._tasks.choose(None)
+        self._tasks.choose(_FIRST_TASK)
         self._list_participants()
         self.look_for_sessions()
         self.set_interval(_LOOK_SECONDS, self.look_for_sessions)

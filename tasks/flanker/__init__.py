@@ -1,0 +1,1 @@
+"""The flanker task (Eriksen & Eriksen 1974)."""

@@ -1,0 +1,36 @@
+"""The conflict effect of the flanker task."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect, mean_time
+
+from .task import OTHER, FlankerTask
+
+
+class WithoutConflict(FlankerTask):
+    """The same task for people whom the arrows beside the middle one do not slow down."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
+        return [(performance.reaction_ms, key)]
+
+
+def conflict_ms(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the mean reaction time to incongruent rows minus that to congruent ones, ms."""
+    same, other = (mean_time([trial for trial in trials if trial.data["congruent"] is kind]) for kind in (True, False))
+    return None if same is None or other is None else other - same
+
+
+EFFECT = Effect(
+    title="incongruent minus congruent",
+    unit="ms",
+    low=59,
+    high=109,
+    source="Fan et al. 2002: 84 (SD 25)",
+    measure=conflict_ms,
+    without=WithoutConflict,
+    settings={"attempts": 4, "prompts_per_attempt": 24},
+)
