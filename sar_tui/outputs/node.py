@@ -18,6 +18,11 @@ TIMEOUT = 20 * SECOND
 PER_CHARACTER = 150 * MS
 STOP_TIMEOUT = 2 * SECOND
 """A part that is not over by then, after a stop, has failed."""
+_NO_OUTCOME = "It did not report the outcome."
+_NO_OUTCOME_SIMULATED = (
+    f"{_NO_OUTCOME} In this simulation time jumped over its work, because it requested a timer of self.clock. If it "
+    "waits for a device, let it request none when self.simulated is True, or report without the device."
+)
 CLOSE = "close"
 """Place of a `Fault` of an output that could not be closed."""
 _OVER: tuple[PartState, ...] = ("done", "aborted", "failed")
@@ -84,6 +89,7 @@ class OutputNode(Node):
         """Join a bus, open the output, and announce its parts."""
         super().attach(bus)
         try:
+            self.output.simulated = isinstance(bus.clock, VirtualClock)
             self.output.open(self._theme, bus.clock, self._receive)
         except BaseException as error:
             self._raise_if_interrupted(error)
@@ -243,7 +249,7 @@ class OutputNode(Node):
 
     def _give_up(self, action: str, part: ActionPart) -> None:
         if (action, part) in self._open and not self._closed:
-            self._fail_unstopped(action, part, "It did not report the outcome.")
+            self._fail_unstopped(action, part, _NO_OUTCOME_SIMULATED if self._uses_clock else _NO_OUTCOME)
             try:
                 self.output.stop(action)
             except BaseException as error:  # it has failed already

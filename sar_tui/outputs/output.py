@@ -37,6 +37,8 @@ class Output:
     """Its name in settings and in the log."""
     can: frozenset[ActionPart] = frozenset()
     """The parts of an action that it performs: ``say``, ``show``, ``gesture``, ``gaze``, ``tone``."""
+    simulated: bool = False
+    """True in a simulated session, where nobody is there and time jumps. Set before it is opened."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
