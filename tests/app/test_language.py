@@ -191,7 +191,7 @@ async def test_an_interrupted_session_is_resumed_in_its_language(data: Path, cat
         assert tour.found(catalogue) == []
 
 
-@pytest.mark.parametrize("name", ["keyboard", "pairs", "reaching"])
+@pytest.mark.parametrize("name", Catalogue().task_names())
 def test_every_setting_has_a_title_and_a_meaning_in_spanish(catalogue: Catalogue, name: str) -> None:
     kind = catalogue.task(name)
     own = language("es", COMMON, task_folder(kind))

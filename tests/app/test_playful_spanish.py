@@ -12,7 +12,7 @@ from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import make_plan
 from tests.app.app_driver import AppDriver, open_app
 
-TASKS = ("keyboard", "pairs", "reaching")
+TASKS = tuple(Catalogue().task_names())
 USTED = re.compile(
     r"\b(su(?! sesgo)|sus|usted|le damos|verle|lo ha|ha (hecho|tenido)|haya vuelto"
     r"|tómese|hágal[oa]|púlsela|manténgala|(des)?conéctelo|tiene (?!\{)|puede (leer|desc)"

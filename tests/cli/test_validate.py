@@ -59,7 +59,7 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
     called = call("validate", "--only", "modularity", "--json")
     assert called.code == 0
     rows = {row["task"]: row for row in called.json["modularity"]}
-    assert set(rows) == {"keyboard", "pairs", "reaching"}
+    assert set(rows) >= {"keyboard", "pairs", "reaching"}
     for row in rows.values():
         assert row["shared"] == row["framework_lines"] / (row["framework_lines"] + row["own_lines"])
         assert row["shared"] >= 0.75
