@@ -29,6 +29,7 @@ from tests.untranslated import english_in, phrases
 pytestmark = pytest.mark.usefixtures("fewer_blocks")
 
 TASKS = tuple(Catalogue().task_names())
+USUAL: dict[str, object] = {"attempts": 6, "practice_attempts": 1}
 SETTINGS: dict[str, dict[str, object]] = {
     "keyboard": {"attempts": 6, "prompts_per_attempt": 3, "practice_attempts": 1, "start_level": 9},
     "pairs": {"attempts": 6, "prompts_per_attempt": 4, "practice_attempts": 1, "policy": "race"},
@@ -83,7 +84,7 @@ def test_the_remarks_of_reaching_are_checked_and_none_asks_for_a_trial_that_will
 def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: str, code: str, data: Path) -> None:
     catalogue = Catalogue()
     wanted = {"language": code, "feedback_form": "qualitative", "feedback_schedule": "every"}
-    plan = make_plan(catalogue, name, ["P1"], {**SETTINGS.get(name, {"attempts": 4}), **wanted}, seed=3, mode="simulated")
+    plan = make_plan(catalogue, name, ["P1"], {**SETTINGS.get(name, USUAL), **wanted}, seed=3, mode="simulated")
     session = simulate(plan, PEOPLE[person], data, catalogue)
     database = connect(data)
     try:
@@ -102,7 +103,7 @@ def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: st
 def reported(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
     """All that a simulated participant of a whole session reads and hears."""
     catalogue = Catalogue()
-    settings = {"language": code, "feedback_form": "both", **SETTINGS.get(name, {"attempts": 4})}
+    settings = {"language": code, "feedback_form": "both", **SETTINGS.get(name, USUAL)}
     plan = make_plan(catalogue, name, ["P1"], settings, seed=3, mode="simulated")
     session = simulate(plan, PEOPLE[person], data, catalogue)
     database = connect(data)
