@@ -10,7 +10,7 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus
-from sar_tui.framework.clock import MS, SECOND, host_now
+from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.tone import Tone
 from sar_tui.framework.topics import KEY, TONE_BEGAN, TONE_DUE, TONES_AHEAD, VOIDED
@@ -195,3 +195,14 @@ def test_a_process_that_cannot_be_started_fails_the_tone(
     bus, _, began = rig
     press(bus, "d")
     assert [(one.source, one.detail) for one in began] == [("failed", "They cannot be played (no more processes).")]
+
+
+def test_on_a_virtual_clock_nothing_is_played(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(tone_process, "ToneProcess")
+    clock = VirtualClock(5 * SECOND)
+    bus, began = Bus(clock), list[m.ToneBegan]()
+    for each in (Source(), PromptTones("sound")):
+        each.attach(bus)
+    bus.subscribe(TONE_BEGAN, began.append)
+    press(bus, "ad")
+    assert [(one.source, one.at) for one in began] == [("virtual", 5 * SECOND)]
