@@ -1,6 +1,7 @@
 """Checks a task's texts: their translations in ``words.<language>.toml``, and remarks without numbers."""
 
 import ast
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from sar_tui.plugins import Catalogue, PluginError, task_folder
 
 _FRAMEWORK = Path(sar_tui.__file__).parent / "framework"
 _APP = Path(sar_tui.__file__).parent / "app"
+_SYMBOLS = ("ms", "s", "Hz", "cm", "%", "/s")
+"""Units that are the same in all languages."""
 
 
 def problems(kind: type[Task]) -> list[str]:
@@ -46,7 +49,7 @@ def declared(kind: type[Task]) -> set[str]:
     texts = {kind.title, kind.summary, kind.trains, kind.trials}
     texts |= set() if metric.is_none else {metric.label, metric.improved, metric.worsened}
     texts.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
-    texts.update(text for measure in kind.measured for text in (measure.title, measure.unit))
+    texts.update(text for measure in kind.measured for text in (measure.title, measure.unit) if text not in _SYMBOLS)
     texts.update(text for mark in kind.marks for text in (mark.title, mark.remark))
     return texts - {""}
 
@@ -79,6 +82,15 @@ def all_texts(catalogue: Catalogue) -> set[str]:
             continue
         texts |= declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py")))
     return texts
+
+
+def translated(catalogue: Catalogue, code: str) -> set[str]:
+    """Return the English texts of the screens and tasks that are translated into a language, whatever the theme."""
+    kinds = []
+    for name in catalogue.task_names():
+        with contextlib.suppress(PluginError):
+            kinds.append(catalogue.task(name))
+    return set(language(code, _FRAMEWORK, _APP, *map(task_folder, kinds)).texts)
 
 
 def texts_in(source: str) -> set[str]:

@@ -1,6 +1,6 @@
 """Checks a theme's folder."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 
 import msgspec
@@ -9,7 +9,7 @@ from sar_tui.checks.check import Check
 from sar_tui.framework.contrast import cut
 from sar_tui.framework.theme import ENGLISH, ThemeError
 from sar_tui.theme_folder import Reading, languages, read
-from sar_tui.theme_folder.screen_texts import read_texts
+from sar_tui.theme_folder.screen_texts import read_texts, screen_texts
 
 _LOOKS = {
     "settings": "has a title, a summary, and dark = true or false",
@@ -28,25 +28,31 @@ class Contrast(msgspec.Struct, frozen=True):
 
 
 class Report(msgspec.Struct, frozen=True):
-    """Results of checking a theme. ``english``: the situations in which English is spoken, by language."""
+    """Results of checking a theme.
+
+    ``english``: the situations in which English is spoken, by language. ``missing``: the texts of the screens that are
+    shown in English, by language.
+    """
 
     theme: str
     languages: tuple[str, ...]
     checks: tuple[Check, ...]
     contrasts: tuple[Contrast, ...] = ()
     english: dict[str, tuple[str, ...]] = {}
+    missing: dict[str, tuple[str, ...]] = {}
 
     @property
     def passed(self) -> bool:
         return all(check.ok for check in self.checks)
 
 
-def check(folder: Path, texts: Collection[str]) -> Report:
+def check(folder: Path, texts: Collection[str], translated: Callable[[str], Collection[str]] | None = None) -> Report:
     """Check a theme's folder in each of its languages.
 
     Args:
         folder: of the theme.
         texts: the English texts of the screens and tasks, for which a theme may have its own wordings.
+        translated: returns those that are in a language without the theme; None: all of them.
     """
     spoken = languages(folder) or (ENGLISH,)
     readings: dict[str, Reading] = {}
@@ -67,7 +73,25 @@ def check(folder: Path, texts: Collection[str]) -> Report:
         (can_be_read, *_look(some, contrasts), *_words(readings), *_screens(folder, texts)),
         contrasts,
         {language: reading.english for language, reading in readings.items() if reading.english},
+        {} if translated is None else missing(folder, texts, translated),
     )
+
+
+def missing(
+    folder: Path, texts: Collection[str], translated: Callable[[str], Collection[str]]
+) -> dict[str, tuple[str, ...]]:
+    """Return the texts of the screens that a theme leaves in English, for each of its languages that leaves some."""
+    found = {}
+    for language in languages(folder):
+        if language == ENGLISH:
+            continue
+        try:
+            own, _ = screen_texts(folder, language)
+        except ThemeError:  # reported by the check of that file
+            own = {}
+        if left := set(texts) - set(own) - set(translated(language)):
+            found[language] = tuple(sorted(left))
+    return found
 
 
 def _contrasts(reading: Reading) -> tuple[Contrast, ...]:

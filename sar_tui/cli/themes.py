@@ -1,5 +1,7 @@
 """``sar-tui themes``: lists, creates and checks themes."""
 
+import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -74,11 +76,14 @@ def new_theme(
     tasks: Tasks = None,
 ) -> None:
     """Create a theme as a copy of another."""
+    from sar_tui.checks.task_translations import all_texts, translated
+    from sar_tui.checks.theme import missing
     from sar_tui.cli.theme_scaffold import make
     from sar_tui.plugins import user_folder
 
     own = user_folder() / "themes"
-    folder = make(name, model, to or own, Home.of(context, data, tasks).catalogue())
+    catalogue = Home.of(context, data, tasks).catalogue()
+    folder = make(name, model, to or own, catalogue)
     found = folder.parent == own.resolve()
     hint = "" if found else f"\nTo choose it in a session, move it to {own}."
     console().print(
@@ -87,6 +92,13 @@ def new_theme(
         markup=False,
         soft_wrap=True,
     )
+    for language, texts in missing(folder, all_texts(catalogue), partial(translated, catalogue)).items():
+        console().print(
+            f"! In {language}, {len(texts)} texts of the screens are shown in English, unless words.{language}.toml "
+            "translates them. The check lists them.",
+            markup=False,
+            soft_wrap=True,
+        )
 
 
 @app.command("check")
@@ -98,11 +110,11 @@ def check_theme(
     tasks: Tasks = None,
 ) -> None:
     """Test a theme: every wording in every language, contrast, faces, gestures."""
-    from sar_tui.checks.task_translations import all_texts
+    from sar_tui.checks.task_translations import all_texts, translated
     from sar_tui.checks.theme import check
 
-    home = Home.of(context, data, tasks)
-    report = check(_folder(theme, home), all_texts(home.catalogue()))
+    catalogue = (home := Home.of(context, data, tasks)).catalogue()
+    report = check(_folder(theme, home), all_texts(catalogue), partial(translated, catalogue))
     if as_json:
         rows = [{"check": c.check, "ok": c.ok, "problems": c.problems, "found": c.found} for c in report.checks]
         print_json(
@@ -113,6 +125,7 @@ def check_theme(
                 "checks": rows,
                 "contrasts": report.contrasts,
                 "english": report.english,
+                "missing": report.missing,
             }
         )
     else:
@@ -141,5 +154,15 @@ def _print(report: "Report") -> None:
         out.print(f"{'✓' if check.ok else '✗'} {check.check}{found}", markup=False, soft_wrap=True)
         for problem in check.problems:
             out.print(f"    {problem}", markup=False, soft_wrap=True)
+    for language, texts in report.missing.items():
+        out.print(
+            f"! has the texts of the screens in {language}. These {len(texts)} are shown in English, unless "
+            f"words.{language}.toml translates them:",
+            markup=False,
+            soft_wrap=True,
+        )
+        for text in texts:
+            line = f'    {json.dumps(text, ensure_ascii=False)} = ""'
+            out.print(line, markup=False, highlight=False, soft_wrap=True)
     if report.passed:
         out.print(f"{report.theme} passes all checks.", markup=False)

@@ -1,0 +1,70 @@
+"""The page of all texts that a theme can set is up to date; and a theme is told which of them it lacks."""
+
+import json
+import os
+from pathlib import Path
+
+import sar_tui
+from sar_tui.checks.task_translations import all_texts, declared, texts_in, translated
+from sar_tui.checks.theme import missing
+from sar_tui.framework.language import read_words
+from sar_tui.plugins import Catalogue, task_folder
+from tests.program import Call
+
+PAGE = Path(__file__).parents[2] / "docs" / "screen-texts.md"
+_PACKAGE = Path(sar_tui.__file__).parent
+_HEAD = """# All texts of the screens
+
+These are the texts on the screens of participants and therapists that a theme can set, and that a new language
+translates, in `words.<language>.toml` ([themes and words](themes-and-words.md)). The English text is the key; slots
+such as `{count}` stay. What the agent says is in `phrases.<language>.toml`. This page is made from the program's lists.
+"""
+
+
+def section(title: str, texts: set[str]) -> str:
+    """A list of texts, as lines of a file of words."""
+    lines = "\n".join(f'{json.dumps(text, ensure_ascii=False)} = ""' for text in sorted(texts))
+    return f"\n## {title}\n\n```toml\n{lines}\n```\n"
+
+
+def page(catalogue: Catalogue) -> str:
+    """The page as it has to be."""
+    shown, session = (set(read_words(_PACKAGE / name / "words.es.toml")) for name in ("app", "framework"))
+    made = [_HEAD, section("Screens", shown), section("Instructions, goals and messages of a session", session - shown)]
+    for name in catalogue.task_names():
+        kind = catalogue.task(name)
+        own = declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py")))
+        made.append(section(f"The task {name}", own - shown - session))
+    return "".join(made)
+
+
+def test_the_page_lists_all_texts(catalogue: Catalogue) -> None:
+    made = page(catalogue)
+    assert all(json.dumps(text, ensure_ascii=False) in made for text in all_texts(catalogue))
+    if os.environ.get("SAR_TUI_UPDATE_SNAPSHOTS"):
+        PAGE.write_text(made, encoding="utf-8")
+    assert PAGE.read_text(encoding="utf-8") == made, "write it anew with SAR_TUI_UPDATE_SNAPSHOTS=1"
+
+
+def test_no_text_is_missing_in_spanish(catalogue: Catalogue) -> None:
+    texts = all_texts(catalogue)
+    for name in catalogue.theme_names():
+        assert missing(catalogue.theme_folder(name), texts, lambda code: translated(catalogue, code)) == {}
+
+
+def test_a_new_language_of_a_theme_is_told_what_it_lacks(call: Call, tmp_path: Path) -> None:
+    assert call("themes", "new", "abend", "--to", tmp_path).out.count("!") == 0
+    folder = tmp_path / "abend"
+    (folder / "phrases.de.toml").write_text((folder / "phrases.en.toml").read_text())
+    (folder / "words.de.toml").write_text('"Press {key} to start." = "{key} drücken."\n', encoding="utf-8")
+    called = call("themes", "check", folder)
+    assert called.code == 0
+    assert '    "1 minute" = ""\n' in called.out
+    assert '"Press {key} to start." = ""' not in called.out
+    assert "shown in English, unless words.de.toml translates them" in called.out
+    found = call("themes", "check", folder, "--json").json["missing"]
+    assert list(found) == ["de"]
+    assert f"These {len(found['de'])} are shown" in called.out
+    (tmp_path / "more").mkdir()
+    again = call("themes", "new", "spaet", "--from", "calm", "--to", tmp_path / "more")
+    assert "shown in English" not in again.out
