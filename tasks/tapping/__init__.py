@@ -1,0 +1,1 @@
+"""The finger tapping test."""

@@ -1,0 +1,36 @@
+"""The rate of healthy adults in the finger tapping test."""
+
+from collections.abc import Sequence
+from statistics import fmean
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect
+
+from .task import KEY, TappingTask
+
+
+class WithoutHurry(TappingTask):
+    """The same task for people who tap once a second."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        return [(at, KEY) for at in range(500, round(self.parameters.seconds * 1000), 1000)]
+
+
+def taps(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the mean number of taps."""
+    counts = [trial.value for trial in trials if trial.value is not None]
+    return fmean(counts) if counts else None
+
+
+EFFECT = Effect(
+    title="taps in ten seconds",
+    unit="taps",
+    low=50,
+    high=60,
+    source="FePsy, after Halstead-Reitan: 50 to 60",
+    measure=taps,
+    without=WithoutHurry,
+    settings={"attempts": 5},
+)

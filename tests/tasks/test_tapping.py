@@ -1,0 +1,65 @@
+"""The tapping task: the taps of a round, their regularity, and what is no tap."""
+
+from statistics import fmean, stdev
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import PROMPT, TRIAL
+from sar_tui.plugins import Catalogue
+from sar_tui.validation.effects import effects, play
+from tests.loop_driver import LoopDriver
+
+
+@pytest.fixture(scope="module")
+def tapping() -> type[Task]:
+    return Catalogue().task("tapping")
+
+
+@pytest.fixture
+def driver(tapping: type[Task], calm: Theme) -> LoopDriver:
+    """Begin a round of two seconds."""
+    driver = LoopDriver(tapping, calm, attempts=1, seconds=2)
+    driver.start()
+    return driver
+
+
+def tap(driver: LoopDriver, *intervals_ms: float) -> None:
+    for interval in intervals_ms:
+        driver.wait(interval)
+        driver.press("space")
+
+
+def test_taps_are_counted_for_the_time_of_the_round(driver: LoopDriver) -> None:
+    tap(driver, 300, 200, 150, 250, 200)
+    driver.press("x")
+    driver.wait(1500)
+    tap(driver, 100)  # it is over
+    row = driver.last(TRIAL)
+    assert (row.value, row.correct) == (5.0, True)
+    assert row.details["interval_ms"] == pytest.approx(200, abs=1)
+    assert row.details["variation"] == pytest.approx(stdev((200, 150, 250, 200)) / 200, abs=0.01)
+    assert row.details["first_ms"] == pytest.approx(300, abs=5)
+
+
+def test_a_held_key_is_one_tap(driver: LoopDriver) -> None:
+    driver.wait(300)
+    driver.hold("space", 900)
+    driver.wait(2000)
+    assert driver.last(TRIAL).value == 1.0
+
+
+def test_a_round_without_taps_is_missed(driver: LoopDriver) -> None:
+    driver.wait(3000)
+    row = driver.last(TRIAL)
+    assert (row.correct, row.value, row.details["taps"]) == (False, None, 0)
+    assert driver.all(PROMPT)
+
+
+def test_people_tap_at_the_published_rate_and_those_without_hurry_do_not(tapping: type[Task], calm: Theme) -> None:
+    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tapping)
+    for kind, is_shown in ((tapping, True), (effect.without, False)):
+        values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 6)]
+        mean = fmean(value for value in values if value is not None)
+        assert (effect.low <= mean <= effect.high) is is_shown
