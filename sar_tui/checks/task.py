@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.checks import level_steps, task_prompts, task_texts, task_translations, task_view
+from sar_tui.checks import level_steps, task_prompts, task_state, task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
 from sar_tui.framework import frames
 from sar_tui.framework.bus import FAULT, Record
@@ -187,16 +187,19 @@ def _timing_problem(prompt: Stimulus, parameters: TaskParameters, where: str) ->
 
 def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     done: list[Simulated] = []
+    calls: list[task_state.Call] = []
     with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
         for person in PEOPLE.values():
             name = f"runs a whole session with a{'n' if person.name[0] in 'aeiou' else ''} {person.name} participant"
             try:
-                simulated = _simulate(kind, parameters, person, Path(folder))
+                played = kind if done else task_state.recorded(kind, calls)
+                simulated = _simulate(played, parameters, person, Path(folder))
             except PLUGIN_ERRORS as error:
                 yield _check(name, _reason(error))
                 return
             yield _check(name, _outcome(kind, simulated, parameters))
             done.append(simulated)
+    yield _check("keeps no state from call to call", lambda: task_state.problem(kind(parameters), calls, SEED))
     yield _check("stores only the details that it declares", _details(kind, done))
     prompts = [
         prompt.shown(frame)

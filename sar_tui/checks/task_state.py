@@ -1,0 +1,70 @@
+"""Checks that a task keeps no state: a new one gives the same answers in another order."""
+
+import random
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import PastAttempt, Situation, Trial
+
+_METHODS = ("condition", "stimulus", "perceived", "timed_out", "score", "measures", "learning", "trials_at", "target")
+_GIVEN = ("names", "rules", "tr")
+"""Attributes of a task that the session sets."""
+_MOST_KEPT = 5000
+_MOST_ASKED = 400
+
+
+class Call(NamedTuple):
+    """A call of a task's method in a session, and what it returned."""
+
+    method: str
+    arguments: tuple[Any, ...]
+    returned: Any
+    given: dict[str, Any]
+
+
+def recorded(kind: type[Task], calls: list[Call]) -> type[Task]:
+    """Return a subclass of a task that is used like it, and keeps the calls of its methods."""
+    wrapped = {name: _wrapped(name, getattr(kind, name), calls) for name in _METHODS}
+    return type(kind.__name__, (kind,), {**wrapped, "__module__": kind.__module__, "__doc__": kind.__doc__})
+
+
+def _wrapped(name: str, method: Callable[..., Any], calls: list[Call]) -> Callable[..., Any]:
+    def call(self: Task, *arguments: Any) -> Any:
+        kept = tuple(list(each) if isinstance(each, list) else each for each in arguments)
+        returned = method(self, *arguments)
+        if len(calls) < _MOST_KEPT and "target" not in vars(self):  # not of a copy with another goal
+            calls.append(Call(name, kept, returned, {given: getattr(self, given) for given in _GIVEN}))
+        return returned
+
+    return call
+
+
+def problem(task: Task, calls: list[Call], seed: int) -> str:
+    """Return a sentence if a new task answers calls that were made in a session otherwise, in a shuffled order."""
+    shuffled = random.Random(seed).sample(calls, min(len(calls), _MOST_ASKED))
+    for call in shuffled:
+        vars(task).update(call.given)
+        try:
+            returned = getattr(task, call.method)(*call.arguments)
+        except PLUGIN_ERRORS as error:
+            return f"{_where(call)} it raised {type(error).__name__} when it was asked in another order ({error})."
+        if returned != call.returned:
+            return (
+                f"{_where(call)} it returned something else when a new task was asked in another order. Does it keep "
+                "something from call to call? What it needs is in its arguments: see trial.percepts, situation.results "
+                "and situation.history."
+            )
+    return ""
+
+
+def _where(call: Call) -> str:
+    """Return the method and the place in the session: "In stimulus, at attempt 2, trial 3,"."""
+    for argument in call.arguments:
+        place = argument.situation if isinstance(argument, Trial) else argument
+        if isinstance(place, Situation):
+            return f"In {call.method}, at attempt {place.attempt}, trial {place.trial},"
+        if isinstance(place, PastAttempt):
+            return f"In {call.method}, at attempt {place.attempt},"
+    return f"In {call.method}"
