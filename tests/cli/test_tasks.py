@@ -22,8 +22,8 @@ Change = Callable[[str, str], Path]
 @pytest.fixture
 def tapping(call: Call, tmp_path: Path) -> Path:
     """The folder of a new task."""
-    assert call("tasks", "new", "tapping", "--like", "count", "--to", tmp_path / "mine").code == 0
-    return tmp_path / "mine" / "tapping"
+    assert call("tasks", "new", "drumming", "--like", "count", "--to", tmp_path / "mine").code == 0
+    return tmp_path / "mine" / "drumming"
 
 
 @pytest.fixture
@@ -73,11 +73,11 @@ def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change:
     folder = change("import msgspec", "import no_such_library").parent
     called = call("tasks", "--tasks", folder)
     assert called.code == 0
-    assert "✗ tapping: The task tapping cannot be loaded: ModuleNotFoundError" in called.out
+    assert "✗ drumming: The task drumming cannot be loaded: ModuleNotFoundError" in called.out
     assert "keyboard" in called.out
     broken = call("tasks", "--tasks", folder, "--json").json["tasks"][-1]
     assert set(broken) == {"name", "error"}
-    assert call("simulate", "tapping", "--user", "poor", "--tasks", folder).code == 2
+    assert call("simulate", "drumming", "--user", "poor", "--tasks", folder).code == 2
 
 
 def test_a_task_shows_its_parameters(call: Call) -> None:
@@ -109,7 +109,7 @@ def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None
     called = call("tasks", "check", tapping)
     assert called.code == 0
     assert "✗" not in called.out
-    rows = call("simulate", "tapping", "--user", "competent", "--seed", 1, "--tasks", tapping.parent, "--json").json
+    rows = call("simulate", "drumming", "--user", "competent", "--seed", 1, "--tasks", tapping.parent, "--json").json
     assert {row["metric_unit"] for row in rows["attempts"]} == {"taps/s"}
     assert len({row["level"] for row in rows["attempts"]}) > 1
 
@@ -140,7 +140,7 @@ def test_an_unknown_pattern_is_bad_input(call: Call, tmp_path: Path) -> None:
 def test_creating_a_task_prints_how_to_try_it(call: Call, tapping: Path) -> None:
     readme = (tapping / "README.md").read_text()
     assert f"sar-tui tasks check {tapping}" in readme
-    assert f"sar-tui run tapping -p P01 --tasks {tapping.parent}" in readme
+    assert f"sar-tui run drumming -p P01 --tasks {tapping.parent}" in readme
     assert "view.py" in readme
     assert "xample" not in (tapping / "task.py").read_text()
 
@@ -148,7 +148,7 @@ def test_creating_a_task_prints_how_to_try_it(call: Call, tapping: Path) -> None
 def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
     def rate(user: str) -> float:
         fixed = ("--set", "difficulty_policy=fixed", "--attempts", 3, "--seed", 1, "--tasks", tapping.parent)
-        rows = call("simulate", "tapping", "--user", user, *fixed, "--json").json["attempts"]
+        rows = call("simulate", "drumming", "--user", user, *fixed, "--json").json["attempts"]
         return float(sum(row["metric"] for row in rows))
 
     assert rate("poor") < rate("average") < rate("competent")
@@ -164,7 +164,7 @@ def test_an_invalid_name_is_bad_input(call: Call, tmp_path: Path, name: str) -> 
 
 def test_an_existing_folder_is_never_overwritten(call: Call, tapping: Path) -> None:
     (tapping / "task.py").write_text("mine")
-    called = call("tasks", "new", "tapping", "--to", tapping.parent)
+    called = call("tasks", "new", "drumming", "--to", tapping.parent)
     assert called.code == 2
     assert "exists already" in called.err
     assert (tapping / "task.py").read_text() == "mine"
@@ -183,7 +183,7 @@ def test_the_bundled_task_passes_its_check(call: Call) -> None:
 
 def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path: Path) -> None:
     printed = call("tasks", "check", tapping, "--json").json
-    assert (printed["task"], printed["passed"]) == ("tapping", True)
+    assert (printed["task"], printed["passed"]) == ("drumming", True)
     assert all(set(row) == {"check", "ok", "problem", "warning"} and row["ok"] for row in printed["checks"])
     assert not (tmp_path / "data").exists()
 
@@ -191,9 +191,9 @@ def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("import msgspec", "import no_such_library", "✗ can be loaded. The task tapping cannot be loaded: ModuleNotF"),
-        ("import msgspec", "raise SystemExit(0)", "✗ can be loaded. The task tapping cannot be loaded: SystemExit"),
-        ("def perceived", "def perceive", "✗ can be loaded. The task tapping does not define perceived."),
+        ("import msgspec", "import no_such_library", "✗ can be loaded. The task drumming cannot be loaded: ModuleNotF"),
+        ("import msgspec", "raise SystemExit(0)", "✗ can be loaded. The task drumming cannot be loaded: SystemExit"),
+        ("def perceived", "def perceive", "✗ can be loaded. The task drumming does not define perceived."),
         ('title = "Finger tapping"', 'title = " "', "✗ declares its title and metric. Its title is empty."),
         ('"tapping_rate"', '"the rate"', "✗ declares its title and metric. Its metric's name"),
         ("    wrong_share: Annotated[\n", "    extra: int = 3\n    wrong_share: Annotated[\n",
@@ -203,7 +203,7 @@ def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path
         ('f"Tap: {keys}"', 'f"Tap:\\n{keys}"', "is not one line of plain text at level 1, trial 1"),
         ('f"Tap: {keys}"', 'f"Tap: {keys} {__import__(\'time\').monotonic_ns()}"', "differs when asked for"),
         ("SEQUENCES[situation.level - 1]", "SEQUENCES[situation.level]", "asked twice. It raised IndexError"),
-        ("right = 0\n", "right = 0\n        boom\n", "poor participant. The task tapping failed (NameError"),
+        ("right = 0\n", "right = 0\n        boom\n", "poor participant. The task drumming failed (NameError"),
         ("performance.reaction_ms / 2", "performance.reaction_ms / 0", "The node participant failed at event_handl"),
         ("value=right / seconds", "value=None", "10 of 10 attempts have no metric"),
         ("value=right / seconds", "value=float('inf')", "a number in it is not finite"),
@@ -229,7 +229,7 @@ def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) 
     folder = Path(shutil.copytree(tapping, tapping.parent / "other"))
     called = call("tasks", "check", folder)
     assert called.code == 1
-    assert "has the name tapping" in called.out
+    assert "has the name drumming" in called.out
 
 
 def test_checking_a_missing_folder_is_bad_input(call: Call, tmp_path: Path) -> None:
