@@ -163,6 +163,8 @@ def waiting_text(state: SessionState) -> str:
     if waiting is None:
         return f"Session: {UNKNOWN}"
     text = _WAITING[waiting.what]
+    if waiting.step:
+        text = f"{text}: {waiting.step.step.text}" if waiting.step.step.is_question else waiting.step.step.text
     if waiting.what == "answer" and state.arbiter and any(one.deadline for one in state.arbiter.pending):
         text = "Waits for a decision"
     if waiting.what == "enter" and waiting.until:
