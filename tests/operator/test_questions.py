@@ -1,6 +1,6 @@
 """An operator sees the question that a participant is asked, and not what they choose or type."""
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from sar_tui.framework.messages import AskedStep
 from sar_tui.framework.steps.entry import Entry
