@@ -1,0 +1,1 @@
+"""The serial reaction time task (Nissen & Bullemer 1987)."""

@@ -1,0 +1,38 @@
+"""The learning of the sequence in the serial reaction time task."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect, mean_time
+
+from .task import RANDOM, SerialTask
+
+
+class WithoutLearning(SerialTask):
+    """The same task for people who do not learn the sequence."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        return [(performance.reaction_ms, stimulus.expected)]
+
+
+def learnt_ms(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the mean reaction time in the last attempt in random order minus that in the attempt before it, ms."""
+    last = max((trial.attempt for trial in trials if trial.data["order"] == RANDOM), default=0)
+    before, in_random = (
+        mean_time([trial for trial in trials if trial.attempt == attempt]) for attempt in (last - 1, last)
+    )
+    return None if before is None or in_random is None else in_random - before
+
+
+EFFECT = Effect(
+    title="random order minus sequence",
+    unit="ms",
+    low=30,
+    high=132,
+    source="Nissen & Bullemer 1987: 132 after 80 repetitions, less after fewer",
+    measure=learnt_ms,
+    without=WithoutLearning,
+    settings={"attempts": 4, "prompts_per_attempt": 60},
+)
