@@ -57,7 +57,8 @@ def test_sessions_of_an_invalid_code_is_bad_input(call: Call) -> None:
 
 def test_show_json_has_session_attempts_and_trials(call: Call, simulated: str) -> None:
     printed = call("show", simulated, "--json").json
-    assert set(printed) == {"session", "attempts", "trials", "outputs", "markers", "wellbeing", "adverse_events"}
+    more = {"outputs", "markers", "wellbeing", "adverse_events", "answers"}
+    assert set(printed) == {"session", "attempts", "trials"} | more
     assert printed["session"]["id"] == simulated
     assert len(printed["attempts"]) == 4
     assert len(printed["trials"]) == 80

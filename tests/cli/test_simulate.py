@@ -7,6 +7,7 @@ import pytest
 
 from sar_tui.cli.simulate import User
 from sar_tui.outputs.output import Output
+from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.program import Call
 
@@ -120,7 +121,8 @@ def test_bad_parameters_point_to_the_list_of_them(call: Call) -> None:
 
 def test_an_unknown_task_is_bad_input(call: Call) -> None:
     called = call("simulate", "juggling", "--user", "poor")
-    assert (called.code, called.err) == (2, "There is no task juggling. Choose one of: keyboard, pairs, reaching.\n")
+    names = ", ".join(Catalogue().task_names())
+    assert (called.code, called.err) == (2, f"There is no task juggling. Choose one of: {names}.\n")
 
 
 def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(call: Call, tmp_path: Path) -> None:
