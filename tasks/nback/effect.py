@@ -1,0 +1,40 @@
+"""The effect of load in the n-back task."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect
+
+from .task import KEY, NbackTask
+
+
+class WithoutLoad(NbackTask):
+    """The same task for people who remember two letters as well as one."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        return [(performance.reaction_ms, KEY)] if stimulus.data["target"] is not performance.slips else []
+
+
+def load_effect(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the share of letters judged right at n = 1 minus that at n = 2, in percent."""
+    one, two = ([trial.correct for trial in trials if trial.data["n"] == n] for n in (1, 2))
+    return 100 * (sum(one) / len(one) - sum(two) / len(two)) if one and two else None
+
+
+EFFECT = Effect(
+    title="right at n = 1 minus n = 2",
+    unit="%",
+    low=2,
+    high=15,
+    source="Bopp & Verhaeghen 2020: nearly all right at 1, fewer at 2; the limits are ours",
+    measure=load_effect,
+    without=WithoutLoad,
+    settings={
+        "attempts": 6,
+        "letters": 30,
+        "difficulty_policy": "sequence",
+        "level_sequence": (1, 2, 1, 2, 1, 2),
+    },
+)

@@ -1,0 +1,81 @@
+"""The n-back task: its letters and their pace, its score, and the effect of load on its simulated people."""
+
+from statistics import NormalDist, fmean
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import TRIAL
+from sar_tui.framework.trial_types import Result
+from sar_tui.plugins import Catalogue
+from sar_tui.validation.effects import effects, play
+from tests.loop_driver import LoopDriver
+
+
+@pytest.fixture(scope="module")
+def nback() -> type[Task]:
+    return Catalogue().task("nback")
+
+
+def results(hits: int, misses: int, alarms: int, passed: int) -> list[Result]:
+    return [
+        *[Result(correct=True, response="space")] * hits,
+        *[Result(correct=False)] * misses,
+        *[Result(correct=False, response="space")] * alarms,
+        *[Result(correct=True)] * passed,
+    ]
+
+
+def test_the_score_is_hits_minus_false_alarms(nback: type[Task]) -> None:
+    task = nback(nback.Parameters())
+    score = task.score(results(hits=8, misses=2, alarms=1, passed=19))
+    assert score.metric == pytest.approx(80 - 5)
+    assert score.accuracy == pytest.approx(27 / 30)
+    assert task.score(results(0, 10, 0, 20)).metric == 0  # nothing is pressed
+    assert task.score(results(10, 0, 20, 0)).metric == 0  # all is pressed
+
+
+def test_d_prime_has_half_a_response_more_in_each_count(nback: type[Task]) -> None:
+    task = nback(nback.Parameters())
+    found = task.measures(results(hits=8, misses=2, alarms=1, passed=19))["d_prime"]
+    cdf = NormalDist().cdf
+    criterion = -NormalDist().inv_cdf(1.5 / 21)
+    assert cdf(found - criterion) == pytest.approx(8.5 / 11)
+    assert task.measures(results(5, 5, 5, 5))["d_prime"] == pytest.approx(0)
+
+
+def test_letters_keep_their_pace_and_only_the_first_press_counts(nback: type[Task], calm: Theme) -> None:
+    driver = LoopDriver(nback, calm, attempts=1, letters=10)
+    driver.start()
+    driver.wait(700)
+    driver.press("x")
+    driver.press("space")
+    driver.wait(300)
+    driver.press("space")
+    driver.wait(1000)
+    assert driver.all(TRIAL) == []
+    driver.wait(1000)
+    (first,) = driver.all(TRIAL)
+    assert (first.response, first.correct) == ("space", False)  # nothing comes before the first letter
+    assert first.reaction_time_ms == pytest.approx(700, abs=10)
+    driver.wait(2500)
+    assert len(driver.all(TRIAL)) == 2
+
+
+def test_as_many_letters_as_declared_are_the_same_and_people_show_the_effect_of_load(
+    nback: type[Task], calm: Theme
+) -> None:
+    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is nback)
+    for kind, is_shown in ((nback, True), (effect.without, False)):
+        sessions = [play(kind, effect, calm, seed) for seed in range(1, 5)]
+        values = [effect.measure(trials) for trials in sessions]
+        mean = fmean(value for value in values if value is not None)
+        assert (effect.low <= mean <= effect.high) is is_shown
+    for attempt, n in ((1, 1), (2, 2)):
+        trials = [trial for trial in sessions[0] if trial.attempt == attempt]
+        letters = [trial.stimulus for trial in trials]
+        assert len(letters) == 30 + n
+        same = [place >= n and letter == letters[place - n] for place, letter in enumerate(letters)]
+        assert same == [trial.data["target"] for trial in trials]
+        assert sum(same) == 9
