@@ -18,7 +18,7 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
-SESSIONS, QUICK_SESSIONS = 200, 6
+SESSIONS, QUICK_SESSIONS = 200, 16
 PERSON = "average"
 
 
