@@ -37,8 +37,10 @@ def refusal(task: Task, seed: int, *, no_color: bool) -> str:
     """Return a sentence that says why a task's prompts cannot be shown here; empty if they can.
 
     Looks at the prompts of a session with this seed, at all levels. A task that fails has no prompts here: its session
-    will say so.
+    will say so. A task whose code names neither colours nor pictures is not asked for prompts ahead of their time.
     """
+    if not _names_them(task_folder(type(task))):
+        return ""
     try:
         prompts = list(islice(_prompts(task, seed), PROMPTS))
     except PLUGIN_ERRORS:
@@ -48,6 +50,12 @@ def refusal(task: Task, seed: int, *, no_color: bool) -> str:
     if no_color and any(prompt.colour for prompt in prompts):
         return NO_COLOR
     return next(iter(picture_problems(prompts, task_folder(type(task)))), "")
+
+
+def _names_them(folder: Path) -> bool:
+    """Return True if the code of a task speaks of colours or pictures."""
+    sources = (file.read_text(encoding="utf-8", errors="replace") for file in folder.glob("*.py"))
+    return any(word in source for source in sources for word in ("colour", "picture"))
 
 
 def colour_problems(prompts: Iterable[Shown]) -> list[str]:
