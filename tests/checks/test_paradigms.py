@@ -12,7 +12,7 @@ OWN = Path(__file__).parents[1] / "paradigms"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["oddball", "span", "posner"])
+@pytest.mark.parametrize("name", ["oddball", "span", "cueing"])
 def test_a_paradigm_passes_the_check(name: str) -> None:
     assert [each.problems for each in check(OWN / name) if not each.ok] == []
 

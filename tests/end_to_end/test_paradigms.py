@@ -45,7 +45,7 @@ class Paradigm(NamedTuple):
 
 PARADIGMS = [
     Paradigm("span", 2, {r"Digit: (\d)": (), r"Type the digits\.": ()}, "Type the digits.", ("frame_onsets_ns",)),
-    Paradigm("posner", 6, {r"Star: left": ((250, "left"),), r"Star: right": ((250, "right"),)}, "Star", ()),
+    Paradigm("cueing", 6, {r"Star: left": ((250, "left"),), r"Star: right": ((250, "right"),)}, "Star", ()),
     Paradigm("oddball", 6, {r"Listen now\.": ((180, "space"),)}, "Listen now.", ("frame_onsets_ns", "tone_onsets_ns")),
     Paradigm(
         "beat", 1, {r"Tap with the beeps\.": [(600 * beat, "space") for beat in range(8)]}, "Tap", ("tone_onsets_ns",)
@@ -96,7 +96,7 @@ class Player:
 def tasks(tmp_path: Path) -> Path:
     """A folder of tasks outside the checkout."""
     folder = tmp_path / "mytasks"
-    for name in ("oddball", "span", "posner"):
+    for name in ("oddball", "span", "cueing"):
         shutil.copytree(OWN / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("stopping", "beat"):
         write_documented(folder, name)

@@ -8,8 +8,8 @@ VALID = 0.8
 LEAD_MS = 200
 
 
-class Posner(Task):
-    name = "posner"
+class Cueing(Task):
+    name = "cueing"
     title = "Where it appears"
     metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
 

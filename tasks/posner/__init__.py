@@ -1,0 +1,1 @@
+"""Posner's cueing task, with the agent's gaze as the cue."""

@@ -1,0 +1,36 @@
+"""The effect of a gaze in Posner's cueing task."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect, mean_time
+
+from .task import OTHER, PosnerTask
+
+
+class WithoutGaze(PosnerTask):
+    """The same task for people who do not heed where the agent looks."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
+        return [(performance.reaction_ms, key)]
+
+
+def cueing_ms(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the mean reaction time on the side that the agent did not look to, minus that on the other, ms."""
+    valid, other = (mean_time([trial for trial in trials if trial.data["valid"] is kind]) for kind in (True, False))
+    return None if valid is None or other is None else other - valid
+
+
+EFFECT = Effect(
+    title="other side minus side of the gaze",
+    unit="ms",
+    low=10,
+    high=30,
+    source="Friesen & Kingstone 1998, at leads of 105 to 600 ms",
+    measure=cueing_ms,
+    without=WithoutGaze,
+    settings={"attempts": 5, "prompts_per_attempt": 60},
+)
