@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import TRIAL
+from sar_tui.framework.topics import PROMPT, TRIAL
 from sar_tui.framework.trial_types import Result
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.effects import effects, play
@@ -61,6 +61,22 @@ def test_letters_keep_their_pace_and_only_the_first_press_counts(nback: type[Tas
     assert first.reaction_time_ms == pytest.approx(700, abs=10)
     driver.wait(2500)
     assert len(driver.all(TRIAL)) == 2
+
+
+def test_an_interrupted_attempt_begins_again_with_other_letters(nback: type[Task], calm: Theme) -> None:
+    driver = LoopDriver(nback, calm, attempts=1, letters=10)
+    driver.start()
+    driver.wait(7000)
+    before = [prompt.stimulus for prompt in driver.all(PROMPT)]
+    driver.operate("pause")
+    driver.wait(1000)
+    driver.operate("resume")
+    driver.wait(300)
+    driver.begin_attempt()
+    driver.wait(30_000)
+    again = [prompt.stimulus for prompt in driver.all(PROMPT)][len(before) :]
+    assert len(again) == 11
+    assert again[: len(before)] != before
 
 
 def test_as_many_letters_as_declared_are_the_same_and_people_show_the_effect_of_load(
