@@ -29,8 +29,8 @@ from sar_tui.framework.trial_types import (
 SEQUENCE = (0, 1, 0, 2, 3, 1, 2, 0, 3, 2, 1, 3)
 """Each pair of places comes once, and so does each place after another, whatever the place is called."""
 RANDOM, REPEATING = "random", "sequence"
-LEARNT_MS = 132.0
-"""By how much the sequence makes simulated people faster in the end: after eight blocks, Nissen & Bullemer (1987)."""
+LEARNT_MS = 130.0
+"""By how much the sequence makes simulated people faster in the end; chosen here."""
 REPETITIONS = 20.0
 """Repetitions after which they have 63 % of it."""
 

@@ -20,7 +20,7 @@ def leans(folder: Path) -> list[float]:
 
 
 def simulate(call: Call, folder: Path, user: str, *more: str) -> None:
-    settings = ("--set", "imu_trunk=simulated", "--seed", "5", "--attempts", "8", "--data", folder)
+    settings = ("--set", "imu_trunk=simulated", "--seed", "5", "--attempts", "4", "--data", folder)
     assert call("simulate", "reaching", "--user", user, *settings, *more).code == 0
 
 
@@ -30,7 +30,7 @@ def test_people_who_compensate_lean_farther_and_the_session_replays(call: Call, 
         assert call("replay", "last", "--data", tmp_path / user).code == 0
     assert median(leans(tmp_path / "competent")) < 5
     assert 10 < median(leans(tmp_path / "poor")) < 25
-    assert len(leans(tmp_path / "poor")) > 5
+    assert len(leans(tmp_path / "poor")) > 2
 
 
 def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(call: Call, tmp_path: Path) -> None:

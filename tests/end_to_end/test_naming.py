@@ -60,6 +60,7 @@ def begin(terminal: Terminal) -> None:
     terminal.press("enter")
 
 
+@pytest.mark.slow
 def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tmp_path: Path) -> None:
     task = naming(tmp_path)
     where = ("--data", str(data), "--tasks", str(task.parent))

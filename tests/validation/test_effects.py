@@ -11,6 +11,7 @@ from sar_tui.validation.report import Conditions
 from tests.documented import write_documented
 
 
+@pytest.mark.slow
 def test_each_declared_effect_is_shown_and_its_control_is_not() -> None:
     report = effects.run(Conditions(Catalogue(), is_quick=True))
     assert {row["task"] for row in report.rows} >= {"flanker"}
