@@ -6,6 +6,7 @@ import numpy as np
 
 from sar_tui.motion.changes import changes
 from sar_tui.motion.samples import Floats
+from sar_tui.motion.vectors import finite_only
 
 PLATEAU = 5
 """Least number of equal samples in a row that are a plateau."""
@@ -60,8 +61,7 @@ def turns_too_far(time_s: Floats, rate: Floats) -> bool:
         time_s: shape (n,), rising, in s.
         rate: angular rate, shape (n, 3), rad/s.
     """
-    usable = np.isfinite(rate).all(axis=1)
-    time_s, rate = time_s[usable], rate[usable]
+    time_s, rate = finite_only(time_s, rate)
     if len(time_s) < 2 or np.abs(rate).max() * max(TURN_S) <= TOO_FAR_RAD:
         return False
     steps = np.minimum(np.diff(time_s), 0.1)[:, None] * (rate[1:] + rate[:-1]) / 2.0

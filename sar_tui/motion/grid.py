@@ -8,6 +8,7 @@ import numpy as np
 from sar_tui.motion.filters import Spectrum
 from sar_tui.motion.rest import Rest, find_rest
 from sar_tui.motion.samples import Floats, Recording
+from sar_tui.motion.vectors import finite_only
 
 GAP_S = 0.1
 """Longest time between two samples that is not a hole."""
@@ -46,8 +47,7 @@ class Grid:
 
 def even(recording: Recording) -> Grid:
     """Return a recording's angular rate on an even grid, at its median rate. Empty below two usable samples."""
-    usable = np.isfinite(recording.rate).all(axis=1)
-    time, rate = recording.time_s[usable], recording.rate[usable]
+    time, rate = finite_only(recording.time_s, recording.rate)
     if len(time) < 2:
         return Grid(np.empty(0), np.empty((0, 3)), 0.0, np.empty((0, 2)))
     step = 1.0 / recording.rate_hz

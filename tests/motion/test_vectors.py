@@ -10,7 +10,7 @@ from sar_tui.motion.movement import percentile, stretches
 from sar_tui.motion.quaternions import from_rotation, integrate, multiply
 from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.tremor import ACTION_HZ, tremor_amplitude, tremor_in_movement, tremor_index
-from sar_tui.motion.vectors import lengths, mean_of
+from sar_tui.motion.vectors import finite_only, lengths, mean_of
 from tests.examples import examples
 
 
@@ -24,6 +24,14 @@ def test_lengths_and_means_are_those_of_numpy(vectors: Floats) -> None:
     apart = vectors[:, None] - vectors[None, :9]
     assert np.array_equal(lengths(apart), np.linalg.norm(apart, axis=2))
     assert np.array_equal(mean_of(vectors), vectors.mean(axis=0))
+
+
+def test_rows_with_a_number_that_is_not_finite_are_left_out(vectors: Floats) -> None:
+    time_s = np.arange(700.0)
+    assert finite_only(time_s, vectors)[1] is vectors
+    vectors[3, 1], vectors[9, 2] = np.nan, np.inf
+    found, rows = finite_only(time_s, vectors)
+    assert (len(rows), set(time_s) - set(found)) == (698, {3.0, 9.0})
 
 
 @examples(100)
