@@ -1,4 +1,4 @@
-"""A study with all that is hard to export: misses, gaps, cut-off and resumed sessions, operators, notes in Spanish."""
+"""A study with all that is hard to export: misses, gaps, cut-off and resumed sessions, operators, questions, notes."""
 
 from contextlib import closing
 from pathlib import Path
@@ -18,8 +18,9 @@ _PLAYED = (
     (
         "keyboard",
         ["P01"],
-        {"attempts": 2, "practice_attempts": 1, "response_timeout_ms": 500, "operator_feedback": "approve"},
-    ),
+        {"attempts": 2, "practice_attempts": 1, "response_timeout_ms": 500, "operator_feedback": "approve",
+         "questions": "effort remark"},
+    ),  # fmt: skip
     ("reaching", ["P01"], {"attempts": 1, "reaches_per_attempt": 2, "operator_feedback": "approve"}),
     ("pairs", ["P02", "P-3"], {"attempts": 1, "operator_feedback": "approve"}),
 )

@@ -250,6 +250,23 @@ def test_scores_and_answers_are_phenotypes(dataset: Path) -> None:
     assert (answers["session_2"], answers["pain_before_2"]) == ("n/a", "8"), "before a session that never began"
 
 
+def test_questions_are_events_from_when_they_were_shown(study: Path, dataset: Path, tmp_path: Path) -> None:
+    with closing(connect(study)) as database:
+        asked = database.execute(
+            "SELECT step, status, json_extract(answer, '$'), shown_ns, answered_ns FROM answers ORDER BY number"
+        ).fetchall()
+    path = max(dataset.glob("sub-P01/ses-*/beh/*_task-keyboard_*_events.tsv"), key=lambda path: path.stat().st_size)
+    rows = [row for row in read(path) if row["trial_type"] == "step"]
+    assert [(row["step"], row["status"]) for row in rows] == [(step, status) for step, status, *_ in asked]
+    assert [row["value"] if row["words"] == "n/a" else row["words"] for row in rows] == [
+        "n/a" if answer is None else str(answer) for _, _, answer, *_ in asked
+    ]
+    lasted = [Fraction(ended - shown, 10**9) for *_, shown, ended in asked]
+    assert [Fraction(row["duration"]) for row in rows] == lasted
+    export_bids(study, tmp_path / "out")
+    assert all("words" not in row for path in (tmp_path / "out").rglob("*_events.tsv") for row in read(path))
+
+
 def test_notes_leave_only_if_asked_for_and_keep_quotes_and_line_ends(
     study: Path, dataset: Path, tmp_path: Path
 ) -> None:

@@ -74,6 +74,11 @@ def test_every_act_of_varied_sessions_is_there(call: Call, tmp_path: Path) -> No
             begun = [round(((row["onset_ns"] or row["response_ns"]) - run["clock_ns"]) / MS) for row in trials]
             assert sorted(start for start, _, _ in _all(tiers, f"{seat} trials")) == sorted(begun)
             assert len(_all(tiers, f"{seat} attempts")) == len(own("attempts", seat=seat))
+            effort, remark = own("answers", seat=seat)
+            assert [value for _, _, value in _all(tiers, f"{seat} questions")] == [
+                f"effort: {effort['status'] if effort['value'] is None else format(effort['value'], 'g')}",
+                f"remark: {remark['words'] or remark['status']}",
+            ]
         for deed in ("say", "show", "gesture", "gaze", "tone"):
             done = [row for row in own("outputs", deed=deed) if row["started_ns"] is not None]
             assert len(_all(tiers, f"agent {deed}")) == len(done)
@@ -93,6 +98,8 @@ def test_texts_leave_only_if_they_are_asked_for(call: Call, tmp_path: Path) -> N
     written = "".join(path.read_text("utf-8") for path in (tmp_path / "out").glob("*.eaf"))
     with closing(connect(tmp_path / "data")) as database:
         said = [text for (text,) in database.execute("SELECT json_extract(final, '$.text') FROM actions") if text]
+        typed = "SELECT json_extract(answer, '$') FROM answers WHERE kind='text' AND status='answered'"
+        said += [words for (words,) in database.execute(typed)]
     assert said
     assert not [text for text in (*said, "me duele", "pausa") if text in written]
     assert ">feedback<" in written

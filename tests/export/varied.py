@@ -14,7 +14,8 @@ NOTE = 'Dice: "me duele",\r\ny descansa; ñ 🙂'
 def varied(call: Call, data: Path) -> None:
     """Simulate sessions of three tasks with an operator, alter them, and add one that was cut off."""
     for task in ("keyboard", "reaching", "pairs"):
-        call("simulate", task, "--user", "poor", "--attempts", 1, "--seed", 3, "--operator", "careful")
+        asked = ("--set", "questions=effort remark")
+        call("simulate", task, "--user", "poor", "--attempts", 1, "--seed", 3, "--operator", "careful", *asked)
     with closing(connect(data)) as database:
         database.execute("UPDATE trials SET stimulus=?, response=NULL WHERE trial=2", ('¿"Sí"?\r\nno, no',))
         database.execute("UPDATE attempts SET metric=9e999 WHERE attempt=1")

@@ -73,12 +73,15 @@ class _Session:
         signals = [(row, row["what"] or "signal", row["at_ns"], None) for row in self._rows("sync_signals")]
         yield Tier("session", self._placed([*runs, *signals]))
         seats = {"A": self._row["participant"], "B": self._row["partner"]}
-        trials = self._rows("trials")
+        trials, answers = self._rows("trials"), self._rows("answers")
         for seat, code in seats.items():
             if seat == "A" or code:
                 own = [row for row in trials if row["seat"] == seat]
                 yield Tier(f"{seat} attempts", self._attempts(seat), code or "")
                 yield Tier(f"{seat} trials", self._placed((row, _trial(row), *_times(row)) for row in own), code or "")
+            if asked := [row for row in answers if row["seat"] == seat]:
+                told = ((row, _answer(row), row["shown_ns"], row["answered_ns"]) for row in asked)
+                yield Tier(f"{seat} questions", self._placed(told), code or "")
         yield from self._agent()
         yield Tier("operator", self._decisions())
         yield Tier("notes", self._placed((row, _note(row), row["at_ns"], None) for row in self._rows("notes")))
@@ -166,6 +169,13 @@ def _trial(row: Row) -> str:
     if not missed and row["correct"] is False:
         said += ", wrong"
     return f"{said} [{row['flags']}]" if row["flags"] else said
+
+
+def _answer(row: Row) -> str:
+    """Return a question, or another step, and its answer; words that were typed only if they leave."""
+    given = next((row[name] for name in ("value", "chosen", "words") if row.get(name) is not None), None)
+    said = row["status"] if given is None else f"{given:g}" if isinstance(given, float) else given
+    return f"{row['step']}: {said}"
 
 
 def _attempt(row: Row) -> str:

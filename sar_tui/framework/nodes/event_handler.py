@@ -156,7 +156,7 @@ class EventHandler(StepFlow):
                 self._attempts.hold_level(held=act.command == "hold")
             case "repeat" if self._phase in IN_TRIAL:
                 self._void("repeat")
-                self._begin_trial()
+                self._go_on()
             case "skip":
                 self._skip(act.reason)
             case "mark":

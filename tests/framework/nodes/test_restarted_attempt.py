@@ -48,6 +48,19 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
     assert driver.waiting.stage == "review"
 
 
+def test_it_begins_again_when_the_operator_repeats_a_prompt(calm: Theme) -> None:
+    driver = LoopDriver(Remembered, calm, attempts=2)
+    driver.start()
+    for _ in range(3):
+        driver.answer()
+    driver.to_prompt()
+    driver.operate("repeat")
+    assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.restarts) == ("attempt", 2, 1)
+    driver.wait(300)
+    driver.attempt()
+    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [(2, 6)]
+
+
 def test_its_prompts_do_not_know_of_the_interrupted_ones(calm: Theme) -> None:
     driver = interrupted(calm)
     driver.operate("resume")

@@ -1,4 +1,4 @@
-"""``_events.tsv``: trials, attempts, the agent's actions, notes, and faults of sensors, by their onsets."""
+"""``_events.tsv``: trials, attempts, questions, the agent's actions, notes, and faults of sensors, by their onsets."""
 
 from collections.abc import Iterator, Mapping
 from heapq import merge
@@ -14,6 +14,7 @@ _TYPES = {
     "attempt": "An attempt, from its first to its last moment.",
     "trial": "A trial: the onset is that of its prompt; in the reaching task, of the movement.",
     "action": "An action of the agent, from its first output to the end of its last one.",
+    "step": "A question, or another step between attempts, from its first moment to its answer or end.",
     "note": "A note, or an event mark.",
     "sensor": "A fault of a motion sensor; a gap lasts from the last sample before it to the first after it.",
 }
@@ -22,6 +23,7 @@ _COPIED = {
     "trials": ("attempt", "trial", "practice", "level", "stimulus", "response", "correct"),
     "attempts": ("metric", "metric_unit", "outcome", "feedback"),
     "actions": ("kind", "decision", "decided_by", "final_text"),
+    "answers": ("step", "status", "value", "chosen", "words"),
     "notes": ("written_by", "label", "text"),
     "sensor_faults": ("state", "samples"),
 }
@@ -107,6 +109,7 @@ def _events(study: Study, session: Session, run: int, unplaced: list[Row]) -> It
     few = [
         *_attempts(study, session, run),
         *_actions(study, session, run),
+        *_steps(study, session, run),
         *_notes(study, session, run),
         *_faults(study, session, run),
     ]
@@ -138,6 +141,13 @@ def _actions(study: Study, session: Session, run: int) -> Iterator[Event]:
     for row in study.rows("actions", session.id):
         if row["run"] == run and row["started_ns"] is not None:
             yield Event(row["started_ns"], _between(row["started_ns"], row["ended_ns"]), "action", row)
+
+
+def _steps(study: Study, session: Session, run: int) -> Iterator[Event]:
+    for row in study.rows("answers", session.id):
+        if row["seat"] == session.seat and row["run"] == run and row["shown_ns"] is not None:
+            told = {name: row.get(name) for name in ("attempt", *_COPIED["answers"])}
+            yield Event(row["shown_ns"], _between(row["shown_ns"], row["answered_ns"]), "step", told)
 
 
 def _notes(study: Study, session: Session, run: int) -> Iterator[Event]:
