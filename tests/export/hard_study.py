@@ -18,9 +18,14 @@ _PLAYED = (
     (
         "keyboard",
         ["P01"],
-        {"attempts": 2, "practice_attempts": 1, "response_timeout_ms": 500, "operator_feedback": "approve",
-         "questions": "effort remark"},
-    ),  # fmt: skip
+        {
+            "attempts": 2,
+            "practice_attempts": 1,
+            "response_timeout_ms": 500,
+            "operator_feedback": "approve",
+            "questions": "effort remark",
+        },
+    ),
     ("reaching", ["P01"], {"attempts": 1, "reaches_per_attempt": 2, "operator_feedback": "approve"}),
     ("pairs", ["P02", "P-3"], {"attempts": 1, "operator_feedback": "approve"}),
 )
