@@ -24,7 +24,7 @@ demo: .venv/ready  ## a session by a simulated participant; needs no terminal
 
 # Six workers keep two cores busy: many tests wait for a program that they have started.
 test: .venv/ready  ## every behaviour, in a few minutes on two cores
-	@SAR_TUI_TEST_EXAMPLES=few $(BIN)/python -m pytest -n 6 --dist worksteal -m "not slow"
+	@SAR_TUI_TEST_EXAMPLES=few $(BIN)/python -m pytest -n 4 --dist worksteal -m "not slow"
 
 test-all: .venv/ready  ## every test, the long ones in full
 	@$(BIN)/python -m pytest -n 2 --dist worksteal

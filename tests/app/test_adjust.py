@@ -73,6 +73,7 @@ async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
         assert first.attempt == 1
 
 
+@pytest.mark.slow
 async def test_the_level_goes_up_and_down_and_is_held(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=4, max_level=3)) as driver:
         await driver.press("enter")
@@ -106,6 +107,7 @@ async def test_a_note_is_stored_as_the_therapists(data: Path, catalogue: Catalog
         assert driver.stored("SELECT author, text FROM notes") == [("therapist", "wore glasses?")]
 
 
+@pytest.mark.slow
 async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -150,6 +152,7 @@ async def test_behind_the_passphrase_only_the_right_one_opens_it(
     assert [(each.result, each.where) for each in Passphrase(data).tries()] == [("wrong", "pause"), ("right", "pause")]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("cheap")
 async def test_after_three_wrong_ones_it_says_how_long_to_wait(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
@@ -169,6 +172,7 @@ async def test_after_three_wrong_ones_it_says_how_long_to_wait(
         assert not driver.sees("Los cambios valen")
 
 
+@pytest.mark.slow
 async def test_when_an_operator_goes_on_the_participant_sees_the_session(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

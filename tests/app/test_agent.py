@@ -317,6 +317,7 @@ async def test_the_stop_key_is_shown_only_with_a_voice(
         assert not driver.app.screen.query_one(Agent).is_moving
 
 
+@pytest.mark.slow
 async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")

@@ -41,6 +41,7 @@ async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
 
 
+@pytest.mark.slow
 async def test_a_part_of_a_code_finds_a_participant_and_escape_shows_all_again(
     data: Path, catalogue: Catalogue
 ) -> None:
@@ -92,6 +93,7 @@ async def test_the_card_tells_how_a_participant_does(data: Path, catalogue: Cata
         assert driver.session_id == session
 
 
+@pytest.mark.slow
 async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_stays(
     data: Path, catalogue: Catalogue
 ) -> None:
@@ -137,6 +139,7 @@ async def test_an_existing_code_is_reported(data: Path, catalogue: Catalogue) ->
     assert stored(data, "SELECT code FROM participants") == [("P01",)]
 
 
+@pytest.mark.slow
 async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_chosen(
     data: Path, catalogue: Catalogue, tmp_path: Path
 ) -> None:
@@ -176,6 +179,7 @@ async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catal
             driver.app.clear_notifications()
 
 
+@pytest.mark.slow
 async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
@@ -195,6 +199,7 @@ async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(dat
         assert driver.app.theme == "sar-high-contrast"
 
 
+@pytest.mark.slow
 async def test_a_chosen_theme_survives_a_visit_to_the_settings(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     async with open_app(data, catalogue) as driver:
@@ -241,6 +246,7 @@ async def test_a_session_names_the_version_of_the_programme_that_it_runs(data: P
         assert driver.stored("SELECT programme FROM sessions") == [(2,)]
 
 
+@pytest.mark.slow
 async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     for _ in range(2):
@@ -305,6 +311,7 @@ async def test_the_card_and_progress_call_a_session_interrupted_whose_program_wa
         assert driver.sees("· interrupted · 1/1 attempts")
 
 
+@pytest.mark.slow
 async def test_an_interrupted_session_is_dismissed_and_taken_back(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -342,6 +349,7 @@ async def test_an_interrupted_session_is_dismissed_and_taken_back(
     assert all(row in after for before, after in zip(everything, now, strict=True) for row in before)
 
 
+@pytest.mark.slow
 async def test_a_session_that_another_program_goes_on_with_is_not_dismissed(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -395,6 +403,7 @@ async def test_home_opens_on_the_participant_of_the_last_session(
         assert driver.sees("P02 · Keyboard reaction")
 
 
+@pytest.mark.slow
 async def test_a_completed_session_is_shown_with_its_plot(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -411,6 +420,7 @@ async def test_a_completed_session_is_shown_with_its_plot(
         assert driver.screen_name == "HomeScreen"
 
 
+@pytest.mark.slow
 async def test_a_session_of_a_removed_task_is_still_shown(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -426,6 +436,7 @@ async def test_a_session_of_a_removed_task_is_still_shown(
         assert driver.sees("goal 1")
 
 
+@pytest.mark.slow
 async def test_a_participant_cannot_have_two_sessions_at_once(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

@@ -52,6 +52,7 @@ async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue
         assert driver.stored("SELECT count(*) FROM events") == before
 
 
+@pytest.mark.slow
 async def test_characters_typed_into_the_palette_are_never_recorded(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

@@ -180,6 +180,7 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         assert tour.found(catalogue) == []
 
 
+@pytest.mark.slow
 async def test_an_interrupted_session_is_resumed_in_its_language(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
         await driver.answer(await driver.to_first_prompt())
@@ -216,6 +217,7 @@ async def test_settings_are_in_the_language_of_the_saved_sessions(data: Path, ca
         assert driver.sees("La próxima sesión empieza en el nivel 1.")
 
 
+@pytest.mark.slow
 async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", language="es")
     async with open_app(data, catalogue) as driver:
@@ -231,6 +233,7 @@ async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalog
         assert driver.sees("Press Enter to close this.")
 
 
+@pytest.mark.slow
 async def test_a_theme_may_replace_texts_of_the_app(
     data: Path, tmp_path: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:

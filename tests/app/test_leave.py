@@ -71,6 +71,7 @@ async def test_between_attempts_going_on_changes_nothing(
         assert driver.messages("operator/act") == []
 
 
+@pytest.mark.slow
 async def test_in_a_pause_going_on_returns_to_the_pause(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()

@@ -142,6 +142,7 @@ async def test_a_session_does_not_begin_if_the_operator_who_is_planned_cannot_jo
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 
+@pytest.mark.slow
 async def test_a_session_opens_no_link_of_its_own_unless_it_is_set(
     data: Path, catalogue: Catalogue, links: Links
 ) -> None:

@@ -46,6 +46,7 @@ def trials(data: Path, column: str) -> list[int]:
     return [ns for (ns,) in stored(data, f"SELECT {column} FROM trials WHERE {column} IS NOT NULL ORDER BY rowid")]
 
 
+@pytest.mark.slow
 async def test_stamps_over_udp_are_those_of_the_database(
     tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
@@ -138,6 +139,7 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
     assert closed["lost"] > 0
 
 
+@pytest.mark.slow
 async def test_in_patient_mode_lost_markers_are_kept_for_the_therapist(
     tmp_path: Path, catalogue: Catalogue, failed: Callable[[AppDriver], Awaitable[None]]
 ) -> None:
@@ -160,6 +162,7 @@ async def test_in_patient_mode_lost_markers_are_kept_for_the_therapist(
             assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
 
 
+@pytest.mark.slow
 async def test_a_resumed_session_sends_its_next_run_and_nothing_of_the_one_before(
     tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

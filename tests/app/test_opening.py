@@ -90,6 +90,7 @@ async def test_an_early_ctrl_q_ends_the_app(data: Path, catalogue: Catalogue) ->
         assert app.return_code == 0
 
 
+@pytest.mark.slow
 async def test_a_window_that_is_too_small_at_the_start_shows_the_lists_once_it_is_larger(
     data: Path, catalogue: Catalogue
 ) -> None:

@@ -62,6 +62,7 @@ async def test_enter_starts_the_first_exercise_and_the_next_one_follows_its_summ
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
 
 
+@pytest.mark.slow
 async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_rest(
     data: Path, catalogue: Catalogue
 ) -> None:

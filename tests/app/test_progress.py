@@ -114,6 +114,7 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
     assert "Keyboard reaction" in written[0].read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 async def test_scores_are_entered_in_their_range_and_removed_where_they_are_shown(
     data: Path, catalogue: Catalogue
 ) -> None:

@@ -232,6 +232,7 @@ async def test_with_the_same_seed_a_simulated_hand_makes_the_same_reach(tmp_path
     assert len(first) == 1
 
 
+@pytest.mark.slow
 async def test_a_resumed_session_moves_the_simulated_hand_by_its_stored_seed(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -321,6 +322,7 @@ async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(da
         assert driver.stored("SELECT trial, json_extract(details, '$.mark') FROM trials") == [(1, "assisted")]
 
 
+@pytest.mark.slow
 async def test_a_resumed_session_shows_the_mark_of_the_last_reach(data: Path, catalogue: Catalogue) -> None:
     async with at_the_table(data, catalogue, attempts=3) as driver:
         await to_start(driver)

@@ -196,6 +196,7 @@ async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
         assert driver.sees("Press Enter to finish.")
 
 
+@pytest.mark.slow
 async def test_a_pause_after_the_last_attempt_returns_there_with_all_attempts_counted(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

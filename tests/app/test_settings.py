@@ -221,6 +221,7 @@ async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(dat
         assert show(field(driver, "difficulty_policy").value) == "one-up-one-down"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -236,6 +237,7 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
         assert not any(widget.is_changed for widget in every_field(driver))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_what_is_typed_after_a_reset_replaces_the_default(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -284,6 +286,7 @@ async def test_saved_settings_apply_to_the_participants_next_session(data: Path,
     assert stored(data, "SELECT json_extract(parameters, '$.attempts') FROM settings WHERE participant='P02'") == [(2,)]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_leaving_with_unsaved_changes_asks_once(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -339,6 +342,7 @@ async def test_a_language_can_be_set_with_a_missing_theme(data: Path, catalogue:
         assert meaning(driver).endswith("Default: en.")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_outputs_are_picked_from_a_list_or_typed(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -368,6 +372,7 @@ async def test_titles_fit_beside_the_values(data: Path, catalogue: Catalogue) ->
 # --- groups ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 async def test_groups_count_what_differs_and_the_count_follows(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=5, operator_feedback="approve", operator_time_ms=6000)
     async with open_app(data, catalogue) as driver:
@@ -427,6 +432,7 @@ async def test_settings_that_were_never_shown_are_saved_and_reset_too(data: Path
     assert stored_settings(data) == {}
 
 
+@pytest.mark.slow
 async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", start_level=5, choice_set="both hands")
     async with open_app(data, catalogue) as driver:
@@ -443,6 +449,7 @@ async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalo
 # --- finding --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_setting_is_found_by_a_word_of_its_title_or_help(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -494,6 +501,7 @@ async def test_saving_asks_for_a_reason_and_keeps_it(data: Path, catalogue: Cata
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, size=(100, 30)) as driver:
@@ -518,6 +526,7 @@ async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_a_preset_fills_in_its_values_and_saves_nothing(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -543,6 +552,7 @@ async def test_settings_that_do_not_exist_any_more_are_told(data: Path, catalogu
 # --- choices --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_choices_open_in_a_list(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:

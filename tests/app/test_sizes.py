@@ -199,6 +199,7 @@ async def test_every_stage_of_a_session_survives_any_size_of_the_window(data: Pa
         assert driver.session.faults == []
 
 
+@pytest.mark.slow
 async def test_a_session_for_two_survives_any_size_of_the_window(data: Path, catalogue: Catalogue) -> None:
     settings = SHORT | {"policy": "alternate"}
     async with open_app(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:

@@ -38,6 +38,7 @@ def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
     return opened
 
 
+@pytest.mark.slow
 async def test_sensors_are_checked_one_after_the_other_before_the_session(data: Path, open_check: OpenCheck) -> None:
     left, right = Plugged(), Plugged(at_once=False)
     async with open_check(left, right, hand_b="left") as driver:

@@ -211,6 +211,7 @@ async def test_the_questions_fit_a_small_window(data: Path, catalogue: Catalogue
             assert driver.sees(place)
 
 
+@pytest.mark.slow
 async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
     known(data, ask_wellbeing=True, attempts=1)
     async with open_app(data, catalogue) as driver:
@@ -237,6 +238,7 @@ async def test_a_participant_is_offered_help_but_no_theme(
         assert answers(driver) == []
 
 
+@pytest.mark.slow
 async def test_a_past_session_shows_what_was_said(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         await driver.press("0", "1")

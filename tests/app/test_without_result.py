@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import pytest
+
 from sar_tui.framework.parameters import build
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import open_app
 from tests.tasks.test_documented_tasks import documented
 
 
+@pytest.mark.slow
 async def test_a_session_is_played_and_its_screens_show_no_result(data: Path, tmp_path: Path) -> None:
     catalogue = documented(tmp_path / "mytasks", "pleasant")
     kind = catalogue.task("pleasant")

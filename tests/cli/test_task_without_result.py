@@ -13,7 +13,8 @@ def rated(call: Call, tmp_path: Path) -> tuple[Path, str]:
     """The folder of the documented task of ratings, and a simulated session of it."""
     documented(tmp_path / "mytasks", "pleasant")
     tasks = tmp_path / "mytasks"
-    done = call("simulate", "pleasant", "--user", "average", "-p", "P01", "--attempts", 3, "--tasks", tasks, "--json")
+    who = ("--user", "average", "-p", "P01", "--attempts", 3, "--seed", 1)
+    done = call("simulate", "pleasant", *who, "--tasks", tasks, "--json")
     return tasks, str(done.json["session"])
 
 

@@ -24,6 +24,7 @@ def simulate(call: Call, folder: Path, user: str, *more: str) -> None:
     assert call("simulate", "reaching", "--user", user, *settings, *more).code == 0
 
 
+@pytest.mark.slow
 def test_people_who_compensate_lean_farther_and_the_session_replays(call: Call, tmp_path: Path) -> None:
     for user in ("poor", "competent"):
         simulate(call, tmp_path / user, user)

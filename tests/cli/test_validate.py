@@ -68,6 +68,7 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
     assert rows["reaching"]["strict_shared"] < rows["keyboard"]["strict_shared"]
 
 
+@pytest.mark.slow
 def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) -> None:
     called = call("validate", "--quick", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")
@@ -89,6 +90,7 @@ def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) ->
     assert len(lines) == len(kinds)
 
 
+@pytest.mark.slow
 def test_several_validations_can_be_named_in_any_order(call: Call) -> None:
     printed = call("validate", "--only", "reach, table-4.1", "--reaches", 1, "--json").json
     assert list(printed) == ["table-4.1", "reach"]
@@ -123,6 +125,7 @@ def test_a_failed_claim_is_reported_and_exits_with_1(call: Call, monkeypatch: py
     assert as_json.err.startswith("✗ The fixed-threshold detector's reach times")
 
 
+@pytest.mark.slow
 def test_the_difficulty_in_which_a_claim_fails_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reach, "DURATION_MS", 10.0)
     called = call("validate", "--only", "reach", "--reaches", 2)

@@ -137,6 +137,7 @@ def test_a_signal_while_the_first_screen_is_made_ends_it_in_order(program: list[
         assert b"\x1b[?1049l" in terminal.output
 
 
+@pytest.mark.slow
 @PROGRAMS
 def test_a_stalled_terminal_does_not_keep_a_program_from_ending(program: list[str]) -> None:
     with Terminal(program, columns=300, rows=90) as terminal:

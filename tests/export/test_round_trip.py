@@ -162,6 +162,7 @@ def test_odd_texts_and_numbers(tmp_path_factory: Any, format: str, read: Read, r
     _assert_they_come_back(tmp_path_factory.mktemp("odd"), format, read, rows)
 
 
+@pytest.mark.slow
 @needs_octave
 @given(rows=st.lists(TRIAL, min_size=10, max_size=40))
 @examples(10)

@@ -200,6 +200,7 @@ def smoothness(rate_hz: float, noise_deg_s: float) -> tuple[float, float]:
     return float(means[0]), float(means[1])
 
 
+@pytest.mark.slow
 def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
     clean = {rate_hz: smoothness(rate_hz, 0.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}
     noisy = {rate_hz: smoothness(rate_hz, 1.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}

@@ -43,6 +43,7 @@ def test_a_gaussian_movement_has_its_known_smoothness() -> None:
     assert ldlj(speed, 100) == pytest.approx(-5.81636, abs=5e-6)
 
 
+@pytest.mark.slow
 def test_smoothness_agrees_with_monalysa() -> None:
     from monalysa.quality import smoothness as monalysa  # imports slowly, in every process that collects tests
 

@@ -317,6 +317,7 @@ async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
         assert [note.text for note in driver.sent(t.NOTE_ADDED)][2:] == ["pasted"]
 
 
+@pytest.mark.slow
 async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_next_proposal(
     catalogue: Catalogue, folder: Path
 ) -> None:

@@ -76,6 +76,7 @@ def test_nodes_that_show_a_record_can_publish_nothing() -> None:
     assert seen == []
 
 
+@pytest.mark.slow
 async def test_a_session_is_shown_again_and_nothing_is_stored(
     call: Call, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:

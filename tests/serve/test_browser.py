@@ -72,6 +72,7 @@ async def test_view_comes_back_by_itself_when_its_server_does(tmp_path: Path) ->
             await browser.see("Pressed 1 times")
 
 
+@pytest.mark.slow
 async def test_view_of_a_session_that_is_not_there_yet_opens_when_it_is(tmp_path: Path) -> None:
     there = tmp_path / "there"
     session = f"""
@@ -118,6 +119,7 @@ Object.defineProperty(window, "speechSynthesis", {value: {
 """
 
 
+@pytest.mark.slow
 async def test_browser_speaks_after_the_button_and_with_local_voices_only(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary", "agent") as served, chromium() as browser:
         await browser.open(f"{served.origin}/?token={TOKEN}", VOICES)

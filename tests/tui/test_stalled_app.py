@@ -24,6 +24,7 @@ def wait_for(diary: Path, line: str, terminal: Terminal, *, resizes: bool = Fals
         time.sleep(0.02)
 
 
+@pytest.mark.slow
 def test_a_terminal_that_goes_on_shows_what_changed_meanwhile(tmp_path: Path) -> None:
     diary = tmp_path / "diary"
     with Terminal([sys.executable, "-m", "tests.tui.counting_app", str(diary)], columns=300, rows=90) as terminal:

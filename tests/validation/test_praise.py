@@ -27,6 +27,7 @@ def run(catalogue: Catalogue) -> Report:
     return praise.run(Conditions(catalogue, is_quick=True))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few")
 def test_each_world_is_tried_with_few_and_many_earlier_attempts(catalogue: Catalogue) -> None:
     rows = run(catalogue).rows

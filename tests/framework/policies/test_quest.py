@@ -7,6 +7,7 @@ from statistics import fmean
 import pytest
 
 from sar_tui.framework.policies.quest import Quest
+from tests.examples import first
 
 QUEST = Quest(lowest=-3, highest=1, grain=0.05, start=-1, spread=1, slope=8)
 HARDER_HIGHER = Quest(lowest=-1, highest=3, grain=0.05, start=1, spread=1, slope=8, harder="higher")
@@ -38,7 +39,7 @@ def test_right_answers_make_it_harder_and_wrong_ones_easier() -> None:
     assert HARDER_HIGHER.next([True]) > HARDER_HIGHER.next([]) > HARDER_HIGHER.next([False])
 
 
-@pytest.mark.parametrize("threshold", [-1.8, -0.4])
+@pytest.mark.parametrize("threshold", first(1, [-1.8, -0.4]))
 @pytest.mark.parametrize("quest", [QUEST, HARDER_HIGHER], ids=["harder lower", "harder higher"])
 def test_it_finds_the_threshold_within_the_error_that_it_states(quest: Quest, threshold: float) -> None:
     aim = threshold if quest.harder == "lower" else -threshold

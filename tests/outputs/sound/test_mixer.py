@@ -59,6 +59,7 @@ def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(calm: T
         assert len(pids(file)) == 2
 
 
+@pytest.mark.slow
 def test_a_frozen_voice_is_killed_on_stop(calm: Theme, tmp_path: Path) -> None:
     file = tmp_path / "pids"
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
@@ -84,6 +85,7 @@ def test_an_engine_that_hangs_is_aborted_by_a_stop(calm: Theme, engine: str) -> 
         assert listener.wait("a2").state == "done"
 
 
+@pytest.mark.slow
 def test_an_engine_that_hangs_is_killed_after_a_while_and_the_next_is_spoken(
     calm: Theme, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -168,6 +170,7 @@ def test_after_three_failures_in_a_row_speech_stays_off_and_says_why(calm: Theme
         assert listener.wait("go").state == "done"
 
 
+@pytest.mark.slow
 def test_a_success_between_failures_keeps_speech_on(calm: Theme) -> None:
     with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as listener:
         for index, text in enumerate(["crash", "crash", "fine by me", "crash", "fine by me"]):
