@@ -63,5 +63,6 @@ class PickList(MarkedList):
         style = self.get_visual_style("option-list--option")
         if y:
             return Strip.blank(self.size.width, style.rich_style)
-        words = Content(f"{self.highlighted_option.prompt} ▾").truncate(self.size.width, ellipsis=True, pad=True)
+        title = str(self.highlighted_option.prompt).partition("\n")[0]
+        words = Content(f"{title} ▾").truncate(self.size.width, ellipsis=True, pad=True)
         return Strip([Segment(words.plain, style.rich_style)], self.size.width)

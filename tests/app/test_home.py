@@ -149,9 +149,9 @@ async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_ch
     known(data, "P01")
     async with open_app(data, Catalogue((broken.parent.parent,))) as driver:
         await driver.press("right")
-        assert driver.sees("aaa (does not load)")
-        await driver.press("left")
         assert driver.sees("P01 · Keyboard reaction")
+        await driver.press("end")
+        assert driver.sees("aaa (does not load)")
 
 
 async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_start(data: Path, tmp_path: Path) -> None:
@@ -464,3 +464,17 @@ async def test_tasks_are_listed_by_what_they_train(data: Path, catalogue: Catalo
         assert [option.disabled for option in tasks.options if option.id is None] == [True] * len(
             {catalogue.task(name).trains for name in catalogue.task_names()}
         )
+
+
+async def test_the_open_list_says_what_is_done_in_the_chosen_task(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01")
+    async with open_app(data, catalogue) as driver:
+        assert not driver.sees("Press the key that appears")
+        await driver.press("right")
+        assert driver.sees("Press the key that appears, as")
+        await driver.press("up")
+        assert driver.sees("Reach out to a marker and back,")
+        assert not driver.sees("Press the key that appears")
+        await driver.press("tab")
+        assert driver.sees("P01 · Reaching")
+        assert not driver.sees("Reach out to a marker")

@@ -8,6 +8,7 @@ from textual.events import Resize
 from textual.widgets import Button, Static
 
 from sar_tui.app.home.chart import SessionChart
+from sar_tui.app.home.task_list import TaskList
 from sar_tui.widgets.marked_list import PickList
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class ParticipantCard(Vertical):
         with Horizontal(id="choices"):
             yield Static("Task", classes="label")
             with Vertical(classes="slot"):
-                yield PickList(id="task", markup=False)
+                yield TaskList(id="task")
             yield Static("Theme", classes="label second")
             with Vertical(id="theme-slot", classes="slot"):
                 yield PickList(id="theme", markup=False)

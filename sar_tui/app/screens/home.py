@@ -14,7 +14,7 @@ from sar_tui.app.home.joining import JoiningScreen
 from sar_tui.app.home.participant_list import ParticipantList
 from sar_tui.app.home.session_list import SessionList
 from sar_tui.app.home.starting import StartingScreen
-from sar_tui.app.home.task_options import task_options
+from sar_tui.app.home.task_list import TaskList
 from sar_tui.plugins import PluginError
 from sar_tui.store.connection import timing_flags
 from sar_tui.store.database import StoreError
@@ -75,7 +75,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
         """Fill the screen; called once its empty frame is shown, because its contents take a moment."""
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
-        self._tasks.add_options(task_options(self.app.catalogue))
+        self._tasks.fill(self.app.catalogue)
         self.app.load_themes()
         self._themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
         self._themes.highlighted = 0
@@ -162,8 +162,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
         return self.query_one(ParticipantList)
 
     @property
-    def _tasks(self) -> PickList:
-        return self.query_one("#task", PickList)
+    def _tasks(self) -> TaskList:
+        return self.query_one("#task", TaskList)
 
     @property
     def _themes(self) -> PickList:
