@@ -1,0 +1,1 @@
+"""The stop-signal task: a cross that comes too late to stop half of the responses."""

@@ -1,0 +1,37 @@
+"""The time to stop of the stop-signal task."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect
+
+from .stopping import stop_signal_rt
+from .task import StopSignalTask
+
+
+class AtOnce(StopSignalTask):
+    """The same task for people who stop in no time, whenever the cross comes before their key."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        if stimulus.data["stop"] and stimulus.data["delay_ms"] < performance.reaction_ms:
+            return []
+        return super().rehearse(stimulus, performance, streams)
+
+
+def time_to_stop_ms(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the stop-signal reaction time of a whole session, ms."""
+    return stop_signal_rt(trials)
+
+
+EFFECT = Effect(
+    title="stop-signal reaction time",
+    unit="ms",
+    low=180,
+    high=260,
+    source="Logan & Cowan 1984: about 200; the limits are ours",
+    measure=time_to_stop_ms,
+    without=AtOnce,
+    settings={"attempts": 4, "prompts_per_attempt": 60},
+)

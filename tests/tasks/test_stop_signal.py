@@ -1,0 +1,114 @@
+"""The stop-signal task: the time to stop of known races, the delay that follows the participant, simulated people."""
+
+import sys
+from random import Random
+from statistics import fmean
+from typing import Any
+
+import pytest
+
+from sar_tui.framework.task import Task
+from sar_tui.framework.theme import Theme
+from sar_tui.framework.topics import ATTEMPT_ENDED
+from sar_tui.framework.trial_types import Result
+from sar_tui.plugins import Catalogue
+from sar_tui.validation.effects import effects, play
+from tests.loop_driver import LoopDriver
+
+
+@pytest.fixture(scope="module")
+def stop_signal() -> type[Task]:
+    return Catalogue().task("stop_signal")
+
+
+@pytest.fixture(scope="module")
+def stopping(stop_signal: type[Task]) -> Any:
+    return sys.modules[stop_signal.__module__]
+
+
+def arrow(value: float | None) -> Result:
+    return Result(
+        correct=value is not None,
+        response=None if value is None else "left",
+        value=value,
+        details={"stop": False, "delay_ms": None},
+    )
+
+
+def cross(delay: float, pressed: bool) -> Result:
+    return Result(
+        correct=not pressed, response="left" if pressed else None, details={"stop": True, "delay_ms": float(delay)}
+    )
+
+
+@pytest.mark.parametrize("needed", [180.0, 300.0])
+def test_the_time_to_stop_of_a_race_is_found(stopping: Any, needed: float) -> None:
+    random = Random(f"race {needed}")
+    results: list[Result] = []
+    for _ in range(8000):
+        finishes = random.gauss(560, 110)
+        if random.random() < 0.75:
+            results.append(arrow(finishes))
+            continue
+        delay = stopping.next_delay_ms(results[-60:]) or stopping.FIRST_MS
+        results.append(cross(delay, pressed=finishes < delay + random.gauss(needed, 20)))
+    assert stopping.stop_signal_rt(results) == pytest.approx(needed, abs=8)
+    pressed = [result.response is not None for result in results if result.details["stop"]]
+    assert fmean(pressed) == pytest.approx(0.5, abs=0.03), "the delay follows the participant"
+
+
+def test_omissions_count_as_the_slowest_responses(stopping: Any) -> None:
+    crosses = [cross(200, pressed=True), cross(200, pressed=False)]
+    whole = [*map(arrow, (400, 450, 500, 550)), *crosses]
+    assert stopping.stop_signal_rt(whole) == 450 - 200
+    assert stopping.stop_signal_rt([*whole, arrow(None), arrow(None)]) == 500 - 200
+
+
+@pytest.mark.parametrize("pressed", [0, 1, 9, 10])
+def test_there_is_no_time_to_stop_if_nearly_all_or_nearly_none_were_stopped(stopping: Any, pressed: int) -> None:
+    crosses = [cross(200, pressed=number < pressed) for number in range(10)]
+    assert stopping.stop_signal_rt([arrow(400), arrow(500), *crosses]) is None
+
+
+def test_the_delay_grows_after_a_stop_and_shrinks_after_a_key_within_its_bounds(stopping: Any) -> None:
+    assert stopping.next_delay_ms([arrow(400)]) is None
+    assert stopping.next_delay_ms([cross(251.4, pressed=False), arrow(400)]) == 300
+    assert stopping.next_delay_ms([cross(249.2, pressed=True)]) == 200
+    assert stopping.next_delay_ms([cross(50, pressed=True)]) == 50
+    assert stopping.next_delay_ms([cross(1000, pressed=False)]) == 1000
+
+
+def test_the_delay_goes_on_in_the_next_attempt(stop_signal: type[Task], calm: Theme) -> None:
+    driver = LoopDriver(stop_signal, calm, attempts=2, prompts_per_attempt=8, crosses=0.5)
+    driver.start()
+
+    def delays() -> list[float | None]:
+        """Press at once in an attempt, and return the delays of its crosses."""
+        driver.begin_attempt()
+        found = []
+        for _ in range(8):
+            prompt = driver.to_prompt()
+            found += [prompt.frames[0].ms] if prompt.frames else []
+            driver.answer(30, key="left")
+        return found
+
+    first = delays()
+    carried = driver.last(ATTEMPT_ENDED).qualities["next_delay_ms"]
+    assert (first[0], carried) == (250, 250 - 50 * len(first))
+    assert delays()[0] == carried
+
+
+def test_people_need_the_declared_time_to_stop_and_those_who_stop_at_once_are_told_from_them(
+    stop_signal: type[Task], calm: Theme
+) -> None:
+    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is stop_signal)
+    for kind, is_shown in ((stop_signal, True), (effect.without, False)):
+        sessions = [play(kind, effect, calm, seed) for seed in range(1, 7)]
+        values = [effect.measure(trials) for trials in sessions]
+        assert (effect.low <= fmean(value for value in values if value is not None) <= effect.high) is is_shown
+    crosses = [trial for trial in sessions[0] if trial.details["stop"]]
+    assert 0.15 < len(crosses) / len(sessions[0]) < 0.35
+    seen = [trial for trial in crosses if trial.timing.frame_onsets_ns and len(trial.timing.frame_onsets_ns) > 1]
+    assert [trial.details["delay_ms"] for trial in seen] == pytest.approx(
+        [(trial.timing.frame_onsets_ns[1] - trial.timing.frame_onsets_ns[0]) / 1e6 for trial in seen]
+    )
