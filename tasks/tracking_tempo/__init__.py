@@ -1,0 +1,1 @@
+"""Moving the hand to and fro in time with a metronome."""

@@ -1,0 +1,39 @@
+"""The negative mean asynchrony of movements in time with a metronome."""
+
+from collections.abc import Sequence
+from statistics import fmean
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect
+
+from .beats import swings
+from .task import TrackingTempoTask
+
+
+class OnTheBeat(TrackingTempoTask):
+    """The same task for people who are not ahead of the beat."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        beat = float(stimulus.data["beat_ms"])
+        return swings(beat, self.parameters.beats, performance.unsteadiness, streams, ahead_ms=0.0)
+
+
+def asynchrony_ms(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the mean time from a beat to the turn at it, ms."""
+    found = [trial.details["asynchrony_ms"] for trial in trials if trial.correct]
+    values = [value for value in found if isinstance(value, float)]
+    return fmean(values) if values else None
+
+
+EFFECT = Effect(
+    title="turn minus beat",
+    unit="ms",
+    low=-80,
+    high=-20,
+    source="Repp & Su 2013: ahead of the beat; the limits are ours",
+    measure=asynchrony_ms,
+    without=OnTheBeat,
+    settings={"attempts": 2},
+)
