@@ -10,7 +10,7 @@ from sar_tui.framework.topics import PROMPT, TRIAL
 from sar_tui.framework.trial_types import Result
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.effect import Effect, mean_time
-from sar_tui.validation.effects import play
+from sar_tui.validation.effects import effects, play
 from tests.loop_driver import LoopDriver
 
 
@@ -73,3 +73,10 @@ def test_people_press_at_some_squares_and_sooner_than_at_circles(gonogo: type[Ta
     usual = mean_time([trial for trial in trials if trial.data["go"]])
     assert usual is not None
     assert fmean(times) < usual
+
+
+def test_people_who_never_press_at_squares_are_told_from_those_who_do(gonogo: type[Task], calm: Theme) -> None:
+    (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is gonogo)
+    for kind, is_shown in ((gonogo, True), (effect.without, False)):
+        values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 7)]
+        assert (effect.low <= fmean(value for value in values if value is not None) <= effect.high) is is_shown

@@ -1,0 +1,35 @@
+"""The commission errors of the Go/No-Go task."""
+
+from collections.abc import Sequence
+
+from sar_tui.framework.messages import TrialEnded
+from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.trial_types import Act, Performance, Stimulus
+from sar_tui.simulation.effect import Effect
+
+from .task import GoNoGoTask
+
+
+class WithoutHaste(GoNoGoTask):
+    """The same task for people who never press at a square."""
+
+    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+        return super().rehearse(stimulus, performance, streams) if stimulus.data["go"] else []
+
+
+def commissions(trials: Sequence[TrialEnded]) -> float | None:
+    """Return the share of squares at which the key was pressed, in percent."""
+    pressed = [trial.response is not None for trial in trials if not trial.data["go"]]
+    return 100 * sum(pressed) / len(pressed) if pressed else None
+
+
+EFFECT = Effect(
+    title="key pressed at squares",
+    unit="%",
+    low=5,
+    high=30,
+    source="the limits are ours",
+    measure=commissions,
+    without=WithoutHaste,
+    settings={"attempts": 6, "prompts_per_attempt": 40},
+)
