@@ -1,9 +1,24 @@
-"""Tasks of docs/write-your-own-task.md, taken from the page."""
+"""Tasks of docs/write-your-own-task.md and parts of them, taken from the pages."""
 
 import re
 from pathlib import Path
 
-PAGE = (Path(__file__).parents[1] / "docs" / "write-your-own-task.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[1] / "docs"
+PAGES = [(DOCS / page).read_text(encoding="utf-8") for page in ("write-your-own-task.md", "task-reference.md")]
+FILES = {
+    (name, file): source
+    for page in PAGES
+    for name, file, source in re.findall(r"`mytasks/(\w+)/([\w.]+)`[^`]*?\n\n```\w+\n(.*?)```", page, re.DOTALL)
+}
+"""Source of each file of a task on the pages, by the task's name and the file's."""
+FRAGMENTS = [
+    source
+    for page in PAGES
+    for source in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    if source not in FILES.values()
+]
+"""Code of the pages that is a part of a task."""
+TASKS = sorted(name for name, file in FILES if file == "task.py")
 
 
 def write_documented(folder: Path, name: str, *files: str) -> Path:
@@ -11,6 +26,5 @@ def write_documented(folder: Path, name: str, *files: str) -> Path:
     task = folder / name
     task.mkdir(parents=True)
     for file in files or ("task",):
-        (source,) = re.findall(rf"`mytasks/{name}/{file}\.py`[^`]*?\n\n```python\n(.*?)```", PAGE, re.DOTALL)
-        (task / f"{file}.py").write_text(source, encoding="utf-8")
+        (task / f"{file}.py").write_text(FILES[name, f"{file}.py"], encoding="utf-8")
     return task

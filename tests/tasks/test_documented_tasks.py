@@ -1,15 +1,22 @@
 """The tasks of docs/write-your-own-task.md run from the page's own code: simulated, and replayed as they were."""
 
+import textwrap
 from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import Any, NamedTuple
+from statistics import fmean
+from typing import Annotated, Any, NamedTuple
 
+import pytest
+
+from sar_tui.checks import task_translations
+from sar_tui.checks.task import check
 from sar_tui.export.damage import Damage
 from sar_tui.export.tables.trials import trials
+from sar_tui.framework import trial_types
 from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import build
+from sar_tui.framework.parameters import ParameterError, build
 from sar_tui.framework.policies.staircase import Staircase
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
@@ -20,7 +27,7 @@ from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
-from tests.documented import write_documented
+from tests.documented import FILES, FRAGMENTS, TASKS, write_documented
 
 SEED = 3
 
@@ -136,3 +143,65 @@ def test_hands_that_take_turns_are_conditions(tmp_path: Path) -> None:
     assert all(prompt.stimulus in keys[conditions[prompt.attempt - 1]] for prompt in played.prompts)
     measured = [set(attempt["qualities"]) for attempt in played.attempts]
     assert measured == [set(), *[{"slower_than_other_hand_ms"}] * 3]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in TASKS if name != "naming"])  # its pictures are not on the page
+def test_each_task_of_the_page_passes_the_check(tmp_path: Path, name: str) -> None:
+    task = write_documented(tmp_path, name)
+    if (name, "words.es.toml") in FILES:
+        (task / "words.es.toml").write_text(FILES[name, "words.es.toml"], encoding="utf-8")
+    assert [each.problems for each in check(task) if each.problems] == []
+
+
+@pytest.mark.parametrize("name", ["choice", "glance", "more", "ownpace", "speed", "stroop", "taps", "wait"])
+def test_a_task_of_one_need_runs(tmp_path: Path, name: str) -> None:
+    played = play(tmp_path, name, {"attempts": 2})
+    assert fmean(trial["correct"] for trial in played.trials) > 0.7
+    assert [attempt["metric"] for attempt in played.attempts if attempt["metric"] is None] == []
+
+
+def test_a_sign_on_its_own_side_is_answered_sooner(tmp_path: Path) -> None:
+    played = play(tmp_path, "simon", {"attempts": 4})
+    for trial in played.trials:
+        assert trial["details"]["agrees"] == (trial["stimulus"].split()[0] == trial["stimulus"].split()[-1])
+    assert fmean(attempt["qualities"]["simon_ms"] for attempt in played.attempts) > 0
+
+
+def test_two_people_answer_each_their_own_sign(tmp_path: Path) -> None:
+    played = play(tmp_path, "joint", {"attempts": 2})
+    assert {trial["seat"] for trial in played.trials} == {"A", "B"}
+    assert all(trial["stimulus"][0] == {"A": "●", "B": "■"}[trial["seat"]] for trial in played.trials)
+
+
+def test_settings_that_conflict_are_named(tmp_path: Path) -> None:
+    speed = documented(tmp_path, "speed").task("speed")
+    with pytest.raises(ParameterError, match="too many for a day"):
+        build(speed.Parameters, {"prompts_per_attempt": 30, "attempts": 60})
+
+
+def test_the_documented_translation_is_complete(tmp_path: Path) -> None:
+    task = write_documented(tmp_path, "speed")
+    (task / "words.es.toml").write_text(FILES["speed", "words.es.toml"], encoding="utf-8")
+    speed = Catalogue(tasks=(tmp_path,)).task("speed")
+    texts = speed(build(speed.Parameters, {"language": "es"}))
+    assert texts.instructions() == "Pulse la flecha que aparece. Son 10."
+    assert task_translations.problems(speed) == []
+
+
+def test_the_documented_test_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_documented(tmp_path / "mytasks", "speed")
+    monkeypatch.chdir(tmp_path)
+    (source,) = (fragment for fragment in FRAGMENTS if "def test_" in fragment)
+    names: dict[str, Any] = {}
+    exec(source, names)
+    names["test_the_expected_key_is_right"]()
+
+
+@pytest.mark.parametrize("fragment", [each for each in FRAGMENTS if "def test_" not in each])
+def test_each_part_of_a_task_on_the_pages_can_be_declared(fragment: str) -> None:
+    """A fragment stands inside a class, or beside it."""
+    names: dict[str, Any] = dict(vars(trial_types)) | {"Annotated": Annotated, "Task": Task}
+    names["TurnParameters"] = Task.Parameters
+    body = textwrap.indent(textwrap.dedent(fragment), "    ")
+    exec(fragment if fragment.startswith("class") else f"class Fragment(Task):\n{body}", names)
