@@ -1,10 +1,11 @@
-"""Tasks of docs/write-your-own-task.md and parts of them, taken from the pages."""
+"""Tasks of docs/write-your-own-task.md and docs/write-a-node.md, and parts of them, taken from the pages."""
 
 import re
 from pathlib import Path
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGES = [(DOCS / page).read_text(encoding="utf-8") for page in ("write-your-own-task.md", "task-reference.md")]
+_NAMES = ("write-your-own-task.md", "task-reference.md", "write-a-node.md")
+PAGES = [(DOCS / name).read_text(encoding="utf-8") for name in _NAMES]
 FILES = {
     (name, file): source
     for page in PAGES
