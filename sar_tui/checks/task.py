@@ -26,6 +26,7 @@ from sar_tui.framework.trial_types import Results, Situation, Stimulus, Trial
 from sar_tui.framework.visible_text import control_problem
 from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
 from sar_tui.runs.plan import Failed, make_plan
+from sar_tui.runs.sensors import sensor_parameter
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import sessions
@@ -103,7 +104,11 @@ def _declaration(kind: type[Task]) -> str:
 
 
 def _parameters(kind: type[Task]) -> str:
-    problems = [problem for field in fields(kind.Parameters) if (problem := _lacks(field))]
+    declared = fields(kind.Parameters)
+    problems = [problem for field in declared if (problem := _lacks(field))]
+    sensors = {sensor_parameter(seat) for seat in kind.seats} if kind.sensors else set()
+    missing = sorted(sensors - {field.name for field in declared})
+    problems += [f"It has a motion sensor, and no parameter {name} (a str) that names it." for name in missing]
     return " ".join(problems)
 
 

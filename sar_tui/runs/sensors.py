@@ -66,7 +66,7 @@ def open_sensor(
         else:
             source = open_source(f"{kind}:{rest}" if rest else kind, seed=seed, clock=virtual)
     except SourceError as error:
-        raise ParameterError({_parameter(seat, part): str(error)}) from error
+        raise ParameterError({sensor_parameter(seat, part): str(error)}) from error
     return ImuFeed(source, clock.now, seat, part)
 
 
@@ -74,7 +74,7 @@ def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
     """Raise ParameterError if a parameter names a kind of sensor that does not exist, or two the same device."""
     known = [*source_names(), "session"]
     worn = _worn(parameters, seats)
-    kinds = {_parameter(*where): _address(parameters, *where).strip().partition(":")[0] for where in worn}
+    kinds = {sensor_parameter(*where): _address(parameters, *where).strip().partition(":")[0] for where in worn}
     problems = {
         name: f'There is no sensor "{kind}". Choose one of: {", ".join(known)}.'
         for name, kind in kinds.items()
@@ -95,7 +95,7 @@ def _check_distinct(parameters: TaskParameters, worn: Sequence[tuple[str, BodyPa
     if len(worn) < 2 or (address := _address(parameters, *worn[0])) != _address(parameters, *worn[1]):
         return
     if address.partition(":")[0] in _EXCLUSIVE:
-        name = _parameter(*worn[1])
+        name = sensor_parameter(*worn[1])
         first, second = ("the hand", "the trunk") if name == _TRUNK else ("the left", "the right")
         problem = (
             f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for {first}, "
@@ -104,7 +104,7 @@ def _check_distinct(parameters: TaskParameters, worn: Sequence[tuple[str, BodyPa
         raise ParameterError({name: problem})
 
 
-def _parameter(seat: str, part: BodyPart) -> str:
+def sensor_parameter(seat: str, part: BodyPart = "hand") -> str:
     """Return the name of the parameter that names a sensor."""
     if part == "trunk":
         return _TRUNK
@@ -112,7 +112,7 @@ def _parameter(seat: str, part: BodyPart) -> str:
 
 
 def _address(parameters: TaskParameters, seat: str, part: BodyPart) -> str:
-    return str(getattr(parameters, _parameter(seat, part), "phidget"))
+    return str(getattr(parameters, sensor_parameter(seat, part), "phidget"))
 
 
 def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str, part: BodyPart) -> RecordedSource:

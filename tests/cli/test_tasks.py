@@ -225,6 +225,14 @@ def test_empty_texts_are_named(change: Change) -> None:
     assert problems == ["The goal is empty at level 1."]
 
 
+def test_a_task_whose_sensor_cannot_be_named_is_told_so(call: Call, tmp_path: Path) -> None:
+    call("tasks", "new", "lifting", "--like", "imu", "--to", tmp_path)
+    task = tmp_path / "lifting" / "task.py"
+    task.write_text(task.read_text().replace("    imu: Annotated[", "    sensor: Annotated["))
+    problems = [problem for done in itertools.islice(check(task.parent), 3) for problem in done.problems]
+    assert problems == ["It has a motion sensor, and no parameter imu (a str) that names it."]
+
+
 def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) -> None:
     folder = Path(shutil.copytree(tapping, tapping.parent / "other"))
     called = call("tasks", "check", folder)
