@@ -21,8 +21,8 @@ def lines_of_code(source: str) -> int:
         if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
         for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
     }
-    lines = enumerate(source.splitlines(), 1)
-    return sum(bool(line.strip()) and not line.lstrip().startswith("#") and number not in told for number, line in lines)
+    lines = [line.strip() for number, line in enumerate(source.splitlines(), 1) if number not in told]
+    return len([line for line in lines if line and not line.startswith("#")])
 
 
 def test_our_own_numbers_hold() -> None:
