@@ -172,7 +172,9 @@ def _content_problem(prompt: Stimulus, where: str) -> str:
     if prompt.choices < 1:
         return f"The prompt is drawn from {prompt.choices} stimuli {where}."
     texts = (prompt.glyph, prompt.hint, *prompt.halves)
-    for frame in prompt.frames:
+    for place, frame in enumerate(prompt.frames, 1):
+        if not frame.line.isprintable():
+            return f"The text of frame {place} is not one line of plain text {where}: {frame.line!r:.60}."
         texts += (frame.text, frame.glyph, frame.hint, *frame.halves)
     return control_problem(f"What the prompt shows {where}", "".join(texts))
 

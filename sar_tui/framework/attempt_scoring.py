@@ -150,9 +150,19 @@ def _past(
     task: Task, attempt: AttemptFacts, score: Score, results: Sequence[Result], earlier: Sequence[PastAttempt]
 ) -> PastAttempt:
     """Return the attempt as later ones see it, with the measures of the task and those that compare it with them."""
-    measures = _mean_qualities(task, results) | task.measures(list(results))
+    measures = _mean_qualities(task, results) | _checked_measures(task.measures(list(results)), "measures")
     past = PastAttempt(attempt.attempt, attempt.practice, attempt.level, score, measures, attempt.condition)
-    return replace(past, measures=measures | task.learning(past, earlier))
+    return replace(past, measures=measures | _checked_measures(task.learning(past, earlier), "learning"))
+
+
+def _checked_measures(measures: object, method: str) -> dict[str, float]:
+    """Return what a method of a task measured. Raises TypeError if it is not finite numbers by name."""
+    if not isinstance(measures, dict) or not all(isinstance(name, str) for name in measures):
+        raise TypeError(f"{method}() returned {measures!r:.60}, not numbers by name")
+    for name, value in measures.items():
+        if not (isinstance(value, int | float) and math.isfinite(value)):
+            raise TypeError(f"{method}() returned {value!r:.60} for {name}, not a finite number: leave it out")
+    return measures
 
 
 def _worst(task: Task, attempts: Sequence[JudgedAttempt]) -> float | None:

@@ -102,7 +102,11 @@ class Attempts:
         """Number of trials of the attempt that runs or comes next; after the last one, of that."""
         ended = self.state.ended
         is_over = ended is not None and ended.before.attempt == self.attempt
-        return self._task.trials_at(ended.before.level if ended and is_over else self.level)
+        level = ended.before.level if ended and is_over else self.level
+        trials = self._task.trials_at(level)
+        if type(trials) is not int or trials < 1:
+            raise TypeError(f"an attempt at level {level} has {trials!r:.60} trials, not a whole number from 1 on")
+        return trials
 
     @property
     def is_first_after_practice(self) -> bool:

@@ -18,6 +18,7 @@ def _problem_of(what: str, shown: Stimulus | Frame, names: tuple[str, ...]) -> s
     for name in names:
         if not isinstance(value := getattr(shown, name), str):
             return f"The {name} of a {what} is a text, not {value!r:.80}."
-    if all(isinstance(half, str) for half in shown.halves):
+    halves = shown.halves
+    if isinstance(halves, tuple) and len(halves) in (0, 2) and all(isinstance(half, str) for half in halves):
         return ""
-    return f"The halves of a {what} are texts, not {shown.halves!r:.80}."
+    return f"The halves of a {what} are a pair of texts, not {halves!r:.80}."

@@ -12,6 +12,7 @@ from sar_tui.framework.trial_types import Details, Mark, Metric, Quality
 _TEXTS = ("title", "summary", "trains", "trials", "version")
 _CLASSES: dict[str, type] = {"Parameters": TaskParameters, "Details": Details}
 _LISTS: dict[str, type] = {"sensors": str, "seats": str, "qualities": Quality, "measured": Measure, "marks": Mark}
+_SEATS = (("A",), ("A", "B"))
 
 
 def problem(task: type[Task]) -> str:
@@ -26,10 +27,16 @@ def problem(task: type[Task]) -> str:
             return f"its {name} is not a subclass of {kind.__name__}"
     if required := [field.name for field in msgspec.structs.fields(task.Parameters) if field.required]:
         return f"these parameters have no default: {', '.join(required)}"
+    return _problem_of_lists(task)
+
+
+def _problem_of_lists(task: type[Task]) -> str:
     for name, kind in _LISTS.items():
         items = getattr(task, name)
         if not (isinstance(items, tuple | list) and all(_is_a(item, kind) for item in items)):
             return f"its {name} are not a tuple of {'texts' if kind is str else kind.__name__}"
+    if tuple(task.seats) not in _SEATS:
+        return f'its seats are {task.seats!r:.60}; they can be ("A",) or ("A", "B")'
     return ""
 
 

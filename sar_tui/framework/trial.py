@@ -381,6 +381,10 @@ class OpenTrial:
 
 def stimulus_problem(stimulus: Stimulus) -> str:
     """Return a sentence that says why a prompt cannot be shown, timed and stored as declared; empty if it can."""
+    if not isinstance(stimulus, Stimulus):
+        return f"stimulus() returned {stimulus!r:.60}, not a Stimulus."
+    if type(stimulus.choices) is not int:
+        return f"The choices of a prompt are a whole number, not {stimulus.choices!r:.60}."
     time = stimulus.timeout_ms
     if time is not None and not (isinstance(time, int | float) and 0 < time < math.inf):
         return f"The timeout_ms of a prompt is {time!r:.80}; it is a time above 0, or None."

@@ -266,8 +266,10 @@ class Show(msgspec.Struct, frozen=True):
     ms: int = 600
 
     def __post_init__(self) -> None:
-        if not (self.text.strip() and self.text.isprintable()):
+        if not (isinstance(self.text, str) and self.text.strip() and self.text.isprintable()):
             raise ValueError(f"what is shown after a trial is not one line of plain text: {self.text!r:.60}")
+        if type(self.ms) is not int:
+            raise ValueError(f"what is shown after a trial is shown for a whole number of ms, not {self.ms!r:.60}")
         if not 0 < self.ms <= LONGEST_SHOW_MS:
             raise ValueError(
                 f"what is shown after a trial is shown for {self.ms} ms; 1 to {LONGEST_SHOW_MS} are possible"
@@ -315,6 +317,10 @@ def complete(result: Result, declared: "type[Details]") -> Result:
 
     So a trial that timed out has the same columns as the others: each detail has its default, or else None.
     """
+    if not isinstance(result, Result):
+        raise TypeError(f"a trial ended with {result!r:.60}, which is no Result: look at perceived and timed_out")
+    if not (result.show is None or isinstance(result.show, Show)):
+        raise TypeError(f"the show of a Result is a Show, such as Show('+10'), not {result.show!r:.60}")
     details = result.details or {
         field.name: None if field.default is msgspec.NODEFAULT else field.default
         for field in msgspec.structs.fields(declared)

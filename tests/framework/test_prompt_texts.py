@@ -19,7 +19,7 @@ def stimulus(**given: Any) -> Stimulus:
         ({"picture": Path("cat.png")}, "The picture of a prompt is a text, not PosixPath('cat.png')."),
         ({"text": 3}, "The text of a prompt is a text, not 3."),
         ({"expected": None}, "The expected of a prompt is a text, not None."),
-        ({"halves": (1, "2")}, "The halves of a prompt are texts, not (1, '2')."),
+        ({"halves": (1, "2")}, "The halves of a prompt are a pair of texts, not (1, '2')."),
         ({"frames": (Frame(7, 100), Frame("X"))}, "The glyph of a frame is a text, not 7."),  # type: ignore[arg-type]
     ],
 )

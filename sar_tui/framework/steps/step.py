@@ -5,6 +5,8 @@ from typing import Literal, NamedTuple
 
 import msgspec
 
+from sar_tui.framework.visible_text import control_problem
+
 Kind = Literal[
     "screen", "rest", "calibration", "number", "likert", "borg", "line", "choice", "choices", "text"
 ]  # fmt: skip
@@ -108,6 +110,15 @@ def spoken(step: Step) -> str:
 
 def problem(step: Step) -> str:
     """Return why a step cannot be used, in one sentence; empty if it can."""
+    try:
+        msgspec.convert(msgspec.to_builtins(step), Step)
+    except (msgspec.ValidationError, TypeError) as error:
+        return f"The step {step.name!r} cannot be used: {error}."
+    shown = control_problem(f"What the step {step.name!r} shows", "".join((step.text, *step.labels)))
+    return shown or _contents_problem(step) or _labels_problem(step, f"The step {step.name!r}")
+
+
+def _contents_problem(step: Step) -> str:
     name = f"The step {step.name!r}"
     if not step.name or not all(char.isalnum() or char in "_-" for char in step.name):
         return f"The name of a step is letters, digits, - and _, not {step.name!r}."
@@ -119,7 +130,7 @@ def problem(step: Step) -> str:
         return f"{name} lasts seconds = 1 to {LONGEST_S:g}, not {step.seconds:g}."
     if step.kind not in TIMED and step.seconds:
         return f"{name} is of the kind {step.kind}, which has no seconds."
-    return _labels_problem(step, name)
+    return ""
 
 
 def _labels_problem(step: Step, name: str) -> str:
