@@ -30,7 +30,7 @@ _GROUP = "sar_tui.tasks"
 _installed: dict[str, str] = {}
 """Tasks of installed packages by the module of their class."""
 DEFAULT_THEME = "calm"
-CURRENT_NAMES = "The names of this version are in docs/write-your-own-task.md."
+CURRENT_NAMES = "The names of this version are in docs/task-reference.md."
 """Hint for a task that uses a name that sar-tui does not have."""
 _EMPTY = "with an empty name"
 _FORMER = {"sensed": "sensor_seats"}

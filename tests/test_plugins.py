@@ -211,7 +211,7 @@ def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
 def test_a_task_with_names_of_another_version_is_reported(own: Path, statement: str, missing: str) -> None:
     write(own, "minimal", f"{statement}\n{MINIMAL}")
     assert sentence(own, "minimal") == (
-        f"The task minimal cannot be loaded: {missing}. The names of this version are in docs/write-your-own-task.md."
+        f"The task minimal cannot be loaded: {missing}. The names of this version are in docs/task-reference.md."
     )
 
 

@@ -117,6 +117,9 @@ def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:
     kept = [trial["data"]["congruent"] for trial in played.trials]
     assert kept == [prompt.data["congruent"] for prompt in played.prompts]
     assert kept == [trial["stimulus"][0] == trial["stimulus"][2] for trial in played.trials]
+    orders = [[trial["stimulus"] for trial in played.trials if trial["attempt"] == attempt] for attempt in (1, 2)]
+    assert [{row: order.count(row) for row in order} for order in orders] == [dict.fromkeys(set(orders[0]), 5)] * 2
+    assert orders[0] != orders[1]
     with closing(connect(tmp_path / "data")) as database:
         session = played.trials[0]["session"]
         table = trials(database, [session], {}, Damage(database, lambda _: None))
