@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sar_tui.framework.clock import VirtualClock
+from sar_tui.framework.messages import Fault
 from sar_tui.framework.node import Node
 from sar_tui.framework.paced_clock import PacedClock
 from sar_tui.framework.session import Parts, Session
@@ -48,7 +49,7 @@ def simulate(
 
     Raises:
         StoreError, PluginError, ParameterError: as ``start``.
-        Failed: the task raised, or waits for ever.
+        Failed: the task raised, there or in its simulated participant, or waits for ever.
     """
     clock = VirtualClock() if set(plan.parameters.outputs) <= {"screen"} else PacedClock()
 
@@ -72,6 +73,11 @@ def simulate(
         session.detach()
         session.bus.drain()
         run.check()
+        if fault := participant_fault(session):
+            raise Failed(
+                f"The simulated participant failed ({fault.error}, {fault.place}). Look at the method rehearse of the "
+                f"task {plan.task.name}. What was done so far is kept."
+            )
         if not session.ended:
             raise Failed(
                 f"The session {run.id} stopped before its end: the task {plan.task.name} waits for something that the "
@@ -85,6 +91,13 @@ def simulate(
     return run.id
 
 
+def participant_fault(session: Session) -> Fault | None:
+    """Return the first fault of a simulated participant; None if there is none."""
+    people = (SimulatedParticipant.name, SimulatedPartner.name)
+    return next((fault for fault in session.faults if fault.node in people), None)
+
+
 def _goes_on(session: Session) -> bool:
-    """Return True until the session has ended, and its goodbye was decided on and said."""
-    return session.broken is None and (not session.ended or session.is_agent_acting or session.awaits_operator)
+    """Return True until the session has ended, and its goodbye was decided on and said, or a part of it failed."""
+    is_whole = session.broken is None and participant_fault(session) is None
+    return is_whole and (not session.ended or session.is_agent_acting or session.awaits_operator)

@@ -13,6 +13,7 @@ from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import STORED, TRIAL
 from sar_tui.plugins import Catalogue, PluginError, module_beside
 from sar_tui.runs.sensors import simulated_nodes
+from sar_tui.runs.simulate import participant_fault
 from sar_tui.simulation.effect import Effect
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
@@ -105,8 +106,8 @@ def play(kind: type[Task], effect: Effect, theme: Theme, seed: int) -> list[Tria
     session.begin()
     while not session.ended and session.broken is None and clock.step():
         pass
-    if session.broken:
-        raise PluginError(f"The task {kind.name} failed ({session.broken.error}, {session.broken.place}).")
+    if fault := session.broken or participant_fault(session):
+        raise PluginError(f"The task {kind.name} failed ({fault.error}, {fault.place}).")
     return trials
 
 

@@ -204,7 +204,7 @@ def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path
         ('f"Tap: {keys}"', 'f"Tap: {keys} {__import__(\'time\').monotonic_ns()}"', "differs when asked for"),
         ("SEQUENCES[situation.level - 1]", "SEQUENCES[situation.level]", "asked twice. It raised IndexError"),
         ("right = 0\n", "right = 0\n        boom\n", "poor participant. The task drumming failed (NameError"),
-        ("performance.reaction_ms / 2", "performance.reaction_ms / 0", "The node participant failed at event_handl"),
+        ("performance.reaction_ms / 2", "performance.reaction_ms / 0", "The simulated participant failed (ZeroDivi"),
         ("value=right / seconds", "value=None", "10 of 10 attempts have no metric"),
         ("value=right / seconds", "value=float('inf')", "a number in it is not finite"),
         ('"wrong": wrong}', '"wrong": wrong, "more": 1}', "that it declares. Its Details do not declare more."),
