@@ -23,7 +23,7 @@ from sar_tui.framework.messages import (
 )
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.steps.entry import Entry
+from sar_tui.framework.steps.entry import DECLINE_KEY, Entry
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import (
     ACTION,
@@ -131,7 +131,7 @@ class SimulatedParticipant(_Performer):
     name = "participant"
     emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN)
     _next: Handle | None = None
-    _asked = 0
+    _asked = (0, 0)
     _keys: tuple[str, ...] = ()
 
     @on(WAITING)
@@ -152,13 +152,16 @@ class SimulatedParticipant(_Performer):
 
     def _answer(self, asked: AskedStep) -> None:
         """Press the next of the keys that answer a question; each changes what the session waits for."""
-        if asked.number != self._asked or asked.entry == Entry():
+        is_new = (asked.number, asked.shown) != self._asked or asked.entry == Entry()
+        if asked.entry == Entry():
             streams = RandomStreams(self._seed, "person", "step", asked.number)
-            self._asked, self._keys = asked.number, answer_keys(asked.step, streams)
-            pause = READING
-        else:
-            pause = TYPING
-        self._next = self._press(self._keys[0], self.now + pause) if self._keys else None
+            self._keys = answer_keys(asked.step, streams)
+        elif asked.entry.is_missing:
+            self._keys = (DECLINE_KEY,)  # Enter was refused
+        elif is_new:
+            self._keys = ("enter",)  # something was chosen before the session was interrupted
+        self._asked = (asked.number, asked.shown)
+        self._next = self._press(self._keys[0], self.now + (READING if is_new else TYPING)) if self._keys else None
         self._keys = self._keys[1:]
 
     def _wants_feedback(self, waiting: Waiting) -> bool:

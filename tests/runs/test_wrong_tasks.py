@@ -60,6 +60,9 @@ CASES = [
      "The step 'a' cannot be used: Invalid enum value 'slider'"),
     ("trials_per_attempt = 2", 'trials_per_attempt = 2\n    steps = (Step(name="a", text="b\\x1b[2J"),)',
      "has control characters: U+001B."),
+    ("trials_per_attempt = 2",
+     'trials_per_attempt = 2\n    seats = ("A", "B")\n\n    def seat_of(self, key):\n        return None',
+     "seat_of() returned None for the key enter, not a seat or an empty text"),
     ("trials_per_attempt = 2", 'trials_per_attempt = 2\n    seats = ("A", "B", "C")',
      "its seats are ('A', 'B', 'C'); they can be"),
 ]  # fmt: skip
@@ -74,7 +77,8 @@ def test_it_ends_with_a_sentence_and_its_session_can_be_read(
     assert SOURCE.count(right) == 1
     (folder / "task.py").write_text(SOURCE.replace(right, wrong))
     which = ("--attempts", 1, "--seed", 1, "--tasks", folder.parent)
-    called = call("simulate", "wrong", "--user", "average", "-p", "P01", *which)
+    people = ("-p", "P02") if 'seats = ("A", "B")\n' in wrong else ()
+    called = call("simulate", "wrong", "--user", "average", "-p", "P01", *people, *which)
     assert called.code in (1, 2)
     assert says in called.err.replace("\n", " ")
     assert "Traceback" not in called.err

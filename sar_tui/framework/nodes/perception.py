@@ -35,6 +35,8 @@ class Perception(Node):
     @on(KEY)
     def key_pressed(self, press: KeyPressed) -> None:
         seat = self._seat_of(press.key) if self._seat_of else press.seat
+        if not isinstance(seat, str):
+            raise TypeError(f"seat_of() returned {seat!r:.60} for the key {press.key}, not a seat or an empty text")
         last, self._last[seat] = self._last.get(seat), press
         gap = press.at - last.at if last else None
         self.emit(
