@@ -276,6 +276,24 @@ class Parts(NamedTuple):
 OWN_PARTS = Parts()
 
 
+def problem_of_nodes(nodes: Sequence[object]) -> str:
+    """Return why these cannot be a task's own nodes, as the end of a sentence; empty if they can.
+
+    Timers and checkpoints tell nodes by their names.
+    """
+    taken = {kind.name for kind in (*OWN_PARTS, ActionCenter, Arbiter)}
+    for node in nodes:
+        if not isinstance(node, Node):
+            return f"among its nodes is {node!r:.60}, which is no Node."
+        name = getattr(node, "name", None)
+        if not isinstance(name, str) or not name:
+            return f"its node {type(node).__name__} has no name."
+        if name in taken:
+            return f"its node {type(node).__name__} has the name {name}, as another node has."
+        taken.add(name)
+    return ""
+
+
 def core_nodes(task: Task, theme: Theme, seed: int, parts: Parts = OWN_PARTS) -> tuple[Node, ...]:
     """Return the framework's nodes and the task's own perception, in the order in which they receive a message."""
     seat_of = task.seat_of if len(task.seats) > 1 else None

@@ -7,9 +7,9 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters, build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
+from sar_tui.framework.session import problem_of_nodes
 from sar_tui.framework.steps.file import problem_of
 from sar_tui.framework.steps.step import Step
 from sar_tui.framework.task import Task
@@ -199,8 +199,8 @@ def without_outputs(kind: type[Task], parameters: TaskParameters) -> Task:
         wrong_steps = problem_of(task.steps)
     except PLUGIN_ERRORS as error:
         raise Failed(f"The task {kind.name} cannot be set up ({describe(error)}).") from error
-    if wrong := [node for node in nodes if not isinstance(node, Node)]:
-        raise Failed(f"The task {kind.name} cannot be set up: among its nodes is {wrong[0]!r:.60}, which is no Node.")
+    if wrong := problem_of_nodes(nodes):
+        raise Failed(f"The task {kind.name} cannot be set up: {wrong}")
     if type(levels) is not int or levels < 1:
         raise Failed(f"The task {kind.name} cannot be set up: its levels are {levels!r}, not a whole number from 1 on.")
     if wrong_steps:

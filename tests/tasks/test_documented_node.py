@@ -1,6 +1,7 @@
 """The node of docs/write-a-node.md runs from the page's own code: on a bus, simulated, live, and replayed as it was."""
 
 import importlib
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import closing
@@ -20,7 +21,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import IMU, PERCEIVED, REACH, TRIAL
 from sar_tui.motion.samples import SAMPLE, pack
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.plan import make_plan
+from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions
@@ -134,3 +135,24 @@ def test_a_movement_can_stand_for_a_key(folder: Path, tmp_path: Path) -> None:
     taps = [each.message for each in history if each.topic is PERCEIVED and each.message.key == "tap"]
     assert {trial.response_at for trial in trials if trial.response} <= {tap.at for tap in taps}
     replay(catalogue.task("twist"), catalogue, history, 5)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('name = "twists"', 'name = "perception"', "its node Twists has the name perception, as another node has."),
+        ('name = "twists"', "pass", "its node Twists has no name."),
+        (
+            "return (Twists(),)",
+            "return (Twists(), Twists())",
+            "its node Twists has the name twists, as another node has.",
+        ),
+        ("return (Twists(),)", "return (Twists,)", "which is no Node."),
+    ],
+)
+def test_nodes_have_names_of_their_own(folder: Path, old: str, new: str, says: str) -> None:
+    for file in (folder / "twist").glob("*.py"):
+        file.write_text(file.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    catalogue = Catalogue(tasks=(folder,))
+    with pytest.raises(Failed, match=re.escape(says)):
+        make_plan(catalogue, "twist", ["P01"], SETTINGS, theme="calm", seed=5, mode="simulated")
