@@ -441,7 +441,10 @@ def test_a_simulation_that_waits_for_ever_is_a_failure(own: Path, data: Path, mo
     class Asleep(Node):
         name = "participant"
 
-    monkeypatch.setattr("sar_tui.runs.simulate.SimulatedParticipant", lambda *_: Asleep())
+        def __init__(self, *_: object) -> None:
+            super().__init__()
+
+    monkeypatch.setattr("sar_tui.runs.simulate.SimulatedParticipant", Asleep)
     write(own, "minimal", MINIMAL)
     with pytest.raises(Failed, match="stopped before its end: the task minimal waits for something"):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
