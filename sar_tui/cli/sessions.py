@@ -126,7 +126,7 @@ def show(
 
     metric = provenance.metric(found["software"])
     out = console()
-    measured, findings = _declared(home, found["task"])
+    measured, findings, missing = _declared(home, found["task"])
     _print_facts(out, found, programme)
     if attempts:
         out.print(attempts_table(attempts, metric, measured), end="\n\n")
@@ -137,24 +137,26 @@ def show(
         out.print("\n".join(changes), markup=False, soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_wellbeing(out, found, felt, events)
-    if said := lines(answers):
+    if said := lines(answers, sum(bool(each["practice"]) for each in attempts if each["seat"] == "A")):
         out.print("\n".join(said), markup=False, soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
     for sent in markers:
         out.print(sent.line, markup=False, soft_wrap=True)
+    if missing:
+        out.print(f"! {missing} Without it, measures of its own are not shown.", markup=False, soft_wrap=True)
     print_failed_outputs(out, outputs)
 
 
-def _declared(home: Home, name: str) -> "tuple[Sequence[Measure], Findings]":
-    """Return a task's measures, and the function that adds its findings to a summary; none if it is not installed."""
+def _declared(home: Home, name: str) -> "tuple[Sequence[Measure], Findings, str]":
+    """Return a task's measures, the function that adds its findings to a summary, and why there are none if so."""
     from sar_tui.plugins import PluginError
     from sar_tui.widgets.task_view import stored_findings
 
     try:
         task = home.catalogue().task(name)
-    except PluginError:
-        return (), lambda *_: ()
-    return task.measured, partial(stored_findings, task)
+    except PluginError as error:
+        return (), lambda *_: (), str(error)
+    return task.measured, partial(stored_findings, task), ""
 
 
 def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> None:

@@ -165,10 +165,11 @@ def simulate(
     from sar_tui.cli.tables import attempts_table, summary
     from sar_tui.widgets.task_view import stored_findings
 
+    given = "".join(f" --tasks {folder}" for folder in tasks or ())
     out = console()
     out.print(attempts_table(rows, kind.metric, kind.measured))
     said = summary(rows, kind.metric, partial(stored_findings, kind))
-    out.print(f"{said} Seed {plan.seed}. `sar-tui show {session}` shows more.", soft_wrap=True)
+    out.print(f"{said} Seed {plan.seed}. `sar-tui show {session}{given}` shows more.", soft_wrap=True)
     if operator is not None:
         out.print(f"`sar-tui report wizard {session}` shows what the operator did.", soft_wrap=True)
     print_failed_outputs(out, spoke)

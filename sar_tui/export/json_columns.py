@@ -3,7 +3,7 @@
 import re
 import sqlite3
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, get_type_hints
 
 import msgspec
 
@@ -29,14 +29,22 @@ class Declared(msgspec.Struct, frozen=True):
 
 
 def declared_keys(struct: type[msgspec.Struct]) -> dict[str, Declared]:
-    """Return the fields of a declaration, such as a task's ``Details``."""
+    """Return the fields of a declaration, such as a task's ``Details``.
+
+    A meaning is that of ``Annotated[float, "From onset to end."]``, or of ``Annotated[float, msgspec.Meta(...)]``.
+    """
     found = msgspec.inspect.type_info(struct)
     assert isinstance(found, msgspec.inspect.StructType)
-    return {field.encode_name: _declared(field.type) for field in found.fields}
+    hints = get_type_hints(struct, include_extras=True)
+    return {field.encode_name: _declared(field.type, _text(hints[field.name])) for field in found.fields}
 
 
-def _declared(kind: msgspec.inspect.Type) -> Declared:
-    meaning = ""
+def _text(hint: Any) -> str:
+    """Return the text in an annotation; empty if there is none."""
+    return next((each for each in getattr(hint, "__metadata__", ()) if isinstance(each, str)), "")
+
+
+def _declared(kind: msgspec.inspect.Type, meaning: str) -> Declared:
     while isinstance(kind, msgspec.inspect.Metadata):
         meaning = (kind.extra_json_schema or {}).get("description", meaning)
         kind = kind.type

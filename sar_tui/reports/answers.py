@@ -6,18 +6,19 @@ from typing import Any
 _STATUSES = {"declined": "would rather not say", "skipped": "skipped by an operator"}
 
 
-def lines(rows: Sequence[dict[str, Any]]) -> list[str]:
+def lines(rows: Sequence[dict[str, Any]], practice: int) -> list[str]:
     """Return a line for each question that was asked; several participants are told apart by their seats.
 
     Args:
         rows: of the table ``answers``, as `store.sessions.rows` returns them.
+        practice: the number of attempts before the first that counts, as attempts are counted with them.
     """
     several = len({row["seat"] for row in rows}) > 1
-    return [_line(row, several) for row in rows if row["status"] != "done"]
+    return [_line(row, several, practice) for row in rows if row["status"] != "done"]
 
 
-def _line(row: dict[str, Any], several: bool) -> str:
-    when = f"After attempt {row['attempt']}" if row["attempt"] else "Before the first attempt"
+def _line(row: dict[str, Any], several: bool, practice: int) -> str:
+    when = f"After attempt {row['attempt'] + practice}" if row["attempt"] else "Before the first attempt"
     who = f", seat {row['seat']}" if several else ""
     return f"{when}{who}: {row['text']} {_STATUSES.get(row['status']) or ', '.join(_answer(row))}"
 

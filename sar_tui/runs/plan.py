@@ -11,6 +11,7 @@ from sar_tui.framework.parameters import TaskParameters, build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
 from sar_tui.framework.session import problem_of_nodes
 from sar_tui.framework.steps.file import problem_of
+from sar_tui.framework.steps.questions import chosen
 from sar_tui.framework.steps.step import Step
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
@@ -102,7 +103,9 @@ def make_plan(
     name = saved.theme if theme is None else theme
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
-    set_up(kind, parameters)
+    own = set_up(kind, parameters).steps
+    if why := problem_of((*own, *chosen(parameters.questions, parameters.questions_every), *steps)):
+        raise ParameterError({"questions": f"{why} The task, the settings and a file of steps may each bring some."})
     return Plan(
         task=kind,
         parameters=parameters,

@@ -105,10 +105,27 @@ def test_answers_are_told_in_words() -> None:
         row | {"attempt": 4, "status": "declined", "answer": None},
         row | {"status": "done", "answer": None},
     ]
-    assert lines(rows) == [
+    assert lines(rows, practice=0) == [
         "Before the first attempt: Fun? 2 (yes)",
         "After attempt 3: Fun? no, yes",
         'After attempt 3: Fun? "fine"',
         "After attempt 4: Fun? would rather not say",
     ]
-    assert lines([*rows, row | {"seat": "B", "answer": 1}])[-1] == "Before the first attempt, seat B: Fun? 1 (no)"
+    assert (
+        lines([*rows, row | {"seat": "B", "answer": 1}], practice=0)[-1]
+        == "Before the first attempt, seat B: Fun? 1 (no)"
+    )
+
+
+def test_two_steps_of_one_name_are_refused_wherever_they_come_from(call: Call, tmp_path: Path) -> None:
+    file = tmp_path / "steps.toml"
+    file.write_text(STEPS.replace('"mood"', '"effort"'))
+    called = call(*KEYBOARD, *SHORT, "--steps", file, "--set", "questions=effort")
+    assert (called.code, "Two steps are named 'effort'." in called.err) == (2, True)
+
+
+def test_show_counts_the_attempts_of_answers_as_its_table_does(call: Call) -> None:
+    settings = ("--set", "questions=effort", "--set", "questions_every=1", "--set", "practice_attempts=1")
+    done = call(*KEYBOARD, *SHORT, *settings, "--json")
+    shown = " ".join(call("show", done.json["session"]).out.split())
+    assert [f"After attempt {number}: How hard" in shown for number in (1, 2, 3)] == [False, True, True]

@@ -1,6 +1,7 @@
 """``sar-tui tasks``: list, show, create, check."""
 
 import itertools
+import re
 import runpy
 import shutil
 from collections.abc import Callable
@@ -242,3 +243,21 @@ def test_a_task_in_a_folder_of_another_name_is_named(call: Call, tapping: Path) 
 
 def test_checking_a_missing_folder_is_bad_input(call: Call, tmp_path: Path) -> None:
     assert call("tasks", "check", tmp_path / "nowhere").code == 2
+
+
+def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(call: Call, tapping: Path) -> None:
+    done = call("simulate", "drumming", "--user", "poor", "--attempts", 1, "--seed", 1, "--tasks", tapping.parent)
+    assert f"--tasks {tapping.parent}` shows more" in done.out
+    shown = call("show", "last")
+    assert shown.code == 0
+    assert "! There is no task drumming." in shown.out
+    assert "There is no task" not in call("show", "last", "--tasks", tapping.parent).out
+
+
+def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tapping: Path) -> None:
+    task = tapping / "task.py"
+    old = re.search(r'msgspec\.Meta\(description=("[^"]+")\)', task.read_text())
+    assert old
+    task.write_text(task.read_text().replace(old[0], old[1]))
+    told = call("tasks", "show", "drumming", "--json", "--tasks", tapping.parent).json["details"]
+    assert all(detail["description"] for detail in told)

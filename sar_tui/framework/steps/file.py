@@ -36,6 +36,8 @@ def read_steps(path: Path) -> tuple[Step, ...]:
 
 def problem_of(steps: tuple[Step, ...]) -> str:
     """Return why some steps cannot be used together, in one sentence; empty if they can."""
+    if not isinstance(steps, tuple | list):
+        return f"The steps of a task are a tuple of Step, even if there is one, (Step(…),), not {steps!r:.60}."
     if wrong := [step for step in steps if not isinstance(step, Step)]:
         return f"Among the steps is {wrong[0]!r:.60}, which is no Step."
     names = [step.name for step in steps]

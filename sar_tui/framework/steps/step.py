@@ -1,7 +1,7 @@
 """A step between attempts, as a task, a therapist or a file declares it."""
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import msgspec
 
@@ -110,6 +110,8 @@ def spoken(step: Step) -> str:
 
 def problem(step: Step) -> str:
     """Return why a step cannot be used, in one sentence; empty if it can."""
+    if step.kind not in get_args(Kind):
+        return f"The step {step.name!r} has the kind {step.kind!r:.40}. Choose one of: {', '.join(get_args(Kind))}."
     try:
         msgspec.convert(msgspec.to_builtins(step), Step)
     except (msgspec.ValidationError, TypeError) as error:
