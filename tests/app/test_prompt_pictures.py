@@ -1,6 +1,5 @@
 """Sessions whose prompts have pictures and colours: all they need is there before they begin."""
 
-import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -19,7 +18,7 @@ from sar_tui.runs.plan import Plan
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.prompt_pictures import MISSING
 from tests.app.app_driver import AppDriver, open_app
-from tests.documented import PAGE, write_documented
+from tests.documented import write_documented
 
 COLOURED = """
 from sar_tui.framework.task import Task
@@ -38,8 +37,6 @@ class Coloured(Task):
         return Result(correct=percept.key == trial.stimulus.expected, response=percept.key, response_at=percept.at)
 
 """
-(STROOP,) = re.findall(r"\*\*Colours\.\*\*.*?```python\n(.*?)```", PAGE, re.DOTALL)
-"""The documented prompts in colours."""
 SIDES = """
     def stimulus(self, situation):
         return Stimulus("right", "r", "Which side?", halves=("", "●"), colour="COLOUR")
@@ -167,10 +164,10 @@ async def test_documented_prompts_have_the_colours_that_they_name(
     data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLORTERM", "truecolor")
-    async with session_of(data, coloured(tmp_path, STROOP)) as driver:
+    async with session_of(data, write_documented(tmp_path / "mytasks", "stroop")) as driver:
         prompt = await driver.to_first_prompt()
         word, ink = prompt.stimulus.split(" in ")
-        assert (prompt.glyph, prompt.colour, prompt.expected) == (word, ink, ink[0])
+        assert (prompt.glyph, prompt.colour, prompt.expected) == (word.upper(), ink, ink[0])
         drawn = [
             segment
             for strip in driver.app.screen.query_one(BigPrompt).render_lines(Region(0, 0, 80, 14))
