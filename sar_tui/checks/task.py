@@ -208,6 +208,7 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
             done.append(simulated)
     yield _check("keeps no state from call to call", lambda: task_state.problem(kind(parameters), calls, SEED))
     yield _check("stores only the details that it declares", _details(kind, done))
+    yield Check("has the measures that it declares", warning=_measures(kind, done))
     prompts = [
         prompt.shown(frame)
         for each in done
@@ -222,6 +223,17 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))
     if task_view.has_view(kind) and not task_view.contract_problem(kind):
         yield _check("draws its view in a whole session", lambda: _drawing(kind, parameters, done))
+
+
+def _measures(kind: type[Task], done: list[Simulated]) -> str:
+    """Return a sentence that names declared measures that no attempt had; others that they had may be meant."""
+    had = {name for simulated in done for attempt in simulated.attempts for name in attempt["qualities"]}
+    declared = [measure.name for measure in kind.measured]
+    if not (missing := [name for name in declared if name not in had]):
+        return ""
+    others = sorted(had.difference(declared, (quality.field for quality in kind.qualities)))
+    instead = f" Attempts had {', '.join(others)}, which are not declared." if others else ""
+    return f"No attempt had {', '.join(missing)}: so no column shows it.{instead}"
 
 
 def _levels_apart(kind: type[Task], parameters: TaskParameters) -> Check:

@@ -261,3 +261,15 @@ def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tap
     task.write_text(task.read_text().replace(old[0], old[1]))
     told = call("tasks", "show", "drumming", "--json", "--tasks", tapping.parent).json["details"]
     assert all(detail["description"] for detail in told)
+
+
+def test_a_declared_measure_that_no_attempt_has_is_named(tapping: Path) -> None:
+    task = tapping / "task.py"
+    source = task.read_text().replace(
+        "import msgspec\n", "import msgspec\n\nfrom sar_tui.framework.measure import Measure\n"
+    )
+    source = source.replace("    Details =", '    measured = (Measure("pace_ms", "pace", unit="ms"),)\n    Details =')
+    task.write_text(source + '\n    def measures(self, results):\n        return {"pace": 1.0}\n')
+    (told,) = (done for done in check(tapping) if done.check == "has the measures that it declares")
+    said = "No attempt had pace_ms: so no column shows it. Attempts had pace, which are not declared."
+    assert (told.ok, told.warning) == (True, said)
