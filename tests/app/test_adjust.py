@@ -43,6 +43,7 @@ def cheap(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(passphrase, "_COST", 16)
 
 
+@pytest.mark.slow
 async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

@@ -17,6 +17,7 @@ def flags_of_the_trial(driver: AppDriver) -> str:
     return str(flags)
 
 
+@pytest.mark.slow
 async def test_characters_typed_into_a_form_are_never_recorded(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")

@@ -69,6 +69,7 @@ async def test_stamps_over_udp_are_those_of_the_database(
     assert not [text for text in said if text in sent], "what was said must not be sent"
 
 
+@pytest.mark.slow
 async def test_an_lsl_recording_that_pyxdf_reads_has_the_stamps_of_the_database(
     tmp_path: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

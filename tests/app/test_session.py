@@ -259,6 +259,7 @@ async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_ag
     assert stored(data, "SELECT trial, reaction_time_ms FROM trials") == [(1, 400.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", first(1, [("enter", "space"), ("space", "enter")]))
 async def test_two_keys_in_one_burst_close_the_summary_once(
     keys: tuple[str, ...], data: Path, catalogue: Catalogue, keyboard: type[Task]

@@ -157,6 +157,7 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
     assert stored_settings(data) == {"tempo": 7, "drum": False}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 async def test_values_are_checked_as_they_are_typed_alone_and_together(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
@@ -202,6 +203,7 @@ async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue:
         assert "There is no" not in meaning(driver)
 
 
+@pytest.mark.slow
 async def test_a_dot_marks_values_that_differ_from_the_default(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01", prompts_per_attempt=5)
     async with open_app(data, catalogue) as driver:
@@ -251,6 +253,7 @@ async def test_what_is_typed_after_a_reset_replaces_the_default(data: Path, cata
         assert field(driver, "attempts").value == "204", "unless the cursor is moved"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
 @pytest.mark.parametrize("sizes", first(1, [((30, 5), (80, 24)), ((80, 24),), ((80, 30), (79, 24), (80, 24))]))
 async def test_the_focused_field_stays_in_view_in_a_smaller_window(

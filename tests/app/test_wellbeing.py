@@ -256,6 +256,7 @@ async def test_a_past_session_shows_what_was_said(data: Path, catalogue: Catalog
         assert driver.sees("mild: Dizzy.")
 
 
+@pytest.mark.slow
 async def test_an_adverse_event_is_recorded_from_its_session(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

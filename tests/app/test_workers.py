@@ -23,6 +23,7 @@ async def test_session_and_storage_are_workers_that_end_with_the_app(
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
+@pytest.mark.slow
 async def test_workers_end_with_the_session_when_the_app_continues(data: Path, catalogue: Catalogue) -> None:
     known(data, "P01")
     app = SarTui(data, catalogue)

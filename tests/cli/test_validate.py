@@ -41,6 +41,7 @@ def test_people_read_tables_and_claims(call: Call) -> None:
     assert "✗" not in called.out
 
 
+@pytest.mark.slow
 def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
     called = call("validate", "--only", "reach", "--reaches", 3, "--json")
     assert called.code == 0
@@ -182,6 +183,7 @@ def test_help_names_every_validation(call: Call) -> None:
     assert [name for name in VALIDATIONS if name not in help_text] == []
 
 
+@pytest.mark.slow
 def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> None:
     folder = tmp_path / "report"
     called = call("validate", "--quick", "--only", "figure-4.4,figure-4.15,table-4.1", "--to", folder)

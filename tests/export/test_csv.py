@@ -16,6 +16,7 @@ from tests.export.varied import NOTE, store_trials, varied
 from tests.program import Call
 
 
+@pytest.mark.slow
 def test_the_files_are_what_their_description_says(call: Call, tmp_path: Path) -> None:
     varied(call, tmp_path / "data")
     folder = tmp_path / "out"

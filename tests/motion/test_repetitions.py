@@ -167,6 +167,7 @@ def misses() -> dict[str, Floats]:
     return {group: np.array(values) for group, values in found.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("persons", ["all", "odd", "even"])
 def test_the_count_of_real_exercise_is_exact_in_85_and_within_one_in_95_of_100_cuts(persons: str) -> None:
     assert np.mean(misses()[persons] == 0) >= 0.85

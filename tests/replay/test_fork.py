@@ -39,6 +39,7 @@ def numbers(result: Any) -> dict[str, dict[str, Any]]:
     return {one["name"]: one for one in result["numbers"]}
 
 
+@pytest.mark.slow
 def test_it_begins_where_the_scores_of_the_record_end(call: Call, simulated: str) -> None:
     changed = ("replay", simulated, "--what-if", "threshold=500")
     result = call(*changed, *FEW, "--json").json

@@ -146,6 +146,7 @@ async def test_the_frames_of_a_prompt_are_shown_at_their_times(
         assert "Do not press." in prompt_text(app)
 
 
+@pytest.mark.slow
 async def test_the_answer_to_a_trial_is_shown_for_as_long_as_it_was(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

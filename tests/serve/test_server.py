@@ -130,6 +130,7 @@ async def test_browser_is_disconnected_when_the_program_ends(tmp_path: Path) -> 
         assert await served.written("went")
 
 
+@pytest.mark.slow
 async def test_page_is_told_that_the_app_runs(tmp_path: Path) -> None:
     async with (
         serving(tmp_path / "diary") as served,

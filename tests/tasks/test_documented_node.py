@@ -94,6 +94,7 @@ def test_simulated_people_turn_their_hand_and_the_session_replays(folder: Path, 
     replay(catalogue.task("twist"), catalogue, history, 5)
 
 
+@pytest.mark.slow
 async def test_a_live_session_with_a_simulated_hand_replays(folder: Path, data: Path) -> None:
     catalogue = Catalogue(tasks=(folder,))
     plan = make_plan(catalogue, "twist", ["P01"], SETTINGS | {"attempts": 1}, theme="calm", seed=7)

@@ -79,6 +79,7 @@ def test_an_interrupted_attempt_begins_again_with_other_letters(nback: type[Task
     assert again[: len(before)] != before
 
 
+@pytest.mark.slow
 def test_as_many_letters_as_declared_are_the_same_and_people_show_the_effect_of_load(
     nback: type[Task], calm: Theme
 ) -> None:

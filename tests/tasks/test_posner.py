@@ -33,6 +33,7 @@ def test_the_agent_cannot_look_before_the_wait_begins(posner: type[Task]) -> Non
         build(posner.Parameters, {"cue_lead_ms": 600})
 
 
+@pytest.mark.slow
 def test_people_follow_the_gaze_and_those_who_do_not_heed_it_are_told_from_them(
     posner: type[Task], calm: Theme
 ) -> None:

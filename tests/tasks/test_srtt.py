@@ -59,6 +59,7 @@ def test_learning_is_the_difference_from_the_last_attempt_with_the_sequence(srtt
     assert task.learning(past("random", None), history) == {}
 
 
+@pytest.mark.slow
 def test_people_learn_the_sequence_and_those_without_learning_do_not(srtt: type[Task], calm: Theme) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is srtt)
     for kind, is_shown in ((srtt, True), (effect.without, False)):

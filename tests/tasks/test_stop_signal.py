@@ -98,6 +98,7 @@ def test_the_delay_goes_on_in_the_next_attempt(stop_signal: type[Task], calm: Th
     assert delays()[0] == carried
 
 
+@pytest.mark.slow
 def test_people_need_the_declared_time_to_stop_and_those_who_stop_at_once_are_told_from_them(
     stop_signal: type[Task], calm: Theme
 ) -> None:

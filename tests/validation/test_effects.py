@@ -25,6 +25,7 @@ def test_a_control_that_shows_the_effect_is_noticed(monkeypatch: pytest.MonkeyPa
     assert outside.against == kind.name
 
 
+@pytest.mark.slow
 def test_an_effect_outside_of_its_range_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     ((kind, effect), *_) = effects.effects(Catalogue())
     far = effect._replace(low=effect.high + 100, high=effect.high + 200)

@@ -40,6 +40,7 @@ def test_each_world_is_tried_with_few_and_many_earlier_attempts(catalogue: Catal
     assert fmean(row["better_by_chance"] for row in rows) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few")
 @pytest.mark.parametrize(("margin", "fails"), [(0.3, [0]), (9.0, [1])])
 def test_a_wrong_margin_fails_its_claim(

@@ -62,6 +62,7 @@ def test_a_simulated_observer_ends_there(wrong: int, right: int, share: float) -
     assert share_right(staircase, sees_less_of_low_values) == pytest.approx(share, abs=0.025)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", [0.5, 0.75, 0.9])
 def test_weighted_steps_end_at_any_share(target: float) -> None:
     staircase = weighted(target, start=55, steps=(1,))
