@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from sar_tui.app.app import SarTui
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue

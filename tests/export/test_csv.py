@@ -5,6 +5,7 @@ from contextlib import closing
 from pathlib import Path
 
 import frictionless
+import pytest
 
 from sar_tui.framework.messages import FeedbackChoice
 from sar_tui.framework.messages.loop import Timing
