@@ -293,7 +293,8 @@ class Task(ABC):
     def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
         """Return the acts of a simulated participant on a prompt: (ms after onset, key or movement).
 
-        Override it if the response is more than one key press, or than the expected text (see `typed_text.typing`).
+        By default it is the expected key, or another one in a slip; no key where none is expected. Override it if the
+        response is more than one key press, or than the expected text (see `typed_text.typing`).
 
         Args:
             stimulus: the prompt; ``seat`` is that of this participant.
@@ -302,4 +303,5 @@ class Task(ABC):
         """
         if stimulus.expects != "key":
             return typing(stimulus.expected, performance)
-        return [(performance.reaction_ms, "wrong" if performance.slips else stimulus.expected)]
+        key = "wrong" if performance.slips else stimulus.expected
+        return [(performance.reaction_ms, key)] if key else []
