@@ -69,7 +69,8 @@ def test_a_key_that_does_not_exist_is_refused() -> None:
 
 
 def test_control_c_interrupts_as_in_any_terminal() -> None:
-    with Terminal(python("print('ready', flush=True); import time; time.sleep(60)")) as terminal:
+    waits = "import time; print('ready', flush=True); any(time.sleep(0.01) for _ in range(6000))"
+    with Terminal(python(waits)) as terminal:  # one long sleep may begin just after the signal, and last
         terminal.wait_for("ready")
         terminal.press("ctrl+c")
         assert terminal.wait() in (1, -signal.SIGINT)
