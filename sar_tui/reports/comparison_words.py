@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from sar_tui.framework.language import Language
 from sar_tui.progress.lines import Side
 from sar_tui.reports.progress import Comparison, LineProgress
-from sar_tui.reports.progress_words import day, figure, result
+from sar_tui.reports.progress_words import day, figure, measured_value, result
 
 _REASONS: dict[Side, str] = {
     "easier": "every result was better than the goal",
@@ -32,7 +32,8 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
     )
     if found.mdc95 is None:
         return f"{change} {tr('How much is noise is not yet known: it needs more sessions.')}"
-    low, high = sorted((found.earlier.value - found.mdc95, found.earlier.value + found.mdc95), key=abs)
+    ends = found.earlier.value - found.mdc95, found.earlier.value + found.mdc95
+    low, high = sorted(ends, key=lambda value: measured_value(line, value))
     limits = {"low": figure(line, low, tr), "high": figure(line, high, tr)}
     verdict = {
         "more": tr("That is better; from {low} to {high} would be no more than noise (MDC95).", **limits),

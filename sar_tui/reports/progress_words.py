@@ -32,7 +32,12 @@ def figure(line: LineProgress, value: float, tr: Language) -> str:
     if line.measure == "level":
         shown = line.axis.show(value)
         return tr.figures(shown.replace(line.axis.unit, tr(line.axis.unit)) if line.axis.unit else shown)
-    return tr.figures(_difference(line, abs(value)))
+    return tr.figures(_difference(line, measured_value(line, value)))
+
+
+def measured_value(line: LineProgress, value: float) -> float:
+    """Return a value of the line's measure, more of which is better, as it was measured: times have their sign."""
+    return -value if line.measure == "result" and line.metric.better == "lower" else value
 
 
 def mean(line: LineProgress, session: SessionProgress) -> str:
@@ -53,7 +58,7 @@ def result(line: LineProgress, value: float, tr: Language) -> str:
 def _difference(line: LineProgress, value: float) -> str:
     """Return an SD, a change or the result that it is compared with; a time has one decimal more than a result."""
     metric, factor = metric_for_people(line.metric)
-    return f"{value * factor:.{metric.decimals + (factor != 1)}f} {metric.unit}".rstrip()
+    return f"{value * factor:z.{metric.decimals + (factor != 1)}f} {metric.unit}".rstrip()
 
 
 def between_sd(line: LineProgress, tr: Language) -> str:
@@ -226,7 +231,8 @@ def _noise(line: LineProgress, tr: Language) -> str:
             number=str(FAMILIARISATION + BASELINE),
         )
     ends = sorted(
-        (found.mean - found.mdc95, found.mean + found.mdc95 + found.rise), key=lambda value: abs(value) if value else 0
+        (found.mean - found.mdc95, found.mean + found.mdc95 + found.rise),
+        key=lambda value: measured_value(line, value),
     )
     return tr(
         "Baseline: {mean}. Sessions from {low} to {high} are no more than noise and practice (MDC95).",

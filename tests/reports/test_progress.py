@@ -4,12 +4,14 @@ import re
 import tomllib
 from datetime import date
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
 from sar_tui.checks.task_translations import texts_in
 from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports import comparison_words, dose_words, progress_words
@@ -89,6 +91,24 @@ def test_at_a_fixed_level_lower_times_are_better(keyboard: type[Task]) -> None:
     low, high = re.search(r"Sessions from ([\d.]+) s to ([\d.]+) s", said(found)).groups()  # type: ignore[union-attr]
     assert float(low) < 0.945
     assert float(high) > 0.955
+
+
+@pytest.mark.parametrize("better", ["lower", "higher"])
+def test_results_below_zero_keep_their_sign_in_the_note_and_in_comparisons(
+    keyboard: type[Task], better: Literal["lower", "higher"]
+) -> None:
+    metric = Metric("effect", unit="ms", better=better)
+    means = (-12.0, -20.0, 1.0, -20.0, -300.0)
+    played = [session(n, [AttemptResult(3, mean, 20)] * 12, metric=metric) for n, mean in enumerate(means)]
+    found = of(keyboard, *played)
+    note = progress_words.note("P01", found.lines[0], progress_words.words("en", keyboard))
+    assert "Baseline: -0.013 s. Sessions from -0." in note
+    assert ("is better than that" if better == "lower" else "is worse than that") in note
+    low, high = map(float, re.search(r"Sessions from (\S+) s to (\S+) s", note).groups())  # type: ignore[union-attr]
+    assert low < -0.013 < high
+    said = compared_in(found, 2, 4, "en", keyboard)
+    assert said.startswith("From 0.001 s to -0.300 s.")
+    assert ("better" if better == "lower" else "worse") in said
 
 
 def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[Task]) -> None:
