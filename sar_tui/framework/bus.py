@@ -20,7 +20,7 @@ M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 A = TypeVar("A", bound=Message)
 
-Origin = Literal["input", "derived"]
+Origin = Literal["input", "derived", "later"]
 
 
 class Topic(Generic[M]):
@@ -29,7 +29,8 @@ class Topic(Generic[M]):
     Args:
         name: as stored in the database and shown on graphs, e.g. ``input/key``.
         type: the message class; other classes are refused.
-        origin: ``input`` for messages from outside the nodes, ``derived`` for messages that follow from them.
+        origin: ``input`` for messages from outside the nodes, ``derived`` for messages that follow from them, ``later``
+            for those that are added to a record after the session, and never published.
         keep: new subscribers receive the last message.
         stream: high-rate data (sensor samples): its messages are not numbered, and not stored in ``events``.
     """

@@ -199,12 +199,14 @@ class Session:
     def compare(self, history: Iterable[Record]) -> Comparison:
         """Derive the messages of a record anew, up to the first one that differs. Call it before ``begin``.
 
-        Wording does not count, nor do faults of inputs and outputs, which are not attached yet.
+        Wording does not count, nor do faults of inputs and outputs, which are not attached yet, nor what was added to
+        the record later.
         """
         compared = Comparison()
         with closing(self.derive(history)) as derived:
             for record, cascade in derived:
-                if not record.topic.stream and not self._is_fault_of_extra(record):
+                is_of_loop = not record.topic.stream and record.topic.origin != "later"
+                if is_of_loop and not self._is_fault_of_extra(record):
                     compared.expect(record)
                 compared.derive(cascade)
                 if compared.difference:

@@ -40,6 +40,7 @@ MARKERS = Topic("output/markers", m.MarkersChanged, origin="input")
 SYNC = Topic("output/sync", m.SyncSignal, origin="input")
 STORED = Topic("store/stored", m.Stored, origin="input")
 STORAGE = Topic("store/changed", m.StorageChanged, origin="input")
+RECORD_CHANGED = Topic("record/status", m.RecordChanged, origin="later")
 
 PERCEIVED = Topic("perception/key", m.KeyPerceived)
 REACH = Topic("perception/reach", m.ReachPerceived)

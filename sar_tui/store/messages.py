@@ -129,14 +129,20 @@ def numbers(database: sqlite3.Connection, session: str) -> Numbers:
         StoreError: the database cannot be used.
     """
     try:
-        if missing := _missing(database, session):
+        if _missing(database, session):
             with transaction(database) as connection:
-                for statement, values in missing:
-                    connection.execute(statement, values)
-        (number,) = database.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
-        known = {(name, form): id for id, name, form in database.execute("SELECT id, name, fields FROM topics")}
+                return add_numbers(connection, session)
+        return add_numbers(database, session)
     except sqlite3.Error as error:
         raise explain(error) from error
+
+
+def add_numbers(connection: sqlite3.Connection, session: str) -> Numbers:
+    """Return the numbers as `numbers` does, in a transaction of the caller."""
+    for statement, values in _missing(connection, session):
+        connection.execute(statement, values)
+    (number,) = connection.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
+    known = {(name, form): id for id, name, form in connection.execute("SELECT id, name, fields FROM topics")}
     return Numbers(number, {name: known[name, layout(topic)] for name, topic in ALL.items()})
 
 
@@ -165,6 +171,18 @@ def extent(database: sqlite3.Connection, session: str) -> tuple[int, int]:
     ).fetchone()
     numbers = [seq for seq in found if seq is not None]
     return min(numbers, default=0), max(numbers, default=0)
+
+
+def last(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
+    """Return number, run and time of the last message of a session; number 0, and run 1, if there is none."""
+    found = database.execute(
+        "SELECT seq, run, at_ns FROM (SELECT * FROM (SELECT seq, run, at_ns FROM messages WHERE session_number="
+        " (SELECT number FROM session_numbers WHERE id=:session) ORDER BY seq DESC LIMIT 1) UNION ALL SELECT * FROM"
+        " (SELECT seq, run, at_ns FROM earlier_events WHERE session=:session ORDER BY seq DESC LIMIT 1))"
+        " ORDER BY seq DESC LIMIT 1",
+        {"session": session},
+    ).fetchone()
+    return found or (0, 1, 0)
 
 
 def copy(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> list[int]:

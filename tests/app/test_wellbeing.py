@@ -8,8 +8,9 @@ import pytest
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.store import adverse_events, dismissal
+from sar_tui.store import adverse_events
 from sar_tui.store.database import connect
+from sar_tui.store.record_changes import change_status
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored
 
 ALL = "SELECT session, moment, question, answer FROM wellbeing ORDER BY at"
@@ -295,7 +296,7 @@ async def test_an_adverse_event_of_two_names_its_participant(data: Path, catalog
         await driver.press("enter")
         await driver.press("ctrl+q", "down", "enter")
     with closing(connect(data)) as database:
-        dismissal.dismiss(database, data, driver.session_id)
+        change_status(database, data, driver.session_id, "dismissed", actor="therapist")
     async with open_app(data, catalogue) as driver:
         await driver.press("f6", "enter", "a")
         await driver.press(*"Dizzy", "enter", *"mild", "enter", "enter", "shift+tab", "shift+tab")

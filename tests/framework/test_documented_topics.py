@@ -14,8 +14,9 @@ _HEADING = "## All topics\n"
 _ABOUT = """
 Made from the program's list. Import the name from `sar_tui.framework.topics`, the message from
 `sar_tui.framework.messages`. Every message has a `seat` besides, whom it concerns. *Input*: recorded, and published
-again in a replay; *derived*: computed anew from inputs. A message that is *kept* is delivered to a node that subscribes
-later; a *stream* is not among the events of the database.
+again in a replay; *derived*: computed anew from inputs; *later*: added to the record after the session, and received by
+no node. A message that is *kept* is delivered to a node that subscribes later; a *stream* is not among the events of
+the database.
 
 """
 

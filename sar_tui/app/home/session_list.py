@@ -1,6 +1,5 @@
 """The sessions of a participant, or of everyone, as results. An interrupted one can be dismissed."""
 
-from collections.abc import Callable
 from datetime import date
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,6 +10,8 @@ from textual.events import Resize
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
+from sar_tui.drivers.login_name import login_name
+from sar_tui.framework.messages import RecordChange
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.marked_list import MarkedList
 from sar_tui.widgets.option_list import OptionList
@@ -124,19 +125,18 @@ class SessionList(Vertical):
 
     def action_dismiss_session(self) -> None:
         """Dismiss the chosen session, which nobody goes on with."""
-        from sar_tui.store import dismissal
-
-        self._change(lambda session: dismissal.dismiss(self.app.database, self.app.folder, session))
+        self._change("dismissed")
 
     def action_take_back(self) -> None:
         """Let the chosen session be resumed again."""
-        from sar_tui.store import dismissal
+        self._change("restored")
 
-        self._change(lambda session: dismissal.take_back(self.app.database, session))
+    def _change(self, change: RecordChange) -> None:
+        from sar_tui.store.record_changes import change_status
 
-    def _change(self, change: Callable[[str], None]) -> None:
         try:
-            change(self._recent.chosen or "")
+            chosen = self._recent.chosen or ""
+            change_status(self.app.database, self.app.folder, chosen, change, actor=login_name())
         except StoreError as error:
             self.notify(str(error), severity="error", timeout=15)
         self.screen.refresh_contents()  # type: ignore[attr-defined]

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from sar_tui.framework.messages.base import ControlledKind, Message, Mode, Role, Valence
+from sar_tui.framework.messages.base import ControlledKind, Json, Message, Mode, Role, Valence
 
 __all__ = [
     "Decision",
@@ -12,6 +12,8 @@ __all__ = [
     "OperatorChanged",
     "PeerRequestRefused",
     "ProposalSeen",
+    "RecordChange",
+    "RecordChanged",
     "Remark",
     "SessionCommand",
     "SettingChanged",
@@ -138,3 +140,22 @@ class LateDecision(Message, frozen=True, kw_only=True):
     actor: str
     what: str
     why: str
+
+
+RecordChange = Literal["dismissed", "discarded", "restored", "moved", "redacted"]
+"""``dismissed``: nobody goes on with the interrupted session. ``discarded``: it was begun by mistake, and does not
+count. ``restored``: neither any longer. ``moved``: it is of another participant. ``redacted``: texts were erased."""
+
+
+class RecordChanged(Message, frozen=True, kw_only=True):
+    """Something was done to a session's record after the session.
+
+    ``actor``: who did it, the login name. ``at``: when, UTC. ``details``: for ``moved``, the participant ``before`` and
+    ``after``; for ``redacted``, what was erased.
+    """
+
+    change: RecordChange
+    actor: str = ""
+    at: str
+    reason: str = ""
+    details: Json = {}
