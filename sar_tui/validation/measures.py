@@ -13,6 +13,7 @@ from sar_tui.motion.quaternions import angle, conjugate, multiply, rotate
 from sar_tui.motion.reach import Reach
 from sar_tui.motion.reach_bounds import Bounds, Detected, Hand
 from sar_tui.motion.reach_kinds import KINDS
+from sar_tui.motion.repetitions import count_repetitions
 from sar_tui.motion.trajectories import PLACEMENTS, SimulatedReaches, simulate_reaches
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
@@ -21,6 +22,8 @@ MOST_REACHES = 50
 TRUTH_S = 0.002
 """Step in which the true orientation is followed."""
 FINGERS = (0.0, 1.0, 0.0)
+SWINGS = (2, 5, 12, 40)
+"""Repetitions of a limb that swings out and back."""
 
 
 class Measure(NamedTuple):
@@ -62,7 +65,16 @@ def run(conditions: Conditions) -> Report:
         for some in (ANGLES, SHAPES)
     ]
     claims = [_claim(measure, measure.within, rows) for measure in MEASURES if measure.within is not None]
+    miscounted = [f"{counted} of {true}" for true in SWINGS if (counted := _counted_swings(true)) != true]
+    claims.append(Claim(f"Repetitions of a swing are counted ({', '.join(map(str, SWINGS))}).", "; ".join(miscounted)))
     return Report(rows, tables, claims)
+
+
+def _counted_swings(repetitions: int, period_s: float = 2.0, rate_hz: float = 100.0) -> int:
+    """Return the number of repetitions counted in a limb that swings out by a radian and back so many times."""
+    cycles = np.arange(0, repetitions, 1 / (period_s * rate_hz))
+    rate = np.outer(np.gradient((1 - np.cos(2 * np.pi * cycles)) / 2) * rate_hz, (0.2, -0.4, 0.9))
+    return count_repetitions(rate, None, rate_hz).count
 
 
 def row_of(kind: str, reaches: int) -> Row:

@@ -9,6 +9,7 @@ from sar_tui.validation import (
     changed_parts,
     difficulty,
     effects,
+    exported_tables,
     feedback,
     measures,
     modularity,
@@ -48,6 +49,9 @@ VALIDATIONS: dict[str, Validation] = {
     "table-4.1": Validation("The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run),
     "table-4.2": Validation(
         "The thesis' Table 4.2: the four requirements, and systems that must fail them", requirements.run
+    ),
+    "exports": Validation(
+        "Exported tables: results, outcomes and measures computed again from the files", exported_tables.run
     ),
     "reach": Validation("Reaches under difficulties, and of ten kinds about many axes, by each detector", reach.run),
     "quiet": Validation("False reaches in simulated daily life, by each detector", quiet.run),

@@ -1,6 +1,7 @@
 """Smoothness of the same movement, seen by sensors of different rate and noise."""
 
 import math
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -21,6 +22,10 @@ RECORDINGS = 20
 REST_S = 2.0
 SAME = 0.02
 """Largest difference in SPARC of the same movement."""
+MINIMUM_JERK = {"sparc": -1.4058, "ldlj": -5.2241}
+"""Smoothness of a minimum-jerk movement at 100 samples a second, as the package monalysa computes them."""
+ROUNDED = {"sparc": 0.01, "ldlj": 0.2}
+"""Largest difference from these: a recording does not begin with the movement."""
 
 
 def run(conditions: Conditions) -> Report:
@@ -40,6 +45,7 @@ def run(conditions: Conditions) -> Report:
             "LDLJ does not: it differs by more than 1.",
             "" if max(ldlj) - min(ldlj) > 1.0 else f"{min(ldlj):.2f} to {max(ldlj):.2f}",
         ),
+        *(_is_known(name, rows) for name in MINIMUM_JERK),
     ]
     columns = [
         Column("movement", lambda row: str(row["movement"]), is_number=False),
@@ -49,6 +55,14 @@ def run(conditions: Conditions) -> Report:
         Column("LDLJ\n(SD)", partial(_shown, "ldlj", ".2f")),
     ]
     return Report(rows, [columns], claims)
+
+
+def _is_known(name: str, rows: Sequence[Row]) -> Claim:
+    """Return the claim that a measure has the value that others compute for a movement without noise."""
+    ideal = [row[name] for row in rows if (row["noise_deg_s"], row["rate_hz"]) == (0.0, 100)]
+    off = [value for value in ideal if abs(value - MINIMUM_JERK[name]) > ROUNDED[name]]
+    sentence = f"{name.upper()} of a minimum-jerk movement is {MINIMUM_JERK[name]:.4f}, within {ROUNDED[name]:g}."
+    return Claim(sentence, ", ".join(f"{value:.4f}" for value in off))
 
 
 def row_of(name: str, shape: ReachShape, noise_deg_s: float, rate_hz: int) -> Row:
