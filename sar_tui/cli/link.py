@@ -25,7 +25,9 @@ def invite(
     role: Annotated[
         str,
         typer.Argument(
-            metavar="ROLE", show_default=False, help="operator (watches and acts) or observer (only watches)."
+            metavar="ROLE",
+            show_default=False,
+            help="operator (watches and acts) or observer (watches, and can stop the agent).",
         ),
     ],
     name: Annotated[

@@ -9,6 +9,7 @@ import msgspec
 
 from sar_tui.framework.messages import Role
 from sar_tui.link import protocol
+from sar_tui.link.control_lock import needs_control
 from sar_tui.link.presence import Presence
 from sar_tui.link.protocol import (
     ActReceived,
@@ -38,7 +39,7 @@ _NAME = re.compile(r"(operator|observer)\.[A-Za-z0-9][A-Za-z0-9_.-]{0,99}")
 
 _TOO_FAST = f"It sends more than {ACTS_PER_S} messages a second."
 _TOO_LONG = f"It is longer than {protocol.MAX_ACT_BYTES} bytes."
-_OBSERVER = "An observer cannot act."
+_OBSERVER = "An observer can only stop the agent."
 _TAKEN = "This name is in use. Choose another one, or wait until its owner has left."
 _FULL = "Too many people are already connected to this session."
 _UNATTENDED = "The terminal of this panel does not answer."
@@ -113,12 +114,12 @@ class Admission:
             what = "an act"
             try:
                 act = self._decode(name, payload, protocol.ActRequest)
-                if role_of(name) == "observer":
-                    raise ProtocolError(_OBSERVER)
                 if act.topic in protocol.OPERATOR_TOPICS:
                     what = act.topic
-                if act.topic != protocol.TAKE_CONTROL:
-                    protocol.decode_act(act.topic, act.message)
+                takes_control = act.topic == protocol.TAKE_CONTROL
+                is_for_all = not takes_control and not needs_control(protocol.decode_act(act.topic, act.message))
+                if role_of(name) == "observer" and not is_for_all:
+                    raise ProtocolError(_OBSERVER)
                 if refusal := self._admit(name, act.client_id, now, act.silence):
                     raise ProtocolError(refusal)
             except ProtocolError as error:

@@ -1,6 +1,11 @@
-"""Lock that decides which of several operators controls the session."""
+"""Lock that decides which of several operators controls the session, and the one act that does without it."""
 
-from sar_tui.framework.messages import Role
+from sar_tui.framework.messages import Message, Role, SessionCommand
+
+
+def needs_control(act: Message) -> bool:
+    """Return False for a stop of the agent: whoever sees that something goes wrong may stop it, observers too."""
+    return not (isinstance(act, SessionCommand) and act.command == "stop")
 
 
 class ControlLock:

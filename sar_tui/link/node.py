@@ -15,7 +15,7 @@ from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PRESEN
 from sar_tui.link import protocol
 from sar_tui.link.admission import role_of
 from sar_tui.link.channel import BrokerEnded, Channel, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
-from sar_tui.link.control_lock import ControlLock
+from sar_tui.link.control_lock import ControlLock, needs_control
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import (
     ActReceived,
@@ -150,15 +150,15 @@ class LinkNode(Node):
             self._refuse(name, protocol.TAKE_CONTROL, "Only an operator who is connected can take it.")
 
     def _act_received(self, received: ActReceived) -> None:
-        """Publish an act of the operator in control, with their name and a plausible stamp."""
-        if received.name != self._control.holder:
-            if received.topic != PROPOSAL_SEEN.name:  # each operator's panel shows proposals
-                self._refuse(received.name, received.topic, _NOT_IN_CONTROL)
-            return
+        """Publish an act of the operator in control, or anybody's stop, with their name and a plausible stamp."""
         try:
             act: Any = protocol.decode_act(received.topic, received.message)
         except ProtocolError as error:
             self._refuse(received.name, received.topic, str(error))
+            return
+        if received.name != self._control.holder and needs_control(act):
+            if received.topic != PROPOSAL_SEEN.name:  # each operator's panel shows proposals
+                self._refuse(received.name, received.topic, _NOT_IN_CONTROL)
             return
         if self.welcome.participants and act.seat not in self.welcome.participants:
             self._refuse(received.name, received.topic, _NO_SEAT)

@@ -13,7 +13,7 @@ SENT: tuple[Topic[Any], ...] = (
     t.SESSION, t.THEME, t.WAITING, t.LEVEL, t.GOAL, t.ATTEMPT_STARTED, t.CUE, t.PROMPT, t.FRAME, t.SHOWN,
     t.VOIDED, t.FOCUS, t.SENSOR, t.TRUNK_SENSOR, t.STORAGE, t.SESSION_ENDED,
     # results; keys and percepts are not sent, as a trial holds their outcome
-    t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK,
+    t.TRIAL, t.MARKED, t.ATTEMPT_ENDED, t.FEEDBACK, t.STEP_ENDED,
     # what the agent proposes and does
     t.PROPOSED, t.PENDING_APPROVAL, t.ARBITER_STATE, t.FILLER_DUE, t.LEVEL_DECIDED, t.LATE_DECISION,
     t.ACTION, t.DROPPED, t.HALT, t.ACTING,

@@ -254,7 +254,9 @@ _IN, _OUT = ["ingress"], ["egress"]
 
 
 def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
-    """Return Zenoh's access control. Everything that no rule allows is denied: deletions, queries, observers' acts.
+    """Return Zenoh's access control. Everything that no rule allows is denied: deletions, queries, others' acts.
+
+    Everyone has acts, as everyone may stop the agent; `admission` refuses the other acts of observers.
 
     A key expression must lie completely within a rule's keys: a wildcard that reaches further is denied.
     """
@@ -283,7 +285,7 @@ def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
     for guest in guests:
         _key_part(guest.name)
         name = _key_part(str(guest))
-        sends = [keys.ping(name), *([keys.act(name)] if guest.role == "operator" else [])]
+        sends = [keys.ping(name), keys.act(name)]
         receives = [keys.broadcast, keys.reply(name)]
         policy(
             {"id": name, "cert_common_names": [name], "link_protocols": ["tls"]},

@@ -15,6 +15,7 @@ from sar_tui.framework.messages import (
     OutputReport,
     PromptVoided,
     SessionEnded,
+    StepEnded,
     TrialEnded,
     TrialMarked,
     Waiting,
@@ -237,6 +238,8 @@ def _is_done(act: Any, frame: Frame) -> bool:  # noqa: PLR0911
         case "end":
             return isinstance(message, SessionEnded) or (isinstance(message, Waiting) and message.stage == "ended")
         case "skip":
+            if act.reason == "step":
+                return isinstance(message, StepEnded) and message.number == act.value
             is_rest_over = isinstance(message, Waiting) and message.stage == "attempt"
             return isinstance(message, TrialEnded) or (act.reason == "rest" and is_rest_over)
         case "repeat":

@@ -57,6 +57,8 @@ def act_text(message: Message, me: Welcome, kinds: KindsOfAction) -> str:  # noq
             return f"Event: {message.label}" if message.label else f"Noted “{message.text}”"
         case SessionCommand(command="skip", reason="rest"):
             return "Ended the rest"
+        case SessionCommand(command="skip", reason="step"):
+            return "Skipped the question"
         case SessionCommand(command="level"):
             return f"Level {message.value}"
         case SessionCommand(command="mark"):

@@ -10,6 +10,7 @@ from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.marks import TrialMark
 from sar_tui.framework.messages import (
     Decision,
+    Message,
     Mode,
     ModeChanged,
     NoteAdded,
@@ -21,6 +22,7 @@ from sar_tui.framework.messages import (
     Valence,
 )
 from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
+from sar_tui.link.control_lock import needs_control
 from sar_tui.link.peer import Peer, PeerEvent, Welcome
 from sar_tui.operator import proposal_view
 from sar_tui.operator.act import SLOW
@@ -82,13 +84,15 @@ class Commands:
         state = self.state
         return proposal_view.by_urgency(state.arbiter.pending) if state.arbiter and state.is_connected else ()
 
-    def refusal(self) -> str:
-        """Return why an act would be refused; empty if it would be accepted."""
+    def refusal(self, act: Message | None = None) -> str:
+        """Return why an act would be refused; empty if it would be accepted. Without one, any that needs control."""
         state = self.state
         if not state.is_connected:
             return "There is no connection."
+        if act and not needs_control(act):
+            return ""
         if state.welcome and state.welcome.role == "observer":
-            return "You are an observer: only operators can act."
+            return "You are an observer: you can only stop the agent."
         return "" if state.has_control else f"{short_name(state.holder)} has control; {self.control_key} takes it."
 
     def sent_decision(self, id: str) -> str:
@@ -178,8 +182,11 @@ class Commands:
         return self.send(text, COMMAND, SessionCommand(command=command, **more), at)
 
     def prompt_command(self, text: str, command: Literal["skip", "repeat"], at: int) -> bool:
-        """Skip or repeat the prompt that is shown or about to appear; skip a rest that the participant must take."""
+        """Skip or repeat the prompt that is shown or about to appear; skip a question, or a rest that must be taken."""
         waiting = self.state.waiting
+        if waiting and waiting.step and command == "skip":
+            what = "question" if waiting.step.step.is_question else "step"
+            return self.command(f"Skipped the {what}", command, at, reason="step", value=waiting.step.number)
         if waiting and waiting.stage == "rest" and command == "skip":
             return self.command("Ended the rest", command, at, reason="rest")
         if waiting and waiting.stage != "trial" and not self.refusal():
@@ -302,7 +309,7 @@ class Commands:
 
     def send(self, text: str, topic: Topic[Any], message: Any, at: int, typed: str = "") -> bool:
         """Send an act, or log why not. ``text``: for the log; ``typed``: what the operator typed for it."""
-        if reason := self.refusal():
+        if reason := self.refusal(message):
             self.log.report(at, f"{reason} Nothing was sent.")
             return False
         if self.peer is None or self.state.welcome is None:

@@ -27,7 +27,7 @@ class KeyCommand(NamedTuple):
         label: text in the footer.
         description: text in the key help.
         group: heading in the key help.
-        acts: True if it changes the session, so that it is not for observers.
+        acts: True if it needs control of the session, so that it is not for observers.
         in_footer: True if the footer shows it.
     """
 
@@ -50,9 +50,9 @@ KEY_COMMANDS = (
     KeyCommand("negative", "minus", "valence('negative')", "Negative", "A negative face, same words", "Proposals"),
     KeyCommand("next", "right,down", "select(1)", "Next", "Next proposal", "Proposals", acts=False),
     KeyCommand("previous", "left,up", "select(-1)", "Previous", "Previous proposal", "Proposals", acts=False),
-    KeyCommand("stop", "f2", "stop", "Stop", "Stop the agent at once", "Session", in_footer=True),
+    KeyCommand("stop", "f2", "stop", "Stop", "Stop the agent at once", "Session", acts=False, in_footer=True),
     KeyCommand("pause", "space", "pause", "Pause", "Pause or resume", "Session", in_footer=True),
-    KeyCommand("skip", "s", "skip", "Skip", "Skip this prompt, or a rest", "Session", in_footer=True),
+    KeyCommand("skip", "s", "skip", "Skip", "Skip prompt, question, rest", "Session", in_footer=True),
     KeyCommand("repeat", "r", "repeat", "Repeat", "Repeat this prompt", "Session", in_footer=True),
     KeyCommand("level-up", "u", "level(1)", "Up", "Level up", "Session", in_footer=True),
     KeyCommand("level-down", "d", "level(-1)", "Down", "Level down", "Session", in_footer=True),

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator, Sequence
 import msgspec
 
 from sar_tui.framework import messages as m
-from sar_tui.reports.logged_messages import LoggedMessage, spans
+from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
 from sar_tui.reports.presence import seconds
 
 _COMMANDS = ("level", "skip", "repeat", "pause", "end", "stop", "mark")
@@ -36,7 +36,11 @@ class Deviation(msgspec.Struct, frozen=True):
 
 
 def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) -> list[Deviation]:
-    """Return all deviations of a session, in order. ``operators``: those whose commands count."""
+    """Return all deviations of a session, in order. ``operators``: those whose commands count.
+
+    An observer's stop counts, too.
+    """
+    operators = {*operators, *peers(messages, "observer")}
     known = spans(messages)
     holder = ""
     found = []
@@ -62,6 +66,8 @@ def _deviation(message: m.Message, operators: Collection[str], theme: str) -> It
             yield "theme", f"{message.theme} instead of {theme}"
         case m.ModeChanged():
             yield "mode", f"{message.kind}: {message.mode}"
+        case m.SessionCommand(command="skip", reason="step") if message.actor in operators:
+            yield "skip", f"step {message.value}"
         case m.SessionCommand(command=what) if message.actor in operators and what in _COMMANDS:
             yield what, "" if message.value is None and what == "level" else str(message.value or message.reason)
         case m.OperatorChanged(state="baton"):

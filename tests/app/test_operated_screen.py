@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ARBITER_STATE, DECISION, PRESENCE
+from sar_tui.framework.topics import ACTION, ARBITER_STATE, COMMAND, DECISION, DROPPED, PENDING_APPROVAL, PRESENCE
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
 
@@ -52,3 +52,60 @@ async def test_edited_feedback_is_shown_in_the_operators_words_only(
         assert driver.said == "You held on [b]well[/b]."
         for word in ("operator", "ana", "approve"):
             assert word not in driver.text.lower().split()
+
+
+VETO_GOODBYE = {"attempts": 1, "operator_instruction": "veto", "operator_time_ms": 4000, "encouragement": False}
+
+
+async def to_goodbye(driver: AppDriver, *, ended_by: str) -> tuple[m.PendingApproval, list[str], list[str]]:
+    """Continue to the end of a session in which the goodbye may be vetoed; return what is said and dropped."""
+    said: list[str] = []
+    dropped: list[str] = []
+    asked: list[m.PendingApproval] = []
+    driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+    first = await driver.to_first_prompt()
+    bus = driver.session.bus
+    bus.subscribe(ACTION, lambda action: said.append(action.kind))
+    bus.subscribe(DROPPED, lambda one: dropped.append(one.id))
+    bus.subscribe(PENDING_APPROVAL, asked.append)
+    if ended_by == "the participant":
+        await driver.do_attempt(first)
+        await driver.wait(10_000)
+        await driver.see_the_summary()
+    else:
+        bus.post(COMMAND, m.SessionCommand(command="end", actor=ANA))
+        await driver.settle()
+    return asked[-1], said, dropped
+
+
+@pytest.mark.parametrize("ended_by", ["the participant", "the operator"])
+async def test_the_goodbye_is_given_before_the_summary_can_be_left(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], ended_by: str
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **VETO_GOODBYE)) as driver:
+        pending, said, _ = await to_goodbye(driver, ended_by=ended_by)
+        assert pending.proposal.kind == "goodbye"
+        assert "One moment…" in driver.text
+        assert "Press Enter to finish." not in driver.text
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        await driver.wait(10_000)
+        assert said[-1] == "goodbye"
+        assert driver.said == pending.proposal.text
+        assert "Press Enter to finish." in driver.text
+        await driver.press("enter")
+        assert driver.app.live is not None
+        assert driver.app.live.is_closed
+
+
+async def test_a_vetoed_goodbye_is_not_waited_for(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **VETO_GOODBYE)) as driver:
+        pending, said, dropped = await to_goodbye(driver, ended_by="the participant")
+        await decide(driver, pending, "veto")
+        assert dropped[-1] == pending.proposal.id
+        assert "goodbye" not in said
+        assert "Press Enter to finish." in driver.text
+        await driver.wait(300)
+        await driver.press("enter")
+        assert driver.app.live is not None
+        assert driver.app.live.is_closed

@@ -56,7 +56,6 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
         anna.wait_for_proposal()
         terminals.until(lambda: "FEEDBACK" in eve.sees(), "the observer sees the proposal, too")
         eve.does("approve")
-        eve.does("stop")
         with visiting(at.eve) as (forger,):
             forger.put(at.keys.act("operator.anna"), b"in another's name")
             forger.put(at.keys.act("observer.eve"), b"in their own")
@@ -64,6 +63,8 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
         assert terminals.pending_proposal(), "an observer decides nothing"
         anna.does("approve")
         terminals.until(lambda: terminals.actions("feedback")[0]["decided_ns"], "the operator decides")
+        eve.does("stop")
+        terminals.until(lambda: ("stop", "observer.eve") in stops(terminals), "the observer stops the agent")
 
         pretender = msgspec.structs.replace(stranger.credentials, authority=at.anna.credentials.authority)
         for settings in (
@@ -90,6 +91,11 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
     assert not seen & {"anna", "eve", "operator", "observer", "link", "listening"}, (
         "the participant sees nothing of the operators"
     )
+
+
+def stops(terminals: SessionTerminals) -> list[tuple[str, str]]:
+    """Return the commands of the session, with their actors."""
+    return [(each["command"], each["actor"]) for each in terminals.reported("operator/act")]
 
 
 def refusals(terminals: SessionTerminals, actor: str) -> list[str]:

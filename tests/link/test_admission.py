@@ -6,7 +6,7 @@ import pytest
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND
 from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import NOTE_ADDED
+from sar_tui.framework.topics import COMMAND, NOTE_ADDED
 from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
 from sar_tui.link.protocol import (
@@ -189,10 +189,28 @@ def test_second_program_with_the_same_name_is_refused(bench: Bench) -> None:
     assert [type(event) for event in bench.take()] == [PeerJoined, RequestRefused]
 
 
-def test_observer_cannot_act(bench: Bench) -> None:
+@pytest.mark.parametrize(
+    ("topic", "message"),
+    [
+        (NOTE_ADDED.name, NOTE),
+        (COMMAND.name, m.SessionCommand(command="end")),
+        (COMMAND.name, m.SessionCommand(command="skip", reason="stop")),
+        (protocol.TAKE_CONTROL, NOTE),
+    ],
+)
+def test_observer_cannot_act(bench: Bench, topic: str, message: Message) -> None:
     bench.ping(OLAF, 0)
-    bench.act(OLAF, 1)
-    assert bench.take()[1:] == [RequestRefused(OLAF, "an act", "An observer cannot act.", 1)]
+    bench.act(OLAF, 1, message, topic)
+    (refused,) = bench.take()[1:]
+    assert isinstance(refused, RequestRefused)
+    assert (refused.name, refused.why) == (OLAF, "An observer can only stop the agent.")
+
+
+def test_observer_may_stop_the_agent(bench: Bench) -> None:
+    stop = m.SessionCommand(command="stop")
+    bench.ping(OLAF, 0)
+    bench.act(OLAF, 1, stop, COMMAND.name)
+    assert bench.take()[1:] == [ActReceived(OLAF, COMMAND.name, msgspec.Raw(protocol.encode(stop)))]
 
 
 @pytest.mark.parametrize("name", ["*", "**", "anna", "director.anna", "operator.", "operator.a/b", "operator.\x1b"])

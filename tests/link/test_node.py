@@ -147,6 +147,16 @@ def bench() -> Iterator[Bench]:
 # --- control --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("name", [BEN, OLAF])
+def test_everyone_may_stop_the_agent_without_control_and_nothing_else(bench: Bench, name: str) -> None:
+    bench.receive(PeerJoined(ANNA), PeerJoined(name))
+    bench.act(name, COMMAND, m.SessionCommand(command="stop", at=START))
+    bench.act(name, COMMAND, m.SessionCommand(command="pause"))
+    assert [(act.command, act.actor) for act in bench.of(COMMAND)] == [("stop", name)]
+    assert [refused.actor for refused in bench.of(REFUSED)] == [name]
+    assert bench.of(PRESENCE)[-1].holder == ANNA
+
+
 def test_first_operator_is_reported_and_in_control(bench: Bench) -> None:
     bench.receive(PeerJoined(OLAF), PeerJoined(ANNA), PeerJoined(BEN))
     assert bench.presence() == [

@@ -236,8 +236,8 @@ def test_log_of_a_real_host(tmp_path: Path) -> None:
             with visiting(at.eve, at.gone) as [eve, _]:
                 wait_for(Refusal("connection", "operator.gone", "its invitation was revoked, or is not known here"))
                 sure = zenoh.CongestionControl.BLOCK
-                eve.put(at.keys.act("observer.eve"), b"evil", congestion_control=sure)
-                wait_for(Refusal("message", "observer.eve", "it may not send among the acts of observer.eve"))
+                eve.put(at.keys.ping("operator.anna"), b"evil", congestion_control=sure)
+                wait_for(Refusal("message", "observer.eve", "it may not send among the heartbeats of operator.anna"))
                 # A declared key, not a publisher, which sends nothing if it knows in time that nobody subscribes.
                 eve.put(eve.declare_keyexpr(at.keys.act("operator.anna")), b"evil", congestion_control=sure)
                 wait_for(Refusal("message", "observer.eve", "it may not send among the acts of operator.anna"))

@@ -119,7 +119,7 @@ def test_name_with_wildcard_or_separator_is_refused(name: str) -> None:
         host_settings(name)
 
 
-def test_default_is_deny_and_observers_may_not_act() -> None:
+def test_default_is_deny_and_guests_may_act_in_their_own_name_only() -> None:
     guests = [Guest("anna", "operator"), Guest("eve", "observer")]
     access = decoded(host_settings("abc", guests=guests))["access_control"]
     assert access["default_permission"] == "deny"
@@ -138,7 +138,7 @@ def test_default_is_deny_and_observers_may_not_act() -> None:
 
     keys = LinkKeys("abc")
     assert sends("operator.anna") == {keys.act("operator.anna"), keys.ping("operator.anna")}
-    assert sends("observer.eve") == {keys.ping("observer.eve")}
+    assert sends("observer.eve") == {keys.act("observer.eve"), keys.ping("observer.eve")}
 
 
 # --- guests ----------------------------------------------------------------------------------------------------------

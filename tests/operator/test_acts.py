@@ -10,7 +10,7 @@ from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Message, Role
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STOPPED
+from sar_tui.framework.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STEP_ENDED, STOPPED
 from sar_tui.link.peer import Connection, Frame
 from sar_tui.link.session_feed import SENT
 from sar_tui.operator import status_view
@@ -335,6 +335,21 @@ def test_only_outputs_that_are_open_are_waited_for() -> None:
     assert commands.state.stops[-1].awaited == {"speech"}
     commands.receive([b.frame(STOPPED, m.OutputStopped(output="speech", asked=b.START, at=b.START))])
     assert commands.state.stops[-1].outcome(b.START)[1] == "good"
+
+
+def test_the_operator_skips_a_question_and_no_other_one(calm: Theme) -> None:
+    asking = {"questions": ("effort", "tiredness"), "questions_every": 1}
+    panel = Panel(session(calm, **asking))
+    waiting = panel.commands.state.waiting
+    assert waiting
+    assert waiting.step
+    panel.is_slow = True
+    assert panel.commands.prompt_command("Skipped the prompt", "skip", panel.now())
+    assert panel.last == ("Skipping the question …", "plain")
+    panel.deliver()
+    assert panel.last == ("Skipped the question", "good")
+    (ended,) = panel.driver.all(STEP_ENDED)
+    assert (ended.number, ended.status) == (waiting.step.number, "skipped")
 
 
 # --- those who watch -----------------------------------------------------------------------------------------------

@@ -588,15 +588,25 @@ async def test_an_observer_sees_the_same_but_cannot_act(catalogue: Catalogue, fo
         assert "you are observing" in driver.text
         assert "approve " not in driver.text.replace("· approve", "")
         assert "You are an observer." in driver.text
-        await driver.press(
-            "enter", "x", "e", "plus", "f2", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end"
-        )
+        await driver.press("enter", "x", "e", "plus", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end")
         assert driver.peer.sent == []
         assert driver.peer.control_requests == 0
         assert "Encourage" not in driver.text
         await driver.press("f1")
         assert "All keys" in driver.text
-        assert "Skip this prompt" not in driver.text
+        assert "Skip prompt" not in driver.text
+        assert "Stop the agent at once" in driver.text
+
+
+async def test_an_observer_and_an_operator_without_control_may_stop_the_agent(
+    catalogue: Catalogue, folder: Path
+) -> None:
+    for role in ("observer", "operator"):
+        async with panel(catalogue, folder, role) as driver:
+            await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
+            assert "F2 Stop" in driver.text
+            await driver.press("f2")
+            assert [(act.command, act.actor) for act in driver.sent(t.COMMAND)] == [("stop", f"{role}.anna")]
 
 
 async def test_without_control_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:

@@ -25,12 +25,19 @@ def test_a_session_that_went_as_planned_has_none() -> None:
     assert found(script) == []
 
 
+def test_an_observers_stop_counts() -> None:
+    eve = m.OperatorChanged(actor="observer.eve", role="observer", state="joined", operated=False)
+    script = Script().log(5, eve).log(1000, m.SessionCommand(command="stop", actor="observer.eve"))
+    assert [(each.what, each.actor) for each in found(script)] == [("stop", "observer.eve")]
+
+
 @pytest.mark.parametrize(
     ("message", "what", "detail"),
     [
         (m.ModeChanged(kind="feedback", mode="veto", actor=ANNA), "mode", "feedback: veto"),
         (act("level", value=3), "level", "3"),
         (act("skip"), "skip", ""),
+        (act("skip", reason="step", value=2), "skip", "step 2"),
         (act("repeat"), "repeat", ""),
         (act("end", reason="tired"), "end", "tired"),
         (act("stop"), "stop", ""),

@@ -10,6 +10,7 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.app.trial_feedback_onset import report_trial_feedback
 from sar_tui.framework.agent_state import AWAITED
 from sar_tui.framework.messages import (
+    AgentActing,
     AttemptEnded,
     AttemptStarted,
     Prompt,
@@ -18,7 +19,7 @@ from sar_tui.framework.messages import (
     TrialFeedback,
     Waiting,
 )
-from sar_tui.framework.topics import MARKERS, RECALL
+from sar_tui.framework.topics import ACTING, MARKERS, RECALL
 from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
 
@@ -37,6 +38,7 @@ class SessionScreen(KeysScreen):
         self._show_attempts(0)
         self._live.begin(self.app, self._broken)
         self._live.run.session.bus.subscribe(MARKERS, lambda _: self._warn())
+        self._live.run.session.bus.subscribe(ACTING, self._agent_acted)
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 
@@ -177,6 +179,10 @@ class SessionScreen(KeysScreen):
             counted = [attempt for attempt in attempts[task.seats[0]] if not attempt.practice]
             compare = functools.partial(self._compare, counted)
             self.run_worker(compare, name="comparison", thread=True, exit_on_error=False)
+
+    def _agent_acted(self, _: AgentActing) -> None:
+        if self._shown == "summary":
+            self.query_one(Summary).wait(awaits_operator=self._awaits_goodbye)
 
     def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
         """Add the last comparable session to the summary. Runs in a thread: it reads all of the person's sessions."""

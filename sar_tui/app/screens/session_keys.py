@@ -37,7 +37,7 @@ class KeysScreen(PausingScreen):
         if waiting.what == "nothing":
             if event.key in ("enter", "space"):
                 event.stop()
-                if not is_repeat:
+                if not is_repeat and not self._awaits_goodbye:
                     self.dismiss()
             return
         if event.key not in ("escape", "f1", "ctrl+p"):
@@ -51,6 +51,15 @@ class KeysScreen(PausingScreen):
         stalled = self._gc.is_stalled(round(at * SECOND))
         self._live.keyboard.pressed(event.key, event.character, at, self._gc.lag, stalled)
         self._correct_key(event.key, waiting)
+
+    @property
+    def _awaits_goodbye(self) -> bool:
+        """True while an operator may still veto the goodbye: it is given before the screen closes, as all that is due.
+
+        A broken session says no goodbye.
+        """
+        session = self._live.run.session
+        return session.ended and session.awaits_operator and session.broken is None
 
     def _press_mark(self, key: str, waiting: Waiting) -> None:
         """Mark the trial, or ask for the key again if it would replace another mark. Do nothing in patient mode."""

@@ -52,8 +52,13 @@ class Summary(Vertical):
         if names:
             facts = [tr("{who}: {words}", who=who, words=words) for who, words in zip(names, facts, strict=True)]
         self.query_one("#facts", Static).update("\n".join(facts))
-        self.query_one("#finish", Static).update(tr("Press Enter to finish."))
+        self.wait(awaits_operator=False)
         self.call_after_refresh(self._draw)
+
+    def wait(self, *, awaits_operator: bool) -> None:
+        """Say that the end is near, or how to finish: the goodbye that an operator decides on is waited for."""
+        tr = language_of(self.app)
+        self.query_one("#finish", Static).update(tr("One moment…") if awaits_operator else tr("Press Enter to finish."))
 
     def compare(self, words: str) -> None:
         """Add how the session compares with an earlier one."""

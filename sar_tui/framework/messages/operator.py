@@ -28,7 +28,8 @@ class SessionCommand(Message, frozen=True, kw_only=True):
     again), ``mark`` (the current trial, else the last), ``stop`` (everything the agent says and does; ``at`` is the
     time stamp of the key). ``reason``: for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or
     empty; for a mark, its name (see `trial_types.Mark`); for ``skip``, ``rest`` if a rest that must be taken is to be
-    ended, ``attempt`` if the attempt that is under way or comes next is to be left out.
+    ended, ``attempt`` if the attempt that is under way or comes next is to be left out, ``step`` if the step between
+    attempts whose number is ``value`` is to be, and no other.
     """
 
     command: Literal["pause", "resume", "end", "skip", "repeat", "level", "hold", "release", "mark", "stop"]

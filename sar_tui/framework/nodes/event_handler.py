@@ -158,15 +158,20 @@ class EventHandler(StepFlow):
                 self._void("repeat")
                 self._go_on()
             case "skip":
-                self._skip(act.reason)
+                self._skip(act.reason, act.value)
             case "mark":
                 if mark := marks.find(self.task.marks, act.reason):
                     self._mark(mark)
 
-    def _skip(self, what: str) -> None:
-        """End the prompt as missed, or a rest that must be taken; or leave out an ``attempt``."""
+    def _skip(self, what: str, number: int | None) -> None:
+        """End the prompt as missed, a step between attempts or a rest; or leave out an ``attempt``.
+
+        An operator's key may come when the participant has just answered: a ``step`` is ended by its ``number`` only.
+        """
         if what == "attempt":
             self._skip_attempt()
+        elif what == "step" and (self._asked is None or self._asked.number != number):
+            return
         elif self.is_resting:
             self._end_rest()
         elif self._phase is Phase.STEP:

@@ -124,6 +124,21 @@ def test_an_operator_can_skip_a_step(keyboard: type[Task]) -> None:
     assert driver.waiting.stage == "attempt"
 
 
+def test_a_skip_ends_the_step_that_the_operator_saw_and_not_the_next(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN, LAST, attempts=1)
+    driver.enter()
+    driver.attempt()
+    answer(driver, "4")
+    driver.operate("skip", reason="step", value=1)
+    shown = asked(driver)
+    assert shown is not None
+    assert shown.number == 2
+    driver.operate("skip", reason="step", value=2)
+    ended = driver.last(STEP_ENDED)
+    assert (ended.name, ended.status, ended.answer) == ("word", "skipped", None)
+    assert driver.waiting.stage == "review"
+
+
 def test_a_pause_keeps_what_was_typed(keyboard: type[Task]) -> None:
     driver = questioned(keyboard, LAST, attempts=1)
     driver.enter()
