@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from sar_tui.cli.doctor.data_in_git import examine_data_in_git
 from sar_tui.framework.clock import MS
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -87,6 +88,9 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for reason, number in reasons.items():
         tests = "1 test was" if number == 1 else f"{number} tests were"
         terminalreporter.write_line(f"{tests} not run: {reason}", yellow=True)
+    found = examine_data_in_git(Path(__file__).parents[1] / "data")
+    if found.state != "ok":
+        terminalreporter.write_line(f"! {found.found}. {found.advice}", yellow=True)
 
 
 @pytest.fixture(scope="session")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json, warn_of_git
 from sar_tui.tui.exit_codes import FAILED
 
 
@@ -34,6 +34,7 @@ def backup(
 
     home = Home.of(context, data, tasks)
     made = back_up(home.folder, to)
+    warn_of_git(made.path if to is None or to == made.path else to)
     left_out = rescue_files(home.folder)
     found = rehearse(made.path) if verify else []
     if as_json:

@@ -218,6 +218,14 @@ def progress_bar(**options: Any) -> "Progress":
     )
 
 
+def warn_of_git(path: Path) -> None:
+    """Say on stderr if ``git add .`` would take a file or folder that was written, which holds data of people."""
+    from sar_tui.drivers.git import is_safe_from
+
+    if not is_safe_from(path):
+        print(f"! git would add {path}: add it to .gitignore, or move it out of this work tree.", file=sys.stderr)
+
+
 def print_json(value: object) -> None:
     """Print one line of JSON."""
     import json

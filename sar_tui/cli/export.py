@@ -6,7 +6,18 @@ from typing import Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar, watch_plugins
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Tasks,
+    console,
+    named_path,
+    print_json,
+    progress_bar,
+    warn_of_git,
+    watch_plugins,
+)
 from sar_tui.export.registry import names
 from sar_tui.tui.exit_codes import FAILED
 
@@ -20,7 +31,8 @@ def export(
             parser=named_path,
             metavar="DIR",
             show_default=False,
-            help="The folder to make. It may exist if it is empty, or holds an earlier export, which is replaced.",
+            help="The folder to make. It may exist if it is empty, or holds an earlier export, which is replaced. "
+            "Default: a new one in the folder exports of the data folder.",
         ),
     ] = None,
     sessions: Annotated[
@@ -63,18 +75,14 @@ def export(
     tasks: Tasks = None,
 ) -> None:
     """Export sessions as files for other programs."""
-    from sar_tui.cli.errors import Refused
-
     watch_plugins(context)
     home = Home.of(context, data, tasks)
     if show_ledger:
         _print_ledger(home, as_json)
         return
-    if to is None:
-        raise Refused("Say where: --to DIR, a folder that does not exist yet, or is empty.")
 
     from sar_tui.drivers.login_name import login_name
-    from sar_tui.export.export import Options
+    from sar_tui.export.export import Options, new_folder
     from sar_tui.export.export import export as write
     from sar_tui.export.registry import load
     from sar_tui.store.selection import Request
@@ -95,7 +103,11 @@ def export(
             shown = bar.add_task("Exporting", total=steps)
             return lambda: bar.advance(shown)
 
-        exported = write(database, home.folder, home.catalogue(), request, load(format), to, start, options)
+        form = load(format)
+        to = to or new_folder(home.folder, form)
+        exported = write(database, home.folder, home.catalogue(), request, form, to, start, options)
+    for written in (to, *([recode] if recode else ())):
+        warn_of_git(written)
     if as_json:
         print_json(exported)
     else:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, cast, get_args
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
@@ -85,6 +85,7 @@ def invite(
     except BaseException:
         authority.forget(guest)
         raise
+    warn_of_git(path)
     if as_json:
         print_json(
             {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, named_path, print_json
+from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, named_path, print_json, warn_of_git
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -188,6 +188,7 @@ def export_programme(
         print(text, end="")
         return
     _write_new(to, text)
+    warn_of_git(to)
     console().print(f"Wrote {to}.", soft_wrap=True)
 
 
@@ -365,9 +366,10 @@ def _preset_file(home: Home, kind: "type[Task]", name: str) -> Path:
 
 
 def _write_new(path: Path, text: str) -> None:
+    from sar_tui.drivers.new_file import write_private
+
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        write_private(path, text)
     except FileExistsError:
         raise Refused(f"{path} exists already. Choose another name, or delete it.") from None
     except OSError as error:

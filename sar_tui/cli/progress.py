@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, watch_plugins
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git, watch_plugins
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -105,7 +105,8 @@ def progress(
 
 def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> None:
     """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts cannot be drawn."""
-    from sar_tui.reports.html_page import ChartsMissing, write_page
+    from sar_tui.drivers.new_file import write_private
+    from sar_tui.reports.html_page import ChartsMissing
     from sar_tui.reports.progress_page import page
 
     if path.exists():
@@ -114,7 +115,8 @@ def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> N
         text = page(found, find, language)
     except ChartsMissing as error:
         raise Refused(str(error)) from error
-    write_page(text, path)
+    write_private(path, text)
+    warn_of_git(path)
     print(f"{path} is written. Open it in a browser, which can also print it.")
 
 

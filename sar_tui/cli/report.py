@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar, warn_of_git
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
@@ -200,12 +200,13 @@ def _put_out(found: object, sections: "Sequence[Section]", title: str, html: Pat
     from sar_tui.cli.sections import print_sections
 
     if html is not None:
-        from sar_tui.reports.html_page import write_page
+        from sar_tui.drivers.new_file import write_private
         from sar_tui.reports.sections import page
 
         if html.exists():
             raise Refused(f"{html} exists already, and is not overwritten. Name another file.")
-        write_page(page(title, sections), html)
+        write_private(html, page(title, sections))
+        warn_of_git(html)
     if as_json:
         print_json(found)
     elif html is not None:

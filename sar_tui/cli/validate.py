@@ -152,10 +152,10 @@ def _store_page(
     folder: Path, title: str, reports: "Mapping[str, tuple[str, Report]]", notes: Sequence[str] = ()
 ) -> None:
     """Write one page of all reports."""
-    from sar_tui.reports.html_page import write_page
+    from sar_tui.drivers.new_file import write_private
     from sar_tui.validation.page import page
 
-    write_page(page(title, reports, notes), folder / _WHOLE)
+    write_private(folder / _WHOLE, page(title, reports, notes))
     lacking = any(report.chart and not (folder / f"{name}.svg").exists() for name, (_, report) in reports.items())
     if lacking:
         from sar_tui.reports.html_page import NO_PACKAGE

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
+from sar_tui.drivers.new_file import unused
 from sar_tui.export.contents import Contents
 from sar_tui.export.damage import with_any_text
 from sar_tui.export.errors import ExportError
@@ -76,8 +77,15 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
         return {"with_notes": self.with_notes, "with_events": self.with_events, "recoded": self.recode is not None}
 
 
+FOLDER = "exports"
+"""Folder of the exports, in the data folder, unless another is named."""
 _DEFAULTS = Options()
 _UNRECORDED = "The data folder cannot be written to, so this export is not in its ledger."
+
+
+def new_folder(data: Path, format: Format) -> Path:
+    """Return a folder for an export that is in none yet, in a data folder."""
+    return unused((data / FOLDER / f"{format.name}-{datetime.now(UTC):%Y%m%dT%H%M%SZ}").absolute())
 
 
 def export(

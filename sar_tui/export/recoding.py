@@ -16,7 +16,7 @@ import msgspec
 from sar_tui.export.errors import ExportError
 from sar_tui.export.place import made_beside
 
-_HEAD = ("code", "recoded", "shift_days")
+HEAD = ("code", "recoded", "shift_days")
 _LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"
 """Without those that look alike."""
 _LENGTH = 6
@@ -91,14 +91,14 @@ def _read(path: Path) -> dict[str, Recoded]:
         found = {code: Recoded(recoded, int(days)) for code, recoded, days in rows if code and recoded}
     except (ValueError, csv.Error) as error:
         raise _not_a_map(path) from error
-    if tuple(head) != _HEAD or len({each.code for each in found.values()}) != len(rows):
+    if tuple(head) != HEAD or len({each.code for each in found.values()}) != len(rows):
         raise _not_a_map(path)
     return found
 
 
 def _not_a_map(path: Path) -> ExportError:
     return ExportError(
-        f"{path} is not a map of codes: it needs the columns {', '.join(_HEAD)}, and each code once. Name a file that "
+        f"{path} is not a map of codes: it needs the columns {', '.join(HEAD)}, and each code once. Name a file that "
         "does not exist yet to make a new map.",
         bad_input=True,
     )
@@ -110,7 +110,7 @@ def _write(path: Path, known: dict[str, Recoded]) -> None:
     try:
         with open(number, "w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(_HEAD)
+            writer.writerow(HEAD)
             writer.writerows((code, each.code, each.shift_days) for code, each in sorted(known.items()))
             file.flush()
             os.fsync(file.fileno())

@@ -4,8 +4,6 @@ The file contains the private key of the guest's certificate. Anyone who has the
 observer until it expires or is revoked.
 """
 
-import contextlib
-import os
 import re
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import Annotated, Any, get_args
 
 import msgspec
 
+from sar_tui.drivers.new_file import write_private
 from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, parse_endpoint
@@ -67,20 +66,13 @@ def write(invitation: Invitation, path: Path) -> None:
         LinkError: the file exists already, or cannot be written.
     """
     plain = {"format": FORMAT, "version": VERSION, **msgspec.to_builtins(invitation)}
-    text = msgspec.json.format(msgspec.json.encode(plain), indent=1) + b"\n"
+    text = msgspec.json.format(msgspec.json.encode(plain), indent=1).decode() + "\n"
     try:
-        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        write_private(path, text)
     except FileExistsError:
         raise LinkError(f"{path} already exists. Give another name with --to.") from None
     except OSError as error:
         raise LinkError(f"{path} cannot be created: {error.strerror}.") from None
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(text)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            path.unlink()
-        raise LinkError(f"{path} cannot be written: {error.strerror}.") from None
 
 
 def read(path: Path, now: datetime | None = None) -> Invitation:

@@ -1,9 +1,7 @@
 """A self-contained HTML page to read and to print: style, tables, and drawn charts with their text alternatives."""
 
-import os
 from collections.abc import Collection, Iterable, Sequence
 from html import escape
-from pathlib import Path
 from typing import Any
 
 NO_PACKAGE = "The charts need the Python package vl-convert-python. Install it with: pip install 'sar-tui[report]'."
@@ -34,17 +32,6 @@ def document(title: str, body: Iterable[str], *, language: str = "en", foot: str
         f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
         f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(body) + f"{end}\n</body>\n</html>\n"
     )
-
-
-def write_page(text: str, path: Path) -> None:
-    """Write a page that only its owner can read, whole or not at all. Raises FileExistsError and other OSErrors."""
-    number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    try:
-        with open(number, "w", encoding="utf-8") as file:
-            file.write(text)
-    except BaseException:
-        path.unlink()
-        raise
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] | None = None) -> str:

@@ -5,6 +5,8 @@ import secrets
 import stat
 from pathlib import Path
 
+from sar_tui.drivers.new_file import write_private
+
 _MIN_LENGTH = 22
 """Characters; 128 bits."""
 
@@ -50,9 +52,7 @@ def _refuse_shared(path: Path, status: os.stat_result) -> None:
 def _create(path: Path) -> str:
     token = new_token()
     try:
-        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        with os.fdopen(file, "w", encoding="ascii") as stored:
-            stored.write(f"{token}\n")
+        write_private(path, f"{token}\n")
     except OSError as error:
         raise TokenError(f"The token file {path} cannot be created: {error.strerror}.") from error
     return token

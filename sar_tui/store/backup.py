@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.drivers.new_file import unused
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read, explain
 from sar_tui.store.integrity import Flaw, counts, flaws
@@ -89,11 +90,11 @@ def _one_at_a_time(folder: Path) -> Iterator[None]:
 
 
 def _path(to: Path) -> Path:
-    name = f"sar-tui-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db"
-    path = to / name if to.is_dir() or not to.suffix else to
-    if path.exists():
-        raise StoreError(f"{path} exists, and a backup replaces nothing. Name another file.", bad_input=True)
-    return path
+    if to.is_dir() or not to.suffix:
+        return unused(to / f"sar-tui-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db")
+    if to.exists():
+        raise StoreError(f"{to} exists, and a backup replaces nothing. Name another file.", bad_input=True)
+    return to
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.drivers.new_file import unused
 from sar_tui.store.backup import FOLDER, copy_database
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, sidecars
@@ -67,19 +68,10 @@ def repair(folder: Path) -> Repair:
         if found:
             if not kept:
                 (folder / FOLDER).mkdir(mode=0o700, exist_ok=True)
-                backup = copy_database(database, folder, _free(folder / FOLDER / f"sar-tui-{stamp}.db")).path
-            aside = _free(folder / f"sar-tui-aside-{stamp}.db")
+                backup = copy_database(database, folder, unused(folder / FOLDER / f"sar-tui-{stamp}.db")).path
+            aside = unused(folder / f"sar-tui-aside-{stamp}.db")
             moved = _move_aside(database, aside)
         return Repair(backup, kept, unread, aside, moved, list(flaws(database)))
-
-
-def _free(path: Path) -> Path:
-    """Return the path, or one with a number if there is such a file."""
-    free, number = path, 1
-    while free.exists():
-        number += 1
-        free = path.with_stem(f"{path.stem}-{number}")
-    return free
 
 
 @contextmanager
@@ -121,7 +113,7 @@ def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
             _check_new(new)
         with new.open("rb+") as file:
             os.fsync(file.fileno())
-        kept = _keep(path, _free(path.with_name(f"{path.stem}-damaged-{stamp}.db")))
+        kept = _keep(path, unused(path.with_name(f"{path.stem}-damaged-{stamp}.db")))
         new.replace(path)
         _sync_folder(path.parent)
     except OSError as error:

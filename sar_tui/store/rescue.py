@@ -12,6 +12,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple, get_args
 
+from sar_tui.drivers.new_file import unused
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store import messages, sessions
 from sar_tui.store.database import (
@@ -132,21 +133,12 @@ class Rescue:
     @contextlib.contextmanager
     def _new_file(self) -> Iterator[Path]:
         """Yield a path that no file has; remove the file again on failure."""
-        path = _free(self._folder / f"{RESCUE}{self._session}.db")
+        path = unused(self._folder / f"{RESCUE}{self._session}.db")
         try:
             yield path
         except BaseException:
             remove(path)
             raise
-
-
-def _free(path: Path) -> Path:
-    """Return the path, or one with a number if there is such a file."""
-    free, number = path, 1
-    while free.exists():
-        number += 1
-        free = path.with_stem(f"{path.stem}-{number}")
-    return free
 
 
 def remove(path: Path) -> None:
@@ -260,6 +252,6 @@ def _bring_participants(source: sqlite3.Connection, database: sqlite3.Connection
 def _rename(path: Path) -> None:
     """Give a file that was brought back the name that says so."""
     try:
-        path.rename(_free(path.with_name(path.name.replace(RESCUE, RESCUED, 1))))
+        path.rename(unused(path.with_name(path.name.replace(RESCUE, RESCUED, 1))))
     except OSError as error:
         raise StoreError(f"{path} was brought back, but cannot be renamed: {error.strerror}.") from error

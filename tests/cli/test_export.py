@@ -169,8 +169,3 @@ def test_an_export_that_cannot_be_recorded_says_so(
     called = call("export", "--all", "--to", tmp_path / "out")
     assert (called.code, ids(tmp_path / "out")) == (1, {live})
     assert "not in its ledger" in called.err
-
-
-def test_an_export_without_a_folder_is_a_sentence(call: Call, live: str) -> None:
-    called = call("export", "--all")
-    assert (called.code, called.err[:16]) == (2, "Say where: --to ")

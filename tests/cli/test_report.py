@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from sar_tui.cli.simulate import OperatorName
-from sar_tui.reports.html_page import write_page
+from sar_tui.drivers.new_file import write_private
 from sar_tui.reports.intervention import InterventionReport
 from sar_tui.reports.wizard import WizardReport
 from sar_tui.reports.wizard_study import WizardStudy
@@ -218,9 +218,9 @@ def test_a_page_of_a_report_is_self_contained_and_not_overwritten(
 
 def test_a_page_that_could_not_be_written_whole_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(UnicodeEncodeError):
-        write_page("half \ud800", tmp_path / "page.html")
+        write_private(tmp_path / "page.html", "half \ud800")
     assert list(tmp_path.iterdir()) == []
-    write_page("whole", tmp_path / "page.html")
+    write_private(tmp_path / "page.html", "whole")
     assert (tmp_path / "page.html").read_text() == "whole"
 
 

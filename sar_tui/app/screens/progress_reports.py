@@ -46,19 +46,16 @@ class Reports(Screen[None]):
 
     @work(thread=True, exclusive=True, group="page")
     def _write_page(self, found: Progress) -> None:
-        from sar_tui.reports.html_page import ChartsMissing, write_page
+        from sar_tui.drivers.new_file import unused, write_private
+        from sar_tui.reports.html_page import ChartsMissing
         from sar_tui.reports.progress_page import page
 
         find: Callable[[str], type[Task] | None] = {self._motor_task.name: self._motor_task}.get
         name = f"progress-{self._participant}-{self._motor_task.name}"
         try:
             text = page(found, find, "en")
-            path = self.app.folder / f"{name}.html"
-            number = 1
-            while path.exists():
-                number += 1
-                path = self.app.folder / f"{name}-{number}.html"
-            write_page(text, path)
+            path = unused(self.app.folder / f"{name}.html")
+            write_private(path, text)
         except ChartsMissing as error:
             self.app.call_from_thread(self.notify, str(error), severity="warning", timeout=20)
         except OSError as error:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 
 from sar_tui.cli.common import Home
+from sar_tui.cli.doctor.data_in_git import examine_data_in_git
 from sar_tui.cli.doctor.finding import Finding
 from sar_tui.cli.doctor.installation import outputs, python, tasks, themes
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
@@ -57,6 +58,7 @@ def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
         ("Browser", browser),
         ("Data", lambda: database(home)),
         ("Saved data", lambda: saved_data(home.folder)),
+        ("Data and git", pool.submit(examine_data_in_git, home.folder).result),
         ("Disk space", lambda: disk_space(home.folder)),
         ("Tasks", lambda: tasks(home)),
         ("Themes", lambda: themes(home)),

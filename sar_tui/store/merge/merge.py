@@ -8,6 +8,7 @@ from pathlib import Path
 
 import msgspec
 
+from sar_tui.drivers.new_file import unused
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store import sites
 from sar_tui.store.backup import FOLDER, back_up
@@ -148,7 +149,8 @@ def _changed(db: sqlite3.Connection, folder: Path, work: Callable[[], Merged]) -
     with _undone_unless_changed(db) as changes:
         result = work()
         if changes(result):
-            path = _free(folder / FOLDER)
+            make_private(folder / FOLDER)
+            path = unused(folder / FOLDER / f"sar-tui-before-merge-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db")
             back_up(folder, path)  # another connection: it copies what was there before this transaction
             result = msgspec.structs.replace(result, backup=str(path))
     return result
@@ -176,15 +178,6 @@ def _undone_unless_changed(db: sqlite3.Connection) -> Iterator[Callable[[Merged]
                 raise _Unchanged
     except _Unchanged:
         pass
-
-
-def _free(folder: Path) -> Path:
-    """Return the path of a backup that does not exist yet."""
-    make_private(folder)
-    stamp, number = f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}", 1
-    while (path := folder / f"sar-tui-before-merge-{stamp}-{number}.db").exists():
-        number += 1
-    return path
 
 
 def _note(db: sqlite3.Connection, own: str, pairs: set[Pair]) -> Merged:

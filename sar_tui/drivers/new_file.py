@@ -1,0 +1,29 @@
+"""Files that are made new: for their owner only, and never in the place of another."""
+
+import os
+from pathlib import Path
+
+
+def unused(path: Path) -> Path:
+    """Return the path, or one with a number if there is a file or folder of that name: ``copy-2.db``."""
+    free, number = path, 1
+    while os.path.lexists(free):
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return free
+
+
+def write_private(path: Path, text: str) -> None:
+    """Write a text in UTF-8 into a new file with mode 0600.
+
+    Raises:
+        FileExistsError: there is such a file.
+        OSError: it cannot be written, and is not there then.
+    """
+    number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    try:
+        with open(number, "w", encoding="utf-8") as file:
+            file.write(text)
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,157 @@
+"""What git would take of people's data: nothing after a day of use in a checkout, and a warning of what it has."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from sar_tui.cli.doctor.data_in_git import data_in_git
+from sar_tui.store.database import FILE, RESCUE
+from sar_tui.store.last_saved import LastSaved
+from tests.program import Call
+
+REPOSITORY = Path(__file__).parents[2]
+SAMPLE = ("README.md", "make_recording.py", "table-4.1.csv")
+
+pytestmark = pytest.mark.skipif(not shutil.which("git"), reason="git is not installed")
+
+
+def git(folder: Path, *words: str) -> str:
+    """Run git in a folder, without the settings of who runs the tests."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    plain = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull}
+    done = subprocess.run(["git", "-C", folder, *words], env=kept | plain, capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+@pytest.fixture
+def checkout(tmp_path: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout with its sample recording, from which the program is started as `make run` does."""
+    folder = tmp_path / "checkout"
+    (folder / "data").mkdir(parents=True)
+    shutil.copy(REPOSITORY / ".gitignore", folder)
+    for name in SAMPLE:
+        shutil.copy(REPOSITORY / "data" / name, folder / "data")
+    git(folder, "init", "-q")
+    git(folder, "add", ".")
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("SAR_TUI_DATA", "data")
+    return folder
+
+
+@pytest.fixture
+def programme(checkout: Path, call: Call) -> None:
+    """A programme of P01."""
+    file = checkout.parent / "programme.toml"
+    file.write_text('task = "keyboard"\n[parameters]\nattempts = 2\n')
+    assert call("programme", "import", "P01", "keyboard", file, "--reason", "Tires early").code == 0
+
+
+def test_the_sample_recording_is_tracked(checkout: Path) -> None:
+    tracked = git(checkout, "ls-files").splitlines()
+    assert tracked == [".gitignore", *(f"data/{name}" for name in SAMPLE)]
+
+
+@pytest.mark.usefixtures("programme")
+def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None:
+    for words in (
+        ("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 2, "-p", "P01"),
+        ("simulate", "keyboard", "--user", "poor", "--attempts", 2, "-p", "P02", "--speech", "file:data/said"),
+        ("backup", "--verify"),
+        ("export", "--all", "--simulated"),
+        ("export", "--all", "--simulated", "--format", "bids"),
+        ("programme", "export", "P01", "keyboard", "--preset", "left-arm"),
+        ("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1"),
+        ("adverse", "list"),
+        ("show", "last"),
+        ("check",),
+    ):
+        called = call(*words)
+        assert called.code == 0, called.err
+    note = LastSaved(checkout / "data", "abc")
+    note.close()
+    shutil.copy(checkout / "data" / FILE, checkout / "data" / f"{RESCUE}abc.db")
+    assert call("rescue").code == 0
+    made = {path.name for path in (checkout / "data").iterdir()} - set(SAMPLE)
+    assert {"backups", "exports", "link", "presets", "saved", FILE} <= made
+    assert git(checkout, "add", "-n", ".") == ""
+
+
+def test_an_export_goes_into_the_data_folder_by_default(checkout: Path, call: Call) -> None:
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1)
+    folders = [call("export", "last", "--simulated", "--json").json["folder"] for _ in range(2)]
+    assert {Path(folder).parent for folder in folders} == {checkout / "data" / "exports"}
+    assert len(set(folders)) == 2, "neither takes the other's place"
+    assert all(Path(folder, "trials.csv").exists() for folder in folders)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("export", "last", "--simulated", "--to", "study"),
+        ("backup", "--to", "copies"),
+        ("programme", "export", "P01", "keyboard", "--to", "p01.toml"),
+        ("progress", "P01", "--html", "p01.htm"),
+    ],
+)
+@pytest.mark.usefixtures("programme")
+def test_who_writes_where_git_would_add_it_is_told(checkout: Path, call: Call, words: tuple[str, ...]) -> None:
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
+    called = call(*words)
+    assert called.code == 0
+    assert f"! git would add {words[-1]}" in called.err
+    (checkout / ".git" / "info" / "exclude").write_text(words[-1])
+    assert git(checkout, "add", "-n", ".") == ""
+
+
+def test_nothing_is_said_of_git_outside_of_a_work_tree(call: Call, tmp_path: Path) -> None:
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
+    assert call("export", "last", "--simulated", "--to", tmp_path / "study").err == ""
+
+
+def test_the_doctor_warns_of_data_that_git_tracks_or_would_add(checkout: Path, call: Call) -> None:
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1)
+
+    def told() -> tuple[str, str]:
+        found = next(row for row in call("doctor", "--json").json["checks"] if row["name"] == "Data and git")
+        return found["state"], found["found"]
+
+    assert told() == ("ok", "git neither tracks data of people here, nor would add it")
+    git(checkout, "add", "-f", f"data/{FILE}")
+    state, found = told()
+    assert (state, f"data/{FILE}" in found, "tracks" in found) == ("care", True, True)
+    git(checkout, "rm", "-q", "--cached", f"data/{FILE}")
+    (checkout / ".gitignore").unlink()
+    state, found = told()
+    assert (state, "would add" in found) == ("care", True)
+
+
+def test_data_of_people_is_recognised_anywhere_in_a_checkout(checkout: Path, call: Call) -> None:
+    call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
+    call("export", "--all", "--simulated", "--to", "study", "--recode", "keys/codes.csv")
+    call("backup", "--to", "old/copy.db")
+    call("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1")
+    (checkout / "table.csv").write_text("a,b\n1,2\n")
+    git(checkout, "add", "-f", "study", "keys", "old", "table.csv", "operator-OP1.sar-link", "data/link")
+    found = data_in_git(checkout, checkout / "data")
+    assert not found.would_add
+    assert {path.as_posix() for path in found.tracked} >= {
+        "study/sar-tui-export.json", "keys/codes.csv", "old/copy.db", "operator-OP1.sar-link",
+        "data/link/authority.key",
+    }  # fmt: skip
+    assert not {"table.csv", "data/README.md", ".gitignore"} & {path.as_posix() for path in found.tracked}
+
+
+def test_this_checkout_tracks_no_data_of_people() -> None:
+    assert data_in_git(REPOSITORY, None).tracked == ()
+
+
+def test_another_program_named_in_a_strangers_repository_is_not_started(checkout: Path, tmp_path: Path) -> None:
+    hook = tmp_path / "hook"
+    hook.write_text(f"#!/bin/sh\ntouch {tmp_path / 'ran'}\n")
+    hook.chmod(0o700)
+    git(checkout, "config", "core.fsmonitor", str(hook))
+    data_in_git(checkout, checkout / "data")
+    assert not (tmp_path / "ran").exists()
