@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import functools
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -15,6 +15,7 @@ from sar_tui.store.database import StoreError, explain
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
     from sar_tui.app.live import LiveSession
+    from sar_tui.app.screens.resuming import ResumingScreen
     from sar_tui.framework.clock import Clock
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
@@ -114,7 +115,9 @@ class BeginningApp(PatientModeApp):
 
     def _prepare_session(self, what: "Plan | str") -> None:
         """Begin a session, after a check of its sensors if it is new."""
-        if isinstance(what, str) or not what.task.sensor_seats(what.parameters):
+        if isinstance(what, str):
+            self._resume(what)
+        elif not what.task.sensor_seats(what.parameters):
             self._enter_session(what)
         else:
             self._check_sensors(what)
@@ -158,7 +161,20 @@ class BeginningApp(PatientModeApp):
             feed.stop()
         self.feeds = ()
 
-    def _enter_session(self, what: "Plan | str", feeds: "Sequence[ImuFeed]" = ()) -> None:
+    def _resume(self, session_id: str) -> None:
+        """Open an interrupted session, with the progress of its replay on the screen."""
+        from sar_tui.app.screens.resuming import ResumingScreen
+
+        resuming = ResumingScreen()
+        self.push_screen(resuming)
+        resuming.call_after_refresh(self._enter_session, session_id, resuming=resuming)
+
+    def _enter_session(
+        self,
+        what: "Plan | str",
+        feeds: "Sequence[ImuFeed]" = (),
+        resuming: "ResumingScreen | None" = None,
+    ) -> None:
         """Open a session on a screen of its own."""
         from sar_tui.app.live import LiveSession
         from sar_tui.app.prompt_needs import refusal
@@ -176,7 +192,8 @@ class BeginningApp(PatientModeApp):
             refuse = functools.partial(refusal, no_color=self.no_color)
             live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link, self._markers, refuse)
             screen = SessionScreen(live)
-            live.open(screen, what)
+            with self._closed_after(resuming):
+                live.open(screen, what, resuming.show if resuming else None)
         except EnoughToday as error:
             self._cannot_begin(str(error), is_enough=True)
             return
@@ -197,6 +214,15 @@ class BeginningApp(PatientModeApp):
         session = live.run.session
         self._use(session.theme, session.task.parameters.language)
         self.push_screen(screen, self._session_left)
+
+    @contextlib.contextmanager
+    def _closed_after(self, resuming: "ResumingScreen | None") -> Iterator[None]:
+        """Close the screen of a replay after a block."""
+        try:
+            yield
+        finally:
+            if resuming:
+                self.pop_screen()
 
     def _note_theme(self, notice: str) -> None:
         """Keep a notice on the session's theme for the therapist, until the participant has left."""

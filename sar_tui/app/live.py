@@ -19,7 +19,7 @@ from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.outputs.prompt_tones import PromptTones
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Failed, Plan
-from sar_tui.runs.run import Run, output_nodes, resume, start
+from sar_tui.runs.run import Progress, Run, output_nodes, resume, start
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class LiveSession:
         self._stopping = False
         self._closed = False
 
-    def open(self, stage: Stage, what: Plan | str) -> None:
+    def open(self, stage: Stage, what: Plan | str, progress: Progress | None = None) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
         self._stage = stage
         self._session_id = what.id if isinstance(what, Plan) else what
@@ -84,7 +84,7 @@ class LiveSession:
             if isinstance(what, Plan):
                 self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
             else:
-                self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes)
+                self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes, progress)
         except BaseException:
             if self.markers:
                 self.markers.detach()

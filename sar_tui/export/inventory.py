@@ -268,7 +268,6 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "manifest": "inner",
         "site": "open",
     },
-    "checkpoints": {"session": "inner", "seq": "inner", "program": "inner", "crc32": "inner", "state": "inner"},
     "imu_streams": {
         "session": "open",
         "stream": "open",

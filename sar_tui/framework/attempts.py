@@ -232,10 +232,6 @@ class Attempts:
         """Give the task the settings that were changed since the last attempt began."""
         self._settings |= self._coming
         self._coming = {}
-        self.restore_settings()
-
-    def restore_settings(self) -> None:
-        """Give the task all settings that were changed: a resumed session builds it with the first ones."""
         self._use(self._settings)
 
     def _use(self, settings: Mapping[str, int | float]) -> None:

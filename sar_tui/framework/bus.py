@@ -118,14 +118,6 @@ class Bus:
         """Number the next message ``seq``, to continue the numbers of a resumed session."""
         self._seq = seq
 
-    def state(self) -> dict[str, Any]:
-        """Return the state between two cascades: the kept messages, the next number and the time."""
-        return {"kept": self._kept, "seq": self._seq, "now": self._now}
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Take over a state. Nothing is delivered: subscribers have a state of their own."""
-        self._kept, self._seq, self._now = state["kept"], state["seq"], state["now"]
-
     def last(self, topic: Topic[M]) -> M | None:
         """Return the last message of a topic that keeps it; None before the first."""
         return self._kept.get(topic.name)  # type: ignore[return-value]

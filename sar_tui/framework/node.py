@@ -63,14 +63,6 @@ class Node:
         for method in _marked(type(self), "serves"):
             bus.serve(method.serves, getattr(self, method.__name__))
 
-    def state(self) -> dict[str, Any]:
-        """Return the state between two cascades, for a checkpoint (see `framework.checkpoint`)."""
-        return {name: value for name, value in vars(self).items() if name != "bus"}
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Take over a state."""
-        vars(self).update(state)
-
     def detach(self) -> None:
         """Release resources outside the bus: a device, a thread. May be called again."""
 
@@ -92,13 +84,6 @@ class Node:
         return self.bus.now
 
 
-class _Over:
-    """Handle of a timer of an earlier run."""
-
-    def cancel(self) -> None:
-        """Do nothing: it will not fire."""
-
-
 class TimedNode(Node):
     """A node with timers. A timer publishes an input message when it fires, so a replay needs no timers."""
 
@@ -108,15 +93,6 @@ class TimedNode(Node):
         super().__init__()
         self._timers: dict[str, tuple[int, Handle]] = {}
         self._token = 0
-
-    def state(self) -> dict[str, Any]:
-        """Return the state; of a timer, the token alone."""
-        return super().state() | {"_timers": {name: token for name, (token, _) in self._timers.items()}}
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Take over a state. Its timers do not fire any more: in a replay they are messages."""
-        timers = {name: (token, _Over()) for name, token in state["_timers"].items()}
-        super().restore(state | {"_timers": timers})
 
     def set_timer(self, name: str, due: int) -> None:
         """Call ``timer(name, late)`` at ``due`` (ns). Replaces an earlier timer of that name."""

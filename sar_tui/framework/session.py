@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from sar_tui.framework.attempts import NextAttempt
 from sar_tui.framework.bus import FAULT, Bus, Record
@@ -22,9 +22,6 @@ from sar_tui.framework.steps.step import Step
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ACTING, SESSION, SESSION_ENDED, THEME
-
-_STATE = ("ended", "is_agent_acting", "awaits_operator", "_rules")
-"""Attributes of a session that change while it runs, beside its nodes, its faults and the task's names."""
 
 
 class ReplayError(ValueError):
@@ -157,28 +154,6 @@ class Session:
         self.theme = theme
         self.bus.publish(THEME, ThemeApplied(theme=theme))
 
-    def state(self) -> dict[str, Any]:
-        """Return the state between two cascades, for a checkpoint (see `checkpoint.save`)."""
-        return {
-            "session": {name: getattr(self, name) for name in _STATE},
-            "faults": self.faults,
-            "names": self.task.names,
-            "bus": self.bus.state(),
-            "nodes": {node.name: node.state() for node in self.core},
-        }
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Bring a new session to the state of a checkpoint. What was recorded after it must then be replayed."""
-        for node in self.core:
-            node.restore(state["nodes"][node.name])
-        self.bus.restore(state["bus"])
-        vars(self).update(state["session"])
-        self.task.rules = self._rules
-        self.faults.extend(state["faults"])
-        self.task.names = state["names"]
-        if applied := self.bus.last(THEME):
-            self._use_texts(applied.theme)
-
     def replay(self, history: Iterable[Record]) -> None:
         """Bring the nodes to the state at the end of a record. Call it before ``begin``.
 
@@ -281,7 +256,7 @@ OWN_PARTS = Parts()
 def problem_of_nodes(nodes: Sequence[object]) -> str:
     """Return why these cannot be a task's own nodes, as the end of a sentence; empty if they can.
 
-    Timers and checkpoints tell nodes by their names.
+    Timers tell nodes by their names.
     """
     taken = {kind.name for kind in (*OWN_PARTS, ActionCenter, Arbiter)}
     for node in nodes:

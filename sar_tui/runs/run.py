@@ -9,7 +9,7 @@ from typing import Any, TypedDict
 
 from filelock import BaseFileLock
 
-from sar_tui.framework.checkpoint import CheckpointError, restore
+from sar_tui.framework.bus import Record
 from sar_tui.framework.clock import Clock, VirtualClock
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.node import Node
@@ -19,10 +19,9 @@ from sar_tui.framework.session import Parts, ReplayError, Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, task_source
-from sar_tui.runs.checkpoints import Checkpoints, program
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
-from sar_tui.store import checkpoints, locks, participants, sessions
+from sar_tui.store import locks, messages, participants, sessions
 from sar_tui.store.database import StoreError, connect, open_file
 from sar_tui.store.dose import done_on_day
 from sar_tui.store.last_saved import forget
@@ -34,6 +33,10 @@ from sar_tui.store.safeguard import Safeguard
 _LAST_WAIT_MS = 1000
 """Longest wait for a database that another program keeps locked, while a session is written and left."""
 
+_TOLD_EVERY = 100
+"""Messages of a replay from one report of its progress to the next."""
+
+Progress = Callable[[int, int], None]
 NodeFactory = Callable[[Task, Theme, int], Sequence[Node]]
 """Makes the input and output nodes of a session from its task, theme and seed."""
 
@@ -162,14 +165,23 @@ def start(
             **provenance,
         )
         number = sessions.begin_run(database, session_id, clock_ns=clock.now(), **provenance)
-        run = _with_recorder(session_id, number, session, folder, database, held)
-        if plan.mode == "live":
-            Checkpoints(session, run.recorder, provenance["software"])
-        return run
+        return _with_recorder(session_id, number, session, folder, database, held)
 
 
-def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, make_nodes: NodeFactory) -> Run:
-    """Bring an interrupted session to the state at its interruption, and build its run, ready to begin.
+def resume(
+    session_id: str,
+    folder: Path,
+    catalogue: Catalogue,
+    clock: Clock,
+    make_nodes: NodeFactory,
+    progress: Progress | None = None,
+) -> Run:
+    """Bring an interrupted session to the state at its interruption by a replay, and build its run, ready to begin.
+
+    Args:
+        session_id: the session, or the beginning of its id.
+        folder, catalogue, clock, make_nodes: as for `start`.
+        progress: called during the replay with the number of messages that are done, and of all.
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
@@ -194,11 +206,8 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
             facts = _participant_facts(database, task, codes, "live", without=row["id"])
             nodes = make_nodes(task, theme, row["seed"])
             provenance = _provenance(kind, theme.name, folder, catalogue)
-
-            def new_session() -> Session:
-                return Session(task, theme, clock, row["seed"], nodes, **facts)
-
-            session = _replayed(new_session, database, row["id"], provenance["software"])
+            session = Session(task, theme, clock, row["seed"], nodes, **facts)
+            session.replay(_history(database, row["id"], progress or (lambda done, of: None)))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
         number = sessions.begin_run(database, row["id"], clock_ns=clock.now(), **provenance)
@@ -208,7 +217,6 @@ def resume(session_id: str, folder: Path, catalogue: Catalogue, clock: Clock, ma
                 f"The theme {row['theme']} of session {row['id']} cannot be loaded any more: it went on with "
                 f"{theme.name}, whose words and looks differ."
             )
-        Checkpoints(session, run.recorder, provenance["software"])
         return run
 
 
@@ -220,29 +228,13 @@ def _theme_of(row: sessions.Row, catalogue: Catalogue, language: str) -> Theme:
         return catalogue.theme(DEFAULT_THEME, language)
 
 
-def _replayed(
-    new_session: Callable[[], Session], database: sqlite3.Connection, session_id: str, software: dict[str, Any]
-) -> Session:
-    """Return a session in the state at its interruption: from its last checkpoint if it has one, else replayed.
-
-    A checkpoint that cannot be used is left out; a replay then tells what is wrong.
-
-    Raises:
-        ReplayError: the replay differs from the record.
-        StoreError: the record cannot be read.
-    """
-    session = new_session()
-    if found := checkpoints.find(database, session_id, program(session, software)):
-        try:
-            restore(session, found.state)
-            session.replay(sessions.history(database, session_id, found.seq))
-        except (CheckpointError, ReplayError):
-            pass
-        else:
-            return session
-        session = new_session()
-    session.replay(sessions.history(database, session_id))
-    return session
+def _history(database: sqlite3.Connection, session_id: str, progress: Progress) -> Iterator[Record]:
+    """Yield the messages of a session, and tell the progress."""
+    _, last = messages.extent(database, session_id)
+    for count, record in enumerate(sessions.history(database, session_id)):
+        if count % _TOLD_EVERY == 0:
+            progress(record.seq, last)
+        yield record
 
 
 def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> sessions.Row:

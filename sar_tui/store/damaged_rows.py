@@ -13,7 +13,7 @@ Kind = Literal["file", "orphan", "gap", "samples", "text"]
 of events, attempts or trials. ``samples``: a block of a sensor's samples. ``text``: characters, or JSON."""
 
 _SESSION_TABLES = (
-    "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks", "checkpoints",
+    "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks",
     "earlier_events", "wellbeing", "adverse_events",
 )  # fmt: skip
 _OF_SESSION = "(SELECT id FROM session_numbers WHERE number=session_number)"

@@ -114,8 +114,8 @@ def resume_streams(db: sqlite3.Connection, session: str, run: int) -> StreamRows
     return StreamRows(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
 
 
-def blocks(db: sqlite3.Connection, session: str, after: int = 0) -> Iterator[Record]:
-    """Yield a session's blocks of samples after event ``after``, each numbered like the event that followed it.
+def blocks(db: sqlite3.Connection, session: str) -> Iterator[Record]:
+    """Yield a session's blocks of samples, each numbered like the event that followed it.
 
     Those of the trunk come first: perception had them when samples of the hand told it that a reach was over.
 
@@ -124,9 +124,9 @@ def blocks(db: sqlite3.Connection, session: str, after: int = 0) -> Iterator[Rec
     """
     for seat, part, stream, seq, before, at, crc, data in db.execute(
         "SELECT seat, part, stream, seq, before_event, at_ns, crc32, data FROM imu_chunks"
-        " LEFT JOIN imu_streams USING (session, stream) WHERE session=? AND before_event>?"
+        " LEFT JOIN imu_streams USING (session, stream) WHERE session=?"
         " ORDER BY before_event, part IS NOT 'trunk', stream, seq",
-        (session, after),
+        (session,),
     ):
         if zlib.crc32(data) != crc:
             raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")

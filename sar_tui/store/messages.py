@@ -240,13 +240,13 @@ def _is_json(text: bytes) -> bool:
     return True
 
 
-def read(database: sqlite3.Connection, session: str, after: int = 0) -> Iterator[StoredMessage]:
-    """Yield the messages of a session whose number is above ``after``, in order.
+def read(database: sqlite3.Connection, session: str) -> Iterator[StoredMessage]:
+    """Yield the messages of a session, in order.
 
     Raises:
         StoreError: this version of the program cannot read a message.
     """
-    for seq, run, at, name, stored, text in _rows(database, session, after):
+    for seq, run, at, name, stored, text in _rows(database, session):
         try:
             topic = ALL[name]
             message = _decoder(topic, stored)(text)
@@ -260,17 +260,17 @@ def unreadable(session: str, seq: int) -> StoreError:
     return StoreError(f"Message {seq} of session {session} cannot be read by this version of sar-tui.")
 
 
-def _rows(database: sqlite3.Connection, session: str, after: int) -> Iterator[tuple[int, int, int, str, str, str]]:
+def _rows(database: sqlite3.Connection, session: str) -> Iterator[tuple[int, int, int, str, str, str]]:
     """Yield number, run, time, topic, layout and text of each message, in order."""
     earlier = database.execute(
-        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? ORDER BY seq",
-        (session, after),
+        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? ORDER BY seq",
+        (session,),
     )
     topics = {id: (name, stored) for id, name, stored in database.execute("SELECT id, name, fields FROM topics")}
     rows = database.execute(
         "SELECT seq, run, at_ns, topic, message FROM messages"
-        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>? ORDER BY seq",
-        (session, after),
+        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
+        (session,),
     )
     unknown = ("", "")  # a damaged number, whose message cannot be read
     present = ((seq, run, at, *topics.get(topic, unknown), text) for seq, run, at, topic, text in rows)

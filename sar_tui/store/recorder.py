@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
-from sar_tui.store import checkpoints, imu
+from sar_tui.store import imu
 from sar_tui.store.database import StoreConnection, StoreError, transaction
 from sar_tui.store.messages import Numbers, numbers
 from sar_tui.store.rows import SQL, Rows, rows_of
@@ -42,9 +42,6 @@ class Recorder:
         bus: the bus to tap; acknowledgements are posted to it.
         inline: on a virtual clock: write on the bus's own thread, ``GROUP`` messages at a time and at the end.
         safeguard: where the session goes on if the database is removed, or still locked at the end.
-
-    Attributes:
-        checkpoint: a checkpoint to be written with the messages before it.
     """
 
     name: ClassVar[str] = "recorder"
@@ -76,7 +73,6 @@ class Recorder:
         if not inline:
             database.execute(f"PRAGMA cache_size=-{_CACHE_KB}")
         self._numbers: tuple[sqlite3.Connection, Numbers] | None = None
-        self.checkpoint: checkpoints.Checkpoint | None = None
         self._streams = imu.resume_streams(database, session, run)
         bus.tap(self)
 
@@ -202,7 +198,6 @@ class Recorder:
             StoreError: the disk cannot write, or a message cannot be stored; everything stays queued.
         """
         self._stay_in_place()
-        checkpoint = self.checkpoint  # of messages that are queued by now
         count = len(self._queue)
         if not count and not self._committed:
             return
@@ -211,7 +206,7 @@ class Recorder:
             messages = [record for record in records if not record.topic.stream]
             rows = rows_of(self._session, self._run, messages, self._numbers_here())
             rows["streams"], rows["chunks"], streams = self._streams.rows(records)
-            self._commit(rows, checkpoint)
+            self._commit(rows)
         except StoreError as error:
             if error.bad_input and self._take_over(str(error)):  # the file is damaged
                 self.write()
@@ -220,8 +215,6 @@ class Recorder:
         except Exception as error:  # a task's values do not fit into a row
             raise StoreError(f"A message cannot be stored ({type(error).__name__}: {error}).") from error
         self._streams = streams
-        if self.checkpoint is checkpoint:
-            self.checkpoint = None
         for _ in range(count):
             self._committed.append(self._queue.popleft())
         self._queued = 0
@@ -236,13 +229,11 @@ class Recorder:
             if isinstance(trial := record.message, m.TrialEnded):
                 self._bus.post(STORED, _stored(trial))
 
-    def _commit(self, rows: Rows, checkpoint: checkpoints.Checkpoint | None) -> None:
+    def _commit(self, rows: Rows) -> None:
         with transaction(self._database) as connection:
             for kind, statement in SQL.items():
                 if rows[kind]:
                     connection.executemany(statement, rows[kind])
-            if checkpoint:
-                connection.execute(checkpoints.INSERT, checkpoints.row(self._session, checkpoint))
 
     def _numbers_here(self) -> Numbers:
         """Return the numbers of the session and the topics in the database that is written to."""

@@ -312,6 +312,12 @@ def version_19(db: sqlite_utils.Database) -> None:
     )
 
 
+@migrations()
+def version_20(db: sqlite_utils.Database) -> None:
+    """Checkpoints are gone: a session is resumed by a replay, and nothing that is stored is run."""
+    db.execute("DROP TABLE IF EXISTS checkpoints")
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

@@ -25,7 +25,7 @@ def copy_session(
         StoreError: the target cannot be written to, or the source cannot be read; nothing was copied.
     """
     with transaction(target) as connection:
-        for table in _tables(source, "session"):
+        for table in _tables(target, "session"):
             keeps = adds or table in _APPENDED
             if not keeps:
                 connection.execute(f'DELETE FROM "{table}" WHERE session=?', (session,))

@@ -341,12 +341,12 @@ def attempt_ended(row: Row) -> AttemptEnded:
     )
 
 
-def history(db: sqlite3.Connection, session: str, after: int = 0) -> Iterator[Record]:
-    """Yield the messages of a session after number ``after``, sensor samples included, in the order of a replay.
+def history(db: sqlite3.Connection, session: str) -> Iterator[Record]:
+    """Yield the messages of a session, sensor samples included, in the order of a replay.
 
     Raises:
         StoreError: this version of the program cannot read a message, or samples are damaged.
     """
-    stored = messages.read(db, session, after)
+    stored = messages.read(db, session)
     records = (Record(one.seq, one.at, one.topic, one.message) for one in stored)
-    return merge(imu.blocks(db, session, after), records, key=lambda record: record.seq)
+    return merge(imu.blocks(db, session), records, key=lambda record: record.seq)

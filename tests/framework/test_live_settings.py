@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from sar_tui.framework import messages as m
-from sar_tui.framework.checkpoint import restore, save
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.live_settings import adjustable, with_setting
 from sar_tui.framework.parameters import build
@@ -123,17 +122,10 @@ def _changed_session(driver: LoopDriver) -> None:
     set_live(driver, "threshold", 600)  # of the attempt after this one
 
 
-@pytest.mark.parametrize("way", ["replay", "checkpoint"])
-def test_a_resumed_session_has_the_changes(way: str, new: New, keyboard: type[Task], calm: Theme) -> None:
+def test_a_resumed_session_has_the_changes(new: New, keyboard: type[Task], calm: Theme) -> None:
     first = new()
     _changed_session(first)
-    settings = {"attempts": 6, "prompts_per_attempt": 2}
-    if way == "replay":
-        second = LoopDriver(keyboard, calm, history=first.records, **settings)
-    else:
-        second = LoopDriver(keyboard, calm, begin=False, **settings)
-        restore(second.session, save(first.session))
-        second.session.begin(2)
+    second = LoopDriver(keyboard, calm, history=first.records, attempts=6, prompts_per_attempt=2)
     assert second.session.next_attempt == first.session.next_attempt
     assert second.session.task.parameters == first.session.task.parameters
     second.press("enter")

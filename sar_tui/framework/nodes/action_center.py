@@ -218,13 +218,12 @@ class ActionCenter(Node):
 class _Phrases:
     """Phrases of a theme, chosen at random among those that repeat least of what has just been said.
 
-    The same wording is never used twice in a row. The defaults are for checkpoints of earlier versions.
+    The same wording is never used twice in a row.
     """
 
-    rules = 2
-    _feedback = ""
-
     def __init__(self, theme: Theme, streams: RandomStreams) -> None:
+        self.rules = 2
+        self._feedback = ""
         self.theme = theme
         self.count = 0
         self._streams = streams

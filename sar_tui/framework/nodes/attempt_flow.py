@@ -2,7 +2,6 @@
 
 import contextlib
 from collections.abc import Collection
-from typing import Any
 
 from msgspec.structs import replace
 
@@ -302,11 +301,6 @@ class AttemptFlow(TrialFlow):
             self._attempts.change_setting(change.name, change.value, under_way=self._is_under_way)
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Take over a state, and the settings that were changed."""
-        super().restore(state)
-        self._attempts.restore_settings()
 
     # --- marks ----------------------------------------------------------------------------------------------
 

@@ -2,8 +2,8 @@
 
 import sqlite3
 
-_APART = ("wellbeing", "adverse_events", "checkpoints")
-"""Tables with a session that are not part of its record: rows that people add later, and the program's own."""
+_APART = ("wellbeing", "adverse_events")
+"""Tables with a session that are not part of its record: rows that people add later."""
 
 
 def columns(db: sqlite3.Connection, table: str) -> list[str]:

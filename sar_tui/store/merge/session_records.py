@@ -66,7 +66,7 @@ def _json(ids: set[str]) -> str:
 def remove(db: sqlite3.Connection, sessions: Sequence[str]) -> None:
     """Remove sessions from the main database, to put longer records in their place."""
     for session in sessions:
-        for table in (*session_tables(db), "checkpoints"):
+        for table in session_tables(db):
             db.execute(f"DELETE FROM main.{table} WHERE session=?", (session,))
         number = "(SELECT number FROM main.session_numbers WHERE id=?)"
         db.execute(f"DELETE FROM main.messages WHERE session_number={number}", (session,))

@@ -5,11 +5,7 @@ from typing import Any
 import pytest
 
 from sar_tui.app.screens.waiting_text import waiting_text
-from sar_tui.framework import checkpoint
 from sar_tui.framework import messages as m
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import ATTEMPT_ENDED, DECISION, FEEDBACK, GOAL, LEVEL, MODE, PRESENCE
 from sar_tui.plugins import Catalogue
@@ -154,17 +150,6 @@ def test_a_session_is_resumed_with_the_goal_and_the_level_that_it_had(calm: Them
     assert [each.level for each in resumed.all(ATTEMPT_ENDED)] == [each.level for each in straight.all(ATTEMPT_ENDED)][
         3:
     ]
-
-
-def test_a_checkpoint_keeps_the_results_that_goals_are_made_from(calm: Theme) -> None:
-    driver = keyboard(calm, **PERCENTILE)
-    driver.enter()
-    enter_and_do(driver, 800, 700)
-    kind = Catalogue().task("keyboard")
-    settings = {"attempts": 6, "prompts_per_attempt": 2, **PERCENTILE}
-    other = Session(kind(build(kind.Parameters, settings)), calm, VirtualClock(), 1)
-    checkpoint.restore(other, checkpoint.save(driver.session))
-    assert other.core[2].state()["_attempts"].state == driver.session.core[2].state()["_attempts"].state
 
 
 # --- a level that moves ---------------------------------------------------------------------------------------------

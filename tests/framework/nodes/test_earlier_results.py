@@ -2,7 +2,6 @@
 
 import pytest
 
-from sar_tui.framework import checkpoint
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
 from sar_tui.framework.theme import Theme
@@ -93,20 +92,3 @@ def test_a_learning_score_compares_an_attempt_with_those_before(calm: Theme) -> 
     driver = played(calm, "fxxxxx", "ffffxx", "fffxxx")
     ended: list[m.AttemptEnded] = driver.all(ATTEMPT_ENDED)
     assert [attempt.qualities for attempt in ended] == [{}, {"gain": 3.0}, {"gain": -1.0}]
-
-
-def test_they_are_the_same_from_a_checkpoint(calm: Theme) -> None:
-    whole = played(calm, KEYS, "xfffff")
-    saved = checkpoint.save(whole.session)
-    whole.press("enter")
-    whole.answer()
-    expected = whole.to_prompt()
-    driver = LoopDriver(Contrast, calm, attempts=8, begin=False)
-    checkpoint.restore(driver.session, saved)
-    driver.session.begin(2)
-    driver.press("enter")
-    driver.wait(300)
-    driver.press("enter")
-    driver.answer()
-    again = driver.to_prompt()
-    assert (again.text, expected.text) == ("Contrast:11:4-5", "Contrast:11:4-5")

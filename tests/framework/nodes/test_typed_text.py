@@ -4,7 +4,6 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.checkpoint import restore, save
 from sar_tui.framework.clock import MS, VirtualClock
 from sar_tui.framework.messages import TextPerceived
 from sar_tui.framework.parameters import build
@@ -126,8 +125,6 @@ def test_a_session_goes_on_in_the_middle_of_a_word(calm: Theme) -> None:
     driver = LoopDriver(Recall, calm, **PARAMETERS)
     driver.start()
     write(driver, "s", "u")
-    again = Session(Recall(build(Recall.Parameters, PARAMETERS)), calm, VirtualClock(), 1)
-    restore(again, save(driver.session))
     replayed = Session(Recall(build(Recall.Parameters, PARAMETERS)), calm, VirtualClock(), 1)
     replayed.replay(driver.records)
 

@@ -1,0 +1,36 @@
+"""A session that is resumed shows its progress if the replay of what was done takes longer than a moment."""
+
+from pathlib import Path
+
+import pytest
+from textual.widget import Widget
+
+from sar_tui.app.screens import resuming
+from sar_tui.plugins import Catalogue
+from tests.app.app_driver import open_app
+from tests.runs.test_resume import interrupted
+
+
+@pytest.mark.parametrize("seconds", [0.0, 60.0])
+async def test_the_progress_of_a_long_replay_is_painted(
+    seconds: float, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    painted: list[str] = []
+    paint = resuming.paint_now
+
+    def watched(widget: Widget) -> None:
+        painted.append(str(widget.render()))
+        paint(widget)
+
+    monkeypatch.setattr(resuming, "paint_now", watched)
+    monkeypatch.setattr(resuming, "_SHOWN_AFTER_S", seconds)
+    monkeypatch.setattr(resuming, "_PAINTED_EVERY_S", 0.0)
+    async with open_app(data, catalogue, interrupted(data, "long", 400)) as driver:
+        assert driver.screen_name == "SessionScreen"
+    if seconds:
+        assert painted == []
+    else:
+        assert painted[0].startswith("The session goes on where it stopped: ")
+        shares = [int(text.split()[-2]) for text in painted]
+        assert len(set(shares)) > 5
+        assert shares == sorted(shares)
