@@ -98,6 +98,8 @@ class BeginningApp(PatientModeApp):
 
         def answered(goes_on: bool | None) -> None:
             self._is_asking = False
+            for text in wellbeing.warnings(self, codes) if self.patient else ():
+                self.note_trouble(text)
             if goes_on:
                 self._prepare_session(plan)
             else:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from sar_tui.app.screens.wellbeing import Person, Save, WellbeingScreen
 from sar_tui.framework.policies.wellbeing import Moment, tell_therapist
+from sar_tui.framework.settings.wellbeing import pain_limits
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.reports.wellbeing import advice
@@ -21,7 +22,7 @@ def ask_before(app: "OpeningApp", task: Task, theme: Theme, codes: Sequence[str]
     """Return the screen that asks before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
-    return WellbeingScreen("before", people, _saving(app, "before"), tr)
+    return WellbeingScreen("before", people, pain_limits(task.parameters), _saving(app, "before"), tr)
 
 
 def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
@@ -31,7 +32,8 @@ def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") 
     before = {seat: wellbeing.ratings(rows, seat).pain_before for seat in codes}
     people = [person._replace(pain_before=before[person.seat]) for person in _people(session.task, codes)]
     tr = session_language(session.task).including(session.theme.texts)
-    return WellbeingScreen(moment, people, _saving(app, moment, live.run.id), tr)
+    limits = pain_limits(session.task.parameters)
+    return WellbeingScreen(moment, people, limits, _saving(app, moment, live.run.id), tr)
 
 
 def warnings(app: "OpeningApp", codes: Sequence[str]) -> list[str]:

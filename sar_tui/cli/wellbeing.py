@@ -29,6 +29,7 @@ def wellbeing(
     with Home.of(context, data, tasks).database() as database:
         code = participants.check_known(database, participant)
         rows = store.of_participant(database, code)
+        limits = store.limits_of(database, [row["session"] for row in rows if row["session"]])
         reasons = tell_therapist(store.history(database, code))
         events = adverse_events.listing(database, code)
     if as_json:
@@ -43,7 +44,7 @@ def wellbeing(
     if reasons or events:
         out.print()
     if rows:
-        _print_answers(by_visit(rows))
+        _print_answers(by_visit(rows, limits))
     else:
         out.print(f"Nothing is known of pain or tiredness of {code}.", soft_wrap=True)
 

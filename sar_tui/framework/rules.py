@@ -1,6 +1,6 @@
 """Version of the rules that a session is played by."""
 
-RULES = 5
+RULES = 6
 """A session keeps the rules it began with, so that it can be replayed and resumed.
 
 1: the session waits for an operator's decision on feedback and level only, encouragement that is still due when Enter
@@ -12,4 +12,5 @@ task has ten levels, some of them far apart.
 whatever has just been said.
 4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only,
 that of the time to peak, too, and each change of a result is reported.
+6: the question about pain between attempts has the words of the one before and after a session at its ends.
 """

@@ -1,20 +1,23 @@
 """Pain and tiredness in words: of a session, and what the therapist should know of a participant."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import msgspec
 
 from sar_tui.framework.language import Language
-from sar_tui.framework.policies.wellbeing import RISE, SEVERE, TellReason
+from sar_tui.framework.policies.wellbeing import SEVERE, PainLimits, TellReason
 from sar_tui.store.adverse_events import AdverseEvent
-from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, ratings
+from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, limits_in, ratings
 
 _ENGLISH = Language()
 _NAMES = {"pain": "pain", "fatigue": "tiredness"}
 _IN_PAUSES = {"pain": "in pain", "fatigue": "tired"}
+_MOMENTS = {"before": "before the session", "pause": "in a pause", "after": "after the session"}
+_ADVISED = {"stopped": " They stopped.", "went on": " They trained all the same."}
 _TOLD: dict[TellReason, str] = {
-    "stop": "Pain was a reason to stop when it was last rated: {severe} or more of 10, or {rise} more than before. "
-    "Tell the therapist.",
+    "stop": "Pain was above the limit when it was last told. Tell the therapist.",
+    "stopped": "The participant was advised not to train, and stopped.",
+    "went on": "The participant was advised not to train, and trained all the same.",
     "new pain": "Pain is new: some in each of the last four sessions, and none before. Tell the therapist.",
     "worse pain": "Pain is worse: more in each of the last four sessions than before them. Tell the therapist.",
     "tired": "Very tired ({severe} or more of 10) after each of the last two sessions. Tell the therapist.",
@@ -35,12 +38,16 @@ def marks(rows: Sequence[Row]) -> str:
     return ", ".join(found)
 
 
-def sentences(rows: Sequence[Row], seat: str) -> list[str]:
+def sentences(rows: Sequence[Row], seat: str, limits: PainLimits) -> list[str]:
     """Return what a participant said in a session, a sentence for each symptom, and if it was a reason to stop."""
     mine = [row for row in rows if row["seat"] == seat]
     found = [text for question in _NAMES if (text := _symptom(mine, question))]
-    if ratings(mine, seat).is_reason_to_stop:
+    if ratings(mine, seat, limits).is_reason_to_stop:
         found.append("That was a reason to stop and to tell the therapist.")
+    for moment, named in _MOMENTS.items():
+        advised = [row["answer"] for row in mine if (row["moment"], row["question"]) == (moment, "advice")]
+        if advised:
+            found.append(f"Advised {named} not to train.{_ADVISED.get(advised[-1], '')}")
     return found
 
 
@@ -48,7 +55,7 @@ def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEve
     """Return a line for each participant who said something in a listed session, and for each adverse event in it."""
     lines = []
     for seat, code in (("A", session["participant"]), ("B", session["partner"])):
-        if code and (said := sentences(rows, seat)):
+        if code and (said := sentences(rows, seat, limits_in(session["parameters"]))):
             lines.append(f"{f'{code}: ' if session['partner'] else ''}{' '.join(said)}")
     return lines + [event_line(event, names_person=bool(session["partner"])) for event in events]
 
@@ -61,12 +68,20 @@ class Visit(msgspec.Struct, frozen=True):
     said: list[str]
 
 
-def by_visit(rows: Sequence[Row]) -> list[Visit]:
-    """Return the answers of one participant by session, oldest first; without a session, those of a day together."""
+def by_visit(rows: Sequence[Row], limits: Mapping[str, PainLimits]) -> list[Visit]:
+    """Return the answers of one participant by session, oldest first; without a session, those of a day together.
+
+    ``limits``: of the sessions, by session.
+    """
     grouped: dict[str, list[Row]] = {}
     for row in rows:
         grouped.setdefault(row["session"] or row["at"][:10], []).append(row)
-    return [Visit(own[0]["at"], own[0]["session"] or "", sentences(own, own[0]["seat"])) for own in grouped.values()]
+
+    def visit(own: Sequence[Row]) -> Visit:
+        session = own[0]["session"] or ""
+        return Visit(own[0]["at"], session, sentences(own, own[0]["seat"], limits.get(session, PainLimits())))
+
+    return [visit(own) for own in grouped.values()]
 
 
 def event_line(event: AdverseEvent, *, names_person: bool = False) -> str:
@@ -96,7 +111,7 @@ def _ended(text: str) -> str:
 
 def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
     """Return a sentence for each thing that the therapist should be told."""
-    return [tr(_TOLD[reason], severe=str(SEVERE), rise=str(RISE)) for reason in reasons]
+    return [tr(_TOLD[reason], severe=str(SEVERE)) for reason in reasons]
 
 
 def _symptom(rows: Sequence[Row], question: str) -> str:

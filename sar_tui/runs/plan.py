@@ -9,6 +9,7 @@ import msgspec
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import TaskParameters, build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.session import problem_of_nodes
 from sar_tui.framework.steps.file import problem_of
 from sar_tui.framework.steps.questions import chosen
@@ -104,7 +105,7 @@ def make_plan(
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
     own = set_up(kind, parameters).steps
-    if why := problem_of((*own, *chosen(parameters.questions, parameters.questions_every), *steps)):
+    if why := problem_of((*own, *chosen(parameters.questions, parameters.questions_every, RULES), *steps)):
         raise ParameterError({"questions": f"{why} The task, the settings and a file of steps may each bring some."})
     return Plan(
         task=kind,

@@ -91,7 +91,7 @@ def _results(
     for row in db.execute(query, values):
         found, began, of_task, mode, status, seat, parameters, software = row
         attempts = stored.get((found, seat), [])
-        made_by = msgspec.json.decode(software)
+        made_by, stored_parameters = msgspec.json.decode(software), msgspec.json.decode(parameters)
         yield SessionResults(
             session=found,
             began=datetime.fromisoformat(began).astimezone(),
@@ -102,14 +102,14 @@ def _results(
             mode=mode,
             status=status_now(status, found, folder) if folder else status,
             metric=provenance.metric({"task": made_by}),
-            parameters=msgspec.json.decode(parameters),
+            parameters=stored_parameters,
             results=[result for result, *_ in attempts],
             reached=_reached([reached for _, _, reached, _ in attempts]),
             trials=sum(trials for _, trials, _, _ in attempts),
             right=sum(result.correct for result, *_ in attempts),
             seconds=sum(lasted for *_, lasted in attempts) / 1e9,
             qualities=qualities.get((found, seat), {}),
-            felt=wellbeing.ratings(felt.get((found, seat), ()), seat),
+            felt=wellbeing.ratings(felt.get((found, seat), ()), seat, wellbeing.limits_in(stored_parameters)),
         )
 
 

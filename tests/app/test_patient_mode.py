@@ -87,16 +87,20 @@ async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_res
         assert driver.app._troubles[0].startswith("That is enough for P77 today")
 
 
-async def test_who_has_severe_pain_before_an_exercise_is_told_to_rest(data: Path, catalogue: Catalogue) -> None:
+async def test_one_enter_never_begins_an_exercise_in_severe_pain(data: Path, catalogue: Catalogue) -> None:
     programme(data, "P01", "keyboard", ask_wellbeing=True)
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter", "9", "3", "2")
-        assert driver.sees("Please stop and rest")
-        await driver.press("escape")
+        assert driver.sees("Please do not train now")
+        await driver.press("enter")
         assert driver.sees("You can rest now.")
-        assert driver.sees("Tell your therapist about the pain now.")
+        assert driver.sees("Rest, and tell your therapist about the pain now.")
+        assert driver.sees("Nobody is watching this screen")
         await driver.press("enter")
         assert driver.sees("Exercise 1 of 2")
+        await driver.press("enter")
+        assert driver.sees("How much pain do you have now?"), "it is asked again"
+        assert "P01: The participant was advised not to train, and stopped." in driver.app._troubles
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 

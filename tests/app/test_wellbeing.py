@@ -8,7 +8,7 @@ import pytest
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
-from sar_tui.store import adverse_events
+from sar_tui.store import adverse_events, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import change_status
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored
@@ -24,10 +24,10 @@ def answers(driver: AppDriver) -> list[tuple[str, ...]]:
 async def test_a_session_asks_before_and_after(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         assert driver.sees("How much pain do you have now?")
-        assert driver.sees("0 1 2 3 4 5 6 7 8 9 10")
+        assert driver.sees("0 1 2 3 4 5 6 7 8 9 10 no pain worst pain imaginable")
         assert driver.sees("Press a number from 0 to 9. For 10, press T. Press N if you would rather not say.")
         await driver.press("enter", "space", "q")
-        assert driver.sees("Please press one of these keys.")
+        assert driver.sees("Nothing is chosen yet. Please press one of these keys.")
         assert answers(driver) == [], "nothing is chosen beforehand"
         await driver.press("2")
         assert driver.sees("Where does it hurt?")
@@ -82,21 +82,61 @@ async def test_a_key_that_is_held_answers_one_question_only(
         assert answers(driver) == [("before", "pain", "0")]
 
 
-@pytest.mark.parametrize(("key", "screen"), [("enter", "SessionScreen"), ("escape", "HomeScreen")])
-async def test_severe_pain_before_a_session_is_a_reason_not_to_begin(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, screen: str
+@pytest.mark.parametrize(
+    ("key", "screen", "advice"),
+    [("enter", "HomeScreen", "stopped"), ("escape", "HomeScreen", "stopped"), ("g", "SessionScreen", "went on")],
+)
+async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, screen: str, advice: str
 ) -> None:
     known(data, ask_wellbeing=True)
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
-        await driver.press("7", "3", "4")
-        assert driver.sees("Please stop and rest")
-        assert driver.sees("Tell your therapist about the pain now.")
-        await driver.press("5", "space")
-        assert driver.sees("Please stop and rest"), "only Enter and Escape leave it"
+        await driver.press("6", "3", "4")
+        assert driver.sees("Please do not train now Rest, and tell your therapist about the pain now.")
+        assert driver.sees("Nobody is watching this screen, and it calls nobody. Please tell them yourself.")
+        assert not driver.sees("Skip")
+        assert driver.sees("Press Enter to stop for today. If you want to train all the same, press G.")
+        await driver.press("5", "space", "n", "t")
+        assert driver.sees("Please do not train now"), "only the keys on the screen leave it"
         await driver.press(key)
         assert driver.screen_name == screen
-        assert [row[2:] for row in driver.stored(ALL)] == [("pain", "7"), ("place", "left arm"), ("fatigue", "4")]
+        said = [("pain", "6"), ("place", "left arm"), ("fatigue", "4"), ("advice", "shown"), ("advice", advice)]
+        assert [row[2:] for row in driver.stored(ALL)] == said
+        (stored,) = {row[0] for row in driver.stored(ALL)}
+        assert (stored is None) == (screen == "HomeScreen")
+        if screen == "HomeScreen":
+            assert driver.sees("pain 6"), "in the list of participants"
+            card = driver.text[driver.text.index("Theme") :]
+            told = card.index("Pain was above the limit when it was last told.")
+            assert told < card.index("Programme"), "first on the card"
+            assert "The participant was advised not to train, and stopped." in card
+
+
+async def test_questions_that_are_skipped_after_too_much_pain_lead_to_the_advice(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("9", "escape")
+        assert driver.sees("Please do not train now")
+        await driver.press("backspace", "backspace", "1", "escape")
+        assert driver.screen_name == "SessionScreen", "the pain was corrected"
+        assert answers(driver)[-2:] == [("before", "advice", "shown"), ("before", "pain", "1")]
+
+
+async def test_the_limits_of_pain_are_those_that_the_therapist_set(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    settings = {"ask_wellbeing": True, "pain_limit": 8, "pain_rise": 3}
+    async with open_app(data, catalogue, plan(catalogue, keyboard, **settings)) as driver:
+        await driver.press("6", "1", "2")
+        await driver.do_session()
+        await driver.press("enter")
+        await driver.press("8", "1", "2")
+        assert driver.app.return_code == 0
+    assert stored(data, "SELECT count(*) FROM wellbeing WHERE question='advice'") == [(0,)]
+    with closing(connect(data)) as database:
+        assert not any(rated.is_reason_to_stop for rated in wellbeing.history(database, "P01"))
 
 
 async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
@@ -106,10 +146,13 @@ async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
         await driver.press("1", "2", "3")
         await driver.do_session()
         await driver.press("enter")
-        await driver.press("4", "2", "3")
-        assert driver.sees("Please stop and rest Tell your therapist about the pain now. Press Enter to close.")
+        await driver.press("3", "2", "3")
+        assert driver.sees("Please rest now Rest, and tell your therapist about the pain now. Nobody is watching")
+        await driver.press("g")
+        assert driver.sees("Press Enter to close."), "there is nothing to go on with"
         await driver.press("enter")
         assert driver.app.return_code == 0
+        assert answers(driver)[-1] == ("after", "advice", "shown")
 
 
 async def test_pain_in_a_pause_is_asked_with_its_number(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
@@ -120,14 +163,28 @@ async def test_pain_in_a_pause_is_asked_with_its_number(data: Path, catalogue: C
         assert driver.sees("How much pain do you have now?")
         assert not driver.sees("Stop voice"), "there is none"
         await driver.press("6", "5")
-        assert driver.sees("Tell your therapist about the pain now."), "it rose by more than 3"
-        await driver.press("enter")
+        assert driver.sees("Please stop for today Rest, and tell your therapist about the pain now."), "it rose by 4"
+        assert not driver.sees("Nobody is watching"), "there may be an operator"
+        await driver.press("g")
         assert driver.sees("Tell your therapist or the experimenter about the pain before you go on.")
         await driver.press("enter")
         assert (await driver.to_prompt()).text == prompt.text, "the session goes on"
         session = driver.session_id
         said = driver.stored("SELECT question, answer FROM wellbeing WHERE moment='pause' AND session=?", session)
-        assert sorted(said) == [("pain", "6"), ("pain", "yes"), ("place", "left shoulder")]
+        advice = [("advice", "shown"), ("advice", "went on")]
+        assert sorted(said) == [*advice, ("pain", "6"), ("pain", "yes"), ("place", "left shoulder")]
+
+
+async def test_enter_ends_the_session_after_too_much_pain_in_a_pause(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("2", "5", "1")
+        await driver.to_first_prompt()
+        await driver.press("escape", "down", "down", "enter")
+        await driver.press("6", "5", "enter")
+        assert driver.waiting.stage == "ended"
+        assert ("pause", "advice", "stopped") in answers(driver)
 
 
 async def test_pain_in_a_pause_is_only_asked_if_it_is_set(
@@ -165,7 +222,7 @@ async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
         await driver.see_the_summary()
         await driver.press("enter")
         await driver.press("4", "2", "3")
-        assert driver.sees("Please stop and rest")
+        assert driver.sees("Please rest now")
     assert stored(data, "SELECT DISTINCT session FROM wellbeing") == [(session,)]
 
 
@@ -200,7 +257,8 @@ async def test_the_questions_are_in_the_sessions_language(
         assert driver.sees("Ha dicho: cabeza. Con Retroceso se vuelve atrás.")
         assert driver.sees("Retroceso Atrás")
         await driver.press("n")
-        assert driver.sees("Pare y descanse, por favor")
+        assert driver.sees("No entrene ahora, por favor Descanse, y hable ahora del dolor con su terapeuta.")
+        assert driver.sees("Nadie mira esta pantalla")
         assert driver.stored(ALL)[1][2:] == ("place", "head"), "stored in English"
 
 

@@ -107,6 +107,16 @@ def test_people_are_told_what_is_still_missing(call: Call, data: Path) -> None:
     assert call("adverse", "list", "-p", "P02").out == "There are no adverse events of P02.\n"
 
 
+def test_the_advice_not_to_train_and_what_came_of_it_are_told(call: Call, tmp_path: Path) -> None:
+    with closing(connect(tmp_path / "data")) as database:
+        for question, answer in (("pain", "9"), ("advice", "shown"), ("advice", "stopped")):
+            wellbeing.save(database, "P01", "before", question, answer)  # type: ignore[arg-type]
+    said = " ".join(call("wellbeing", "P01").out.split())
+    assert "! Pain was above the limit when it was last told. Tell the therapist." in said
+    assert "Advised before the session not to train. They stopped." in said
+    assert call("wellbeing", "P01", "--json").json["tell_therapist"] == ["stop", "stopped"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

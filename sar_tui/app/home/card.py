@@ -50,6 +50,7 @@ class ParticipantCard(Vertical):
             with Vertical(id="theme-slot", classes="slot"):
                 yield PickList(id="theme", markup=False)
         with Vertical(id="facts"):
+            yield Static("", id="told", markup=False)
             with Horizontal(classes="row"):
                 yield Static("Programme", classes="label", markup=False)
                 yield Static("", id="programme", classes="value", markup=False)
@@ -58,7 +59,6 @@ class ParticipantCard(Vertical):
                 with Horizontal(classes="row", id=f"{name.lower()}-row"):
                     yield Static(name, classes="label", markup=False)
                     yield Static("", id=name.lower(), classes="value", markup=False)
-            yield Static("", id="told", markup=False)
         yield Static("", id="welcome", markup=False)
         with Horizontal(id="go"):
             yield Button("START", id="start", variant="primary")

@@ -112,10 +112,11 @@ def read_participants(database: sqlite3.Connection, folder: Path, today: date) -
     """Return the participants, newest first, each with what waits: reported pain, an interrupted session, a visit."""
     known = participants.newest_first(database, folder)
     felt = wellbeing.by_session(database, [each.session for each in known if each.session])
+    not_begun = wellbeing.newest_without_session(database)
     due = visits.due(database, today)
 
     def pain(each: participants.Known) -> str:
-        rows = felt.get(each.session or "", ())
+        rows = [*felt.get(each.session or "", ()), *not_begun.get(each.code, ())]
         return marks([row for row in rows if (row["participant"], row["question"]) == (each.code, "pain")])
 
     return [

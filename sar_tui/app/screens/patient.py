@@ -9,6 +9,7 @@ from textual.containers import Center, Vertical
 from textual.screen import Screen
 from textual.widgets import Button, Static
 
+from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
 from sar_tui.framework.language import Language
 from sar_tui.runs.patient_plan import PLAN_ERRORS, plan_exercise, unfinished
 from sar_tui.store.database import StoreError
@@ -103,7 +104,7 @@ class PatientScreen(Screen[None]):
         if self._is_done or self._rest:
             hello, exercise, go = tr("That was everything. Well done!"), tr("You can rest now."), tr("Start again")
             if self._rest == "pain":
-                hello, exercise = exercise, tr("Tell your therapist about the pain now.")
+                hello, exercise = exercise, f"{tr(TELL_OF_PAIN)}\n{tr(ALONE)}"
             elif self._rest == "enough":
                 hello = tr("That is enough for today. Well done!")
         else:

@@ -40,7 +40,12 @@ class PausingScreen(MessageScreen):
         if event.act.reason == "pain" and self._live.run.session.task.parameters.ask_wellbeing:
             from sar_tui.app.wellbeing import ask_after
 
-            self.app.push_screen(ask_after(self.app, self._live, "pause"))
+            self.app.push_screen(ask_after(self.app, self._live, "pause"), self._told_of_pain)
+
+    def _told_of_pain(self, goes_on: bool | None) -> None:
+        """End the session if the participant follows the advice not to go on."""
+        if goes_on is False:
+            self._live.operate(SessionCommand(command="end", reason="finished"))
 
     def on_pause_menu_therapist_asked(self) -> None:
         """Open the therapist's changes, behind the passphrase if there is one."""

@@ -12,7 +12,7 @@ from textual.widgets import Static
 
 from sar_tui.app.patient_keys import keys_in_mode
 from sar_tui.framework.language import Language
-from sar_tui.framework.policies.wellbeing import HIGHEST, Moment, StopReason, stop_now
+from sar_tui.framework.policies.wellbeing import HIGHEST, PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID, Question
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import translated
@@ -21,6 +21,8 @@ from sar_tui.widgets.key_footer import KeyFooter
 _TEN_KEYS = ("t", "d", "x")
 """Keys for 10: of ten, of Spanish diez, and the Roman number. The screen names that of its language."""
 _NOT_SAID_KEY = "n"
+_GO_ON_KEY = "g"
+"""Goes on in spite of the advice not to. It answers no question, so that nobody presses it by habit."""
 _REPEAT_SECONDS = 0.6
 """A key that is held must not answer the next question, too."""
 
@@ -42,12 +44,36 @@ _QUESTIONS: dict[Question, str] = {
     "fatigue": "How tired are you now?",
 }
 ENDS: dict[Question, tuple[str, str]] = {
-    "pain": ("no pain", "worst pain"),
+    "pain": PAIN_ENDS,
     "fatigue": ("not tired", "exhausted"),
 }
 """The two ends of a scale."""
 _STEP = 5
 """Columns from one number of the scale to the next."""
+
+
+_ADVICE: dict[Moment, str] = {
+    "before": "Please do not train now",
+    "pause": "Please stop for today",
+    "after": "Please rest now",
+}
+TELL_OF_PAIN = "Rest, and tell your therapist about the pain now."
+ALONE = "Nobody is watching this screen, and it calls nobody. Please tell them yourself."
+_CALLS_NOBODY: dict[Moment, str] = {
+    "before": ALONE,
+    "pause": "This screen calls nobody. Please tell them yourself.",  # there may be an operator, and none may show
+    "after": ALONE,
+}
+_STOP: dict[Moment, str] = {
+    "before": "Press Enter to stop for today.",
+    "pause": "Press Enter to end the session.",
+    "after": "Press Enter to close.",
+}
+_GO_ON: dict[Moment, str] = {
+    "before": "If you want to train all the same, press G.",
+    "pause": "If you want to go on all the same, press G.",
+    "after": "",
+}
 
 
 class Person(NamedTuple):
@@ -64,11 +90,14 @@ Save = Callable[[Person, Question, str], None]
 
 
 class WellbeingScreen(DismissedOnce[bool]):
-    """Asks each participant; the result is True to go on, False not to begin the session.
+    """Asks each participant; the result is True to go on, False not to begin the session, or to end it in a pause.
+
+    Pain above the limits leads to the advice not to train. Enter follows it; to go on takes another key, and is stored.
 
     Args:
         moment: before or after the session, or in a pause for pain, where only pain is asked.
         people: the participants, in the order in which they are asked.
+        limits: of pain, as the therapist set them.
         save: stores each answer as soon as it is given.
         tr: language of the session.
     """
@@ -79,11 +108,12 @@ class WellbeingScreen(DismissedOnce[bool]):
     ]
     AUTO_FOCUS = ""
 
-    def __init__(self, moment: Moment, people: Sequence[Person], save: Save, tr: Language) -> None:
+    def __init__(self, moment: Moment, people: Sequence[Person], limits: PainLimits, save: Save, tr: Language) -> None:
         super().__init__()
         self.tr = tr
         self._moment: Moment = moment
         self._people = people
+        self._limits = limits
         self._save = save
         self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
         self._answers: dict[tuple[str, Question], str] = {}
@@ -103,6 +133,9 @@ class WellbeingScreen(DismissedOnce[bool]):
             key: active._replace(binding=replace(active.binding, key_display=names.get(active.binding.id or "")))
             for key, active in keys_in_mode(self.app, translated(super().active_bindings, self.tr)).items()
             if not (is_silent and active.binding.id == "stop")
+            and not (
+                self._is_advising and active.binding.id == "leave"
+            )  # Escape does as Enter there, and skips nothing
         }
 
     @property
@@ -131,7 +164,9 @@ class WellbeingScreen(DismissedOnce[bool]):
             return
         if self._is_advising:
             if event.key == "enter":
-                self.dismiss(True)
+                self._close_advice(goes_on=False)
+            elif (event.character or event.key).lower() == _GO_ON_KEY and self._moment != "after":
+                self._close_advice(goes_on=True)
             return
         person, question = self._asked[-1]
         answer = self._answer(question, (event.character or event.key).lower())
@@ -153,23 +188,46 @@ class WellbeingScreen(DismissedOnce[bool]):
         return key if len(key) == 1 and key.isascii() and key.isdigit() else None
 
     def _ask_next(self, person: Person, question: Question, answer: str) -> None:
-        """Ask the next question; after the last one go on, or advise to stop."""
+        """Ask the next question, if there is one."""
         if question == "pain" and answer not in ("0", NOT_SAID):
             self._asked.append((person, "place"))
         elif question != "fatigue" and self._moment != "pause":
             self._asked.append((person, "fatigue"))
         elif person != self._people[-1]:
             self._asked.append((self._people[self._people.index(person) + 1], "pain"))
-        elif any(self._stop_reason(each) for each in self._people):
-            self._is_advising = True
         else:
-            self.dismiss(True)
+            self._finish()
             return
         self._show()
 
-    def _stop_reason(self, person: Person) -> StopReason | None:
-        said = self._answers.get((person.seat, "pain"), "")
-        return stop_now(person.pain_before, int(said) if said.isdecimal() else None)
+    def _finish(self) -> None:
+        """Go on after the questions; with too much pain, advise not to."""
+        if not self._in_pain:
+            self.dismiss(True)
+            return
+        self._is_advising = True
+        self._save_advice("shown")
+        self._show()
+
+    @property
+    def _in_pain(self) -> list[Person]:
+        """The participants whose pain is a reason to stop."""
+
+        def is_too_much(person: Person) -> bool:
+            said = self._answers.get((person.seat, "pain"), "")
+            pain = int(said) if said.isdecimal() else None
+            return stop_now(person.pain_before, pain, self._limits) is not None
+
+        return [person for person in self._people if is_too_much(person)]
+
+    def _close_advice(self, *, goes_on: bool) -> None:
+        if self._moment != "after":
+            self._save_advice("went on" if goes_on else "stopped")
+        self.dismiss(goes_on or self._moment == "after")
+
+    def _save_advice(self, came_of_it: Advice) -> None:
+        for person in self._in_pain:
+            self._save(person, "advice", came_of_it)
 
     def action_back(self) -> None:
         """Ask the question before again."""
@@ -180,8 +238,11 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._show()
 
     def action_leave(self) -> None:
-        """Leave the questions out; before a session, it does not begin if pain speaks against it."""
-        self.dismiss(not (self._is_advising and self._moment == "before"))
+        """Leave the questions out; not the advice, which Escape follows as Enter does."""
+        if self._is_advising:
+            self._close_advice(goes_on=False)
+        else:
+            self._finish()
 
     # --- the screen ------------------------------------------------------------------------------------------
 
@@ -203,21 +264,18 @@ class WellbeingScreen(DismissedOnce[bool]):
             "question": self.tr(_QUESTIONS[question]),
             "scale": self._places() if question == "place" else self._scale(question),
             "keys": self._keys(question),
-            "given": self.tr("Please press one of these keys.") if hint else given,
+            "given": self.tr("Nothing is chosen yet. Please press one of these keys.") if hint else given,
         }
 
     def _advice(self) -> dict[str, str]:
-        tr = self.tr
-        if self._moment != "before":
-            keys = tr("Press Enter to close.")
-        else:
-            keys = f"{tr('Press Enter to begin, if your therapist agrees.')}\n{tr('Press Escape to stop for today.')}"
+        """Return the advice, kindly: to rest, whom to tell, and that nobody else does it."""
+        tr, moment = self.tr, self._moment
         return {
-            "who": "",
-            "question": tr("Please stop and rest"),
-            "scale": tr("Tell your therapist about the pain now."),
-            "keys": keys,
-            "given": "",
+            "who": ", ".join(person.name for person in self._in_pain),
+            "question": tr(_ADVICE[moment]),
+            "scale": f"{tr(TELL_OF_PAIN)}\n{tr(_CALLS_NOBODY[moment])}",
+            "keys": f"{tr(_STOP[moment])}\n{tr(_GO_ON[moment])}".rstrip(),
+            "given": tr("Backspace goes back to the question before."),
         }
 
     def _scale(self, question: Question) -> str:

@@ -40,12 +40,17 @@ def wellbeing(sessions: Collection[Mapping[str, Any]]) -> Table:
             SEAT,
             stored("wellbeing.moment", "string", "Before or after the session, or in a pause."),
             stored(
-                "wellbeing.question", "string", "What was asked.", levels=("pain", "place", "fatigue"), required=True
+                "wellbeing.question",
+                "string",
+                "What was asked; advice: not to train, because of pain above the limit.",
+                levels=("pain", "place", "fatigue", "advice"),
+                required=True,
             ),
             stored(
                 "wellbeing.answer",
                 "string",
-                "0 to 10, or the number of a place; yes: chosen in a pause; not said: would rather not say.",
+                "0 to 10, or the number of a place; yes: chosen in a pause; not said: would rather not say. "
+                "Of advice: shown, and then stopped or went on.",
             ),
             stored("wellbeing.at", "datetime", "When it was answered, UTC.", required=True),
         ),

@@ -34,7 +34,7 @@ class StepFlow(AttemptFlow):
 
     @property
     def _steps(self) -> tuple[Step, ...]:
-        own = chosen(self.parameters.questions, self.parameters.questions_every)
+        own = chosen(self.parameters.questions, self.parameters.questions_every, self._rules)
         return (*self.task.steps, *own, *self._given)
 
     # --- what is due ----------------------------------------------------------------------------------------

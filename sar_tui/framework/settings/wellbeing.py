@@ -3,10 +3,13 @@
 from typing import Annotated
 
 from sar_tui.framework.declaration import Settings, meta
+from sar_tui.framework.policies.wellbeing import HIGHEST, PainLimits
+
+_DEFAULT = PainLimits()
 
 
 class WellbeingSettings(Settings, frozen=True, kw_only=True):
-    """Questions about pain and tiredness."""
+    """Questions about pain and tiredness, and the limits of pain."""
 
     ask_wellbeing: Annotated[
         bool,
@@ -16,3 +19,28 @@ class WellbeingSettings(Settings, frozen=True, kw_only=True):
             group="Session",
         ),
     ] = False
+    pain_limit: Annotated[
+        int,
+        meta(
+            "Pain limit",
+            ge=0,
+            le=HIGHEST,
+            help="With more pain than this, of 10, the participant is advised not to train, and you are told.",
+            group="Session",
+        ),
+    ] = _DEFAULT.highest
+    pain_rise: Annotated[
+        int,
+        meta(
+            "Pain rise",
+            ge=1,
+            le=HIGHEST,
+            help="So much more pain than before the session counts as too much, too.",
+            group="Session",
+        ),
+    ] = _DEFAULT.rise
+
+
+def pain_limits(settings: WellbeingSettings) -> PainLimits:
+    """Return the limits of pain that are set."""
+    return PainLimits(settings.pain_limit, settings.pain_rise)

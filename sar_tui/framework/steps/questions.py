@@ -2,6 +2,7 @@
 
 from msgspec.structs import replace
 
+from sar_tui.framework.policies.wellbeing import PAIN_ENDS
 from sar_tui.framework.steps.step import Step
 
 _AGREE = ("not at all true", "a little true", "somewhat true", "rather true", "very true")
@@ -13,7 +14,7 @@ QUESTIONS: dict[str, Step] = {
             name="pain",
             text="How strong is your pain now?",
             kind="number",
-            labels=("no pain", "the worst pain you can imagine"),
+            labels=PAIN_ENDS,
         ),
         Step(
             name="tiredness",
@@ -35,9 +36,13 @@ QUESTIONS: dict[str, Step] = {
 J Pers Soc Psychol 43:450-461), with five points instead of seven."""
 
 
-def chosen(names: tuple[str, ...], every: int) -> tuple[Step, ...]:
+_BEFORE_RULES_6 = {"pain": replace(QUESTIONS["pain"], labels=("no pain", "the worst pain you can imagine"))}
+
+
+def chosen(names: tuple[str, ...], every: int, rules: int) -> tuple[Step, ...]:
     """Return the questions of these names, each after so many attempts; 0: after the last.
 
-    Raises KeyError for an unknown name.
+    ``rules``: those of the session. Raises KeyError for an unknown name.
     """
-    return tuple(replace(QUESTIONS[name], every=every) for name in names)
+    known = QUESTIONS if rules >= 6 else {**QUESTIONS, **_BEFORE_RULES_6}
+    return tuple(replace(known[name], every=every) for name in names)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.policies.wellbeing import HIGHEST, SessionRatings, stop_now, tell_therapist
+from sar_tui.framework.policies.wellbeing import HIGHEST, PainLimits, SessionRatings, stop_now, tell_therapist
 
 RATINGS = st.one_of(st.none(), st.integers(0, HIGHEST))
 
@@ -13,27 +13,36 @@ RATINGS = st.one_of(st.none(), st.integers(0, HIGHEST))
     ("before", "now", "reason"),
     [
         (None, None, None),
-        (None, 6, None),
-        (None, 7, "severe pain"),
-        (0, 2, None),
-        (0, 3, "rising pain"),
-        (3, 6, "rising pain"),
-        (4, 6, None),
-        (6, 10, "severe pain"),
-        (8, 7, "severe pain"),
+        (None, 5, None),
+        (None, 6, "too much pain"),
+        (0, 1, None),
+        (0, 2, "rising pain"),
+        (3, 5, "rising pain"),
+        (4, 5, None),
+        (6, 10, "too much pain"),
+        (8, 7, "too much pain"),
         (5, 0, None),
         (5, None, None),
     ],
 )
-def test_severe_or_fast_rising_pain_is_a_reason_to_stop(
+def test_pain_above_five_or_two_more_than_before_is_a_reason_to_stop(
     before: int | None, now: int | None, reason: str | None
 ) -> None:
-    assert stop_now(before, now) == reason
+    assert stop_now(before, now, PainLimits()) == reason
+
+
+def test_the_therapist_sets_the_limits() -> None:
+    assert stop_now(None, 8, PainLimits(highest=8)) is None
+    assert stop_now(None, 1, PainLimits(highest=0)) == "too much pain"
+    assert stop_now(2, 4, PainLimits(rise=3)) is None
+    assert SessionRatings(pain_before=2, pain_after=4).is_reason_to_stop
+    assert not SessionRatings(pain_before=2, pain_after=4, limits=PainLimits(rise=3)).is_reason_to_stop
 
 
 @given(RATINGS, st.integers(0, HIGHEST - 1))
 def test_more_pain_is_never_less_of_a_reason_to_stop(before: int | None, now: int) -> None:
-    assert stop_now(before, now) is None or stop_now(before, now + 1) is not None
+    limits = PainLimits()
+    assert stop_now(before, now, limits) is None or stop_now(before, now + 1, limits) is not None
 
 
 def pains(*ratings: int | None) -> list[SessionRatings]:
@@ -72,6 +81,17 @@ def test_pain_that_was_a_reason_to_stop_when_last_rated_is_told() -> None:
     assert tell_therapist([rising]) == ("stop",)
     assert tell_therapist([rising, SessionRatings()]) == ("stop",), "the last session did not ask"
     assert tell_therapist([rising, *pains(2)]) == ()
+
+
+def test_what_came_of_the_advice_not_to_train_is_told() -> None:
+    for advice in ("stopped", "went on"):
+        assert tell_therapist([SessionRatings(pain_before=9, advice=advice)]) == ("stop", advice)  # type: ignore[arg-type]
+    assert tell_therapist([SessionRatings(pain_before=9, advice="shown")]) == ("stop",)
+
+
+def test_pain_before_sessions_that_never_began_is_no_session_with_pain() -> None:
+    never = SessionRatings(pain_before=3, began=False)
+    assert tell_therapist([*pains(0, 2, 3), never, never]) == ()
 
 
 def test_pain_told_in_a_pause_counts_as_pain() -> None:

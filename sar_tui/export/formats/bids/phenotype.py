@@ -22,6 +22,7 @@ _QUESTIONS = {
     "pain": "Pain, 0 (none) to 10; yes: chosen in a pause; not said: would rather not say.",
     "place": "The number of the place of the pain.",
     "fatigue": "Tiredness, 0 (none) to 10; not said: would rather not say.",
+    "advice": "What came of the advice not to train: shown, stopped, went on.",
 }
 
 
