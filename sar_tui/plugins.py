@@ -1,6 +1,6 @@
 """Finds and loads tasks and themes: bundled ones, the user's own, and tasks from entry points.
 
-A task folder is loaded by path under the synthetic package ``sar_tui_tasks``, so that bundled, checkout and user
+A task folder is loaded by path under a synthetic package (`plugin_calls.TASKS`), so that bundled, checkout and user
 folders work alike.
 """
 
@@ -16,6 +16,7 @@ import platformdirs
 
 import sar_tui
 from sar_tui.framework.entry_points import entry_points
+from sar_tui.framework.plugin_calls import TASKS, calling
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task_pictures import SUFFIXES, pictures_in
 from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
@@ -25,10 +26,7 @@ if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown
 
     from sar_tui.framework.task import Task
 
-_PACKAGE = "sar_tui_tasks"
 _GROUP = "sar_tui.tasks"
-_installed: dict[str, str] = {}
-"""Tasks of installed packages by the module of their class."""
 DEFAULT_THEME = "calm"
 CURRENT_NAMES = "The names of this version are in docs/task-reference.md."
 """Hint for a task that uses a name that sar-tui does not have."""
@@ -138,7 +136,7 @@ def task_code(task: "type[Task]") -> Path:
 
 def task_source(task: "type[Task]") -> str:
     """Return where a task comes from: ``built-in``, ``own`` (a folder), or ``installed`` (a package's entry point)."""
-    if not task.__module__.startswith(f"{_PACKAGE}."):
+    if not task.__module__.startswith(f"{TASKS}."):
         return "installed"
     return "built-in" if _is_built_in(task_folder(task)) else "own"
 
@@ -167,19 +165,12 @@ def load_task(folder: Path) -> "type[Task]":
     return _checked(found[0], folder.name)
 
 
-def task_of_module(name: str) -> str:
-    """Return the task that a module belongs to; empty if it is no task's."""
-    if name.startswith(f"{_PACKAGE}."):
-        return name.split(".")[1]
-    return _installed.get(name, "")
-
-
 def module_beside(task: "type[Task]", name: Literal["view", "effect"]) -> types.ModuleType | None:
     """Load the ``view.py`` or the ``effect.py`` beside a task's module; None if there is none. Raises PluginError."""
     folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
     if not package or not (folder / f"{name}.py").is_file():
         return None
-    if package.startswith(f"{_PACKAGE}."):
+    if package.startswith(f"{TASKS}."):
         package = _package_of(folder)
     try:
         return _import(folder, f"{package}.{name}")
@@ -192,13 +183,14 @@ def _import(folder: Path, name: str) -> types.ModuleType:
     if name not in sys.modules:
         for path in [path for path in sys.path_importer_cache if path.startswith(str(folder))]:
             del sys.path_importer_cache[path]
-    return importlib.import_module(name)
+    with calling("task", folder.name):
+        return importlib.import_module(name)
 
 
 def _package_of(folder: Path) -> str:
     """Return the package of a task folder's modules; modules of another folder of that name are unloaded."""
-    name = f"{_PACKAGE}.{folder.name}"
-    _make_package(_PACKAGE, [])
+    name = f"{TASKS}.{folder.name}"
+    _make_package(TASKS, [])
     known = sys.modules.get(name)
     if known is None or list(known.__path__) != [str(folder)]:
         for loaded in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
@@ -209,12 +201,12 @@ def _package_of(folder: Path) -> str:
 
 def _from_entry_point(entry: "EntryPoint") -> "type[Task]":
     try:
-        found = entry.load()
+        with calling("task", entry.name):
+            found = entry.load()
     except PLUGIN_ERRORS as error:
         raise PluginError(f"The task {entry.name} cannot be loaded: {_why(error)}") from error
     if not _is_task(found):
         raise PluginError(f"The entry point {entry.name} ({entry.value}) is not a Task.")
-    _installed[found.__module__] = entry.name
     return _checked(found, entry.name)
 
 

@@ -8,6 +8,7 @@ from rich.text import Text
 from sar_tui.framework.bus import Bus
 from sar_tui.framework.messages import AttemptEnded, Prompt
 from sar_tui.framework.node import Node
+from sar_tui.framework.plugin_calls import calling
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.task import Task
 from sar_tui.tui.language import session_language
@@ -79,7 +80,8 @@ class GuardedView(Node):
         if place in self._failed:
             return fallback
         try:
-            return call()
+            with calling("node", type(self._view) if hasattr(self, "_view") else self.name):
+                return call()
         except PLUGIN_ERRORS as error:
             self._failed.add(place)
             if hasattr(self, "bus"):

@@ -14,6 +14,7 @@ from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.messages import Fault, Message
+from sar_tui.framework.plugin_calls import inherited
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
 
 M = TypeVar("M", bound=Message)
@@ -124,6 +125,7 @@ class Bus:
 
     def subscribe(self, topic: Topic[M], handler: Callable[[M], None], owner: str = "") -> None:
         """Deliver ``topic`` to ``handler``, after earlier subscribers. ``owner`` is named in a Fault."""
+        handler = inherited(handler)
         self._handlers.setdefault(topic.name, []).append((owner, handler))
         if topic.keep and topic.name in self._kept:
             handler(self._kept[topic.name])  # type: ignore[arg-type]

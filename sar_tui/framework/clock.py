@@ -12,6 +12,8 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
+from sar_tui.framework.plugin_calls import inherited
+
 if TYPE_CHECKING:
     import asyncio
 
@@ -63,11 +65,11 @@ class LiveClock:
         return host_now()
 
     def call_at(self, when: int, callback: Callable[[], object]) -> Handle:
-        return self._loop.call_later(max(0, when - host_now()) / SECOND, self._due.put_nowait, callback)
+        return self._loop.call_later(max(0, when - host_now()) / SECOND, self._due.put_nowait, inherited(callback))
 
     def call_soon(self, callback: Callable[[], object]) -> None:
         with contextlib.suppress(RuntimeError):  # the loop is closed: the session is over
-            self._loop.call_soon_threadsafe(self._due.put_nowait, callback)
+            self._loop.call_soon_threadsafe(self._due.put_nowait, inherited(callback))
 
     async def run(self) -> None:
         """Run callbacks as they fall due, until cancelled."""
@@ -104,7 +106,7 @@ class VirtualClock:
         return self._now
 
     def call_at(self, when: int, callback: Callable[[], object]) -> Handle:
-        due = _Due(callback)
+        due = _Due(inherited(callback))
         heapq.heappush(self._queue, (max(when, self._now), next(self._order), due))
         return due
 

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, TypeVar
 from sar_tui.framework.bus import Bus, Service, Topic
 from sar_tui.framework.clock import Handle
 from sar_tui.framework.messages import Message, TimerFired
+from sar_tui.framework.plugin_calls import mark_methods
 from sar_tui.framework.topics import TIMER
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -44,6 +45,10 @@ class Node:
     name: str
     emits: ClassVar[tuple[Topic[Any], ...]] = ()
     asks: ClassVar[tuple[Service[Any, Any], ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        mark_methods(cls, "node")
 
     @classmethod
     def receives(cls) -> tuple[Topic[Any], ...]:

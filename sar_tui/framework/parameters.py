@@ -12,6 +12,7 @@ import msgspec
 from msgspec import inspect
 
 from sar_tui.framework.declaration import Field, ParameterError, Settings, declared_field, read, show
+from sar_tui.framework.plugin_calls import calling
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
 from sar_tui.framework.policies import difficulty, feedback, registry
 from sar_tui.framework.settings.agent import AgentSettings
@@ -212,7 +213,8 @@ def usable(parameters: type[TaskParameters], values: Mapping[str, Any]) -> tuple
 def _conflicts(parameters: TaskParameters) -> dict[str, str]:
     """Return the problems that a task finds in its parameters; if that fails, this under its first parameter."""
     try:
-        return {str(name): str(problem) for name, problem in parameters.problems().items()}
+        with calling("task", type(parameters)):
+            return {str(name): str(problem) for name, problem in parameters.problems().items()}
     except PLUGIN_ERRORS as error:
         first, *_ = fields(type(parameters))
         return {first.name: f"The settings cannot be checked: problems() failed ({describe(error)})."}

@@ -15,6 +15,7 @@ from sar_tui.framework.language import language
 from sar_tui.framework.measure import Measure
 from sar_tui.framework.node import Node
 from sar_tui.framework.parameters import TaskParameters
+from sar_tui.framework.plugin_calls import mark_methods
 from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.rules import RULES
@@ -87,6 +88,7 @@ class Task(ABC):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
+        mark_methods(cls, "task")
         if vars(cls).get("metric", cls) is None:
             cls.metric = NO_METRIC
 

@@ -5,6 +5,7 @@ from typing import Any, Literal, NamedTuple
 
 from sar_tui.framework.clock import Clock
 from sar_tui.framework.messages import ActionPart, PartState
+from sar_tui.framework.plugin_calls import mark_methods
 from sar_tui.framework.theme import Theme
 
 Gaze = Literal["ahead", "left", "right", "up", "down"]
@@ -42,6 +43,7 @@ class Output:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        mark_methods(cls, "output")
         if "wear" in vars(cls):
             raise OutputError(
                 f"{cls.__name__} is written for an earlier version of sar-tui: rename its method wear to apply_theme."

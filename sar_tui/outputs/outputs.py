@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, get_args
 
 from sar_tui.framework.entry_points import entry_points
 from sar_tui.framework.messages import ActionPart
+from sar_tui.framework.plugin_calls import calling
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
@@ -108,10 +109,11 @@ def _plugged_in(kind: str, text: str) -> Output:
     for entry in entry_points(group=GROUP):
         if entry.name == kind:
             try:
-                make = entry.load()
-                made_by, output = _checked.get((kind, text), (None, None))
-                if made_by is not make:
-                    output = make(text)
+                with calling("output", kind):
+                    make = entry.load()
+                    made_by, output = _checked.get((kind, text), (None, None))
+                    if made_by is not make:
+                        output = make(text)
             except OutputError:
                 raise
             except PLUGIN_ERRORS as error:

@@ -1,28 +1,15 @@
-"""Ends a call of a task's or an output's code that does not return, so that keys and signals work again."""
+"""Ends a call of a plug-in's code that does not return, so that keys and signals work again."""
 
-import sys
 import threading
 from collections.abc import Callable
-from types import FrameType, TracebackType
+from types import TracebackType
 
-from sar_tui.plugins import task_of_module
+from sar_tui.framework.plugin_calls import LIMIT_S, NotResponding, PluginCall, under_way
 
-LIMIT_S = 10.0
-"""Longest duration of a call of a plug-in's code."""
 PERIOD_S = 1.0
 """Interval at which the watchdog looks."""
-_OUTPUTS = "sar_tui.outputs.node"
-"""Module that calls outputs."""
-_OWN = "sar_tui."
 _MOST_ERRORS = 3
 """A call that goes on after this many errors, or is in a library that no error reaches, is given up."""
-
-
-class NotResponding(Exception):
-    """Raised inside a call of a plug-in's code that does not return."""
-
-    def __str__(self) -> str:
-        return f"it took longer than {LIMIT_S:g} s"
 
 
 class PluginWatchdog:
@@ -43,7 +30,7 @@ class PluginWatchdog:
         self._period_s = period_s
         self._watched = threading.get_ident()
         self._stopped = threading.Event()
-        self._call: FrameType | None = None
+        self._call: PluginCall | None = None
         self._looks = 0
 
     def __enter__(self) -> "PluginWatchdog":
@@ -61,32 +48,15 @@ class PluginWatchdog:
 
     def look(self) -> None:
         """Find out whether the same call is still under way, and end it if it is and its time is over."""
-        call, plugin = _plugin_call(sys._current_frames().get(self._watched))
+        call = under_way(self._watched)
         if call is None or call is not self._call:
             self._call, self._looks = call, 0
             return
         self._looks += 1
         errors = self._looks - self._most_looks
         if errors >= _MOST_ERRORS:
-            self._give_up(plugin)
+            self._give_up(call.plugin)
         elif errors >= 0:
             import ctypes  # loads slowly, and is hardly ever needed
 
             ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._watched), ctypes.py_object(NotResponding))
-
-
-def _plugin_call(frame: FrameType | None) -> tuple[FrameType | None, str]:
-    """Return the outermost frame of a plug-in in a stack, which is the call by the framework, and its name."""
-    found: tuple[FrameType | None, str] = (None, "")
-    while frame is not None:
-        module, caller = _module(frame), frame.f_back
-        if task := task_of_module(module):
-            found = frame, f"task {task}"
-        elif caller is not None and _module(caller) == _OUTPUTS and not module.startswith(_OWN):
-            found = frame, f"output {caller.f_locals['self'].name}"
-        frame = caller
-    return found
-
-
-def _module(frame: FrameType) -> str:
-    return str(frame.f_globals.get("__name__", ""))
