@@ -104,7 +104,7 @@ def export(
             return lambda: bar.advance(shown)
 
         form = load(format)
-        to = to or new_folder(home.folder, form)
+        to = to or new_folder(home.folder, form, options)
         exported = write(database, home.folder, home.catalogue(), request, form, to, start, options)
     for written in (to, *([recode] if recode else ())):
         warn_of_git(written)

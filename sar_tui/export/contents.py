@@ -1,16 +1,21 @@
 """The contents of an export, as every format gets them: tables whose rows come from the database one by one."""
 
+import re
 import sqlite3
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import copy
+from functools import partial
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
+
+import msgspec
 
 from sar_tui.export.columns import Table, Values
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import Declared, declared_keys
 from sar_tui.export.passports import Passport
 from sar_tui.export.privacy import Privacy
+from sar_tui.export.run_time import run_starts
 from sar_tui.export.tables.actions import actions
 from sar_tui.export.tables.answers import answers
 from sar_tui.export.tables.attempts import attempts
@@ -33,6 +38,8 @@ if TYPE_CHECKING:
     from sar_tui.plugins import Catalogue
 
 _MONTH = len("2026-11")
+_APART = ("task", "theme")
+"""Each task, and each theme, has versions of its own: in the columns whose names begin so."""
 
 
 class Contents:
@@ -55,9 +62,9 @@ class Contents:
         with_events: bool = False,
     ) -> None:
         self._database = database
-        self._privacy = privacy
+        self._sessions = {privacy.id(session): session for session in selection.ids}
         self.problems: list[str] = []
-        self._damage = damage = Damage(database, self.problems.append)
+        self._damage = damage = Damage(database, self._report)
         fields = _fields(catalogue)
         whole = (
             PARTICIPANTS,
@@ -82,10 +89,13 @@ class Contents:
             notes(damage),
             IMU_STREAMS,
             sensor_faults(damage),
-            imu(self.problems.append),
+            imu(self._report),
             *((EVENTS,) if with_events else ()),
         )
         self._whole: dict[str, Table] = {table.name: table for table in whole}
+        if privacy.recoded is not None:
+            privacy = msgspec.structs.replace(privacy, differing=self._differing())
+        self._privacy = privacy
         self.tables = tuple(map(privacy.leaving, whole))
         self.left_out = [
             f"{table.name}.{column.name}"
@@ -95,9 +105,34 @@ class Contents:
         ]  # fmt: skip
         self._codes = {privacy.code(code): code for code in selection.participants}
         self._persons = {row["id"]: row["participant"] for row in selection.sessions}
-        moments = ((row["id"], privacy.moment(row["started_at"], row["participant"])) for row in selection.sessions)
+        moments = (
+            (privacy.id(row["id"]), privacy.moment(row["started_at"], row["participant"])) for row in selection.sessions
+        )
         self._months = {session: moment[:_MONTH] for session, moment in moments if moment}
-        self._owners = {"session": selection.ids, "participant": list(self._codes)}
+        self._owners = {"session": list(self._sessions), "participant": list(self._codes)}
+
+    def _differing(self) -> frozenset[str]:
+        """Return the columns of versions that are not the same in all sessions, or in those with a task or theme."""
+        seen: dict[str, set[Any]] = {}
+        for table in self._whole.values():
+            names = [column.name for column in table.columns]
+            versions = [column.name for column in table.columns if column.treatment == "version"]
+            for session in self._sessions.values() if versions else ():
+                for values in self._damage.rows(table, session, partial(table.rows, self._database, session)):
+                    row = dict(zip(names, values, strict=True))
+                    for name in versions:
+                        kind = name.partition("_")[0]
+                        seen.setdefault(name, set()).add((row[kind] if kind in _APART else None, row[name]))
+        self.problems.clear()  # they are found again when the rows leave
+        return frozenset(name for name, values in seen.items() if len({of for of, _ in values}) < len(values))
+
+    def _report(self, sentence: str) -> None:
+        """Add a problem, with the ids of sessions as they leave."""
+        self.problems.append(_with_ids(sentence, {here: leaving for leaving, here in self._sessions.items()}))
+
+    def here(self, problem: str) -> str:
+        """Return a problem with the ids of sessions and the codes that they have in the database."""
+        return _with_ids(problem, self._sessions | self._codes)
 
     def part(self, names: Collection[str]) -> "Contents":
         """Return these contents with the named tables only."""
@@ -131,6 +166,21 @@ class Contents:
         return self._owners[table.of]
 
     @property
+    def sessions(self) -> list[str]:
+        """The ids of the sessions, as they leave."""
+        return list(self._sessions)
+
+    def measured(self, sessions: Collection[str]) -> list[str]:
+        """Return the ids of sessions with the same measured timing, as they leave; none if that would tell a time.
+
+        Args:
+            sessions: by their ids here.
+        """
+        if "timing_sha256" in self._privacy.differing:
+            return []
+        return [leaving for leaving, here in self._sessions.items() if here in sessions]
+
+    @property
     def steps(self) -> int:
         """The number of calls of ``rows`` that yield everything."""
         return sum(len(self.owners(table)) for table in self.tables)
@@ -138,16 +188,23 @@ class Contents:
     def rows(self, table: Table, owner: str) -> Iterator[Values]:
         """Yield the rows of one session or participant in a table: a value for each of its columns, None if missing."""
         whole = self._whole[table.name]
-        stored = owner if table.of == "session" else self._codes[owner]
+        stored = self._sessions[owner] if table.of == "session" else self._codes[owner]
         kept = [index for index, column in enumerate(whole.columns) if self._privacy.leaves(column)]
 
         def read() -> Iterator[Values]:
             found = whole.rows(self._database, stored)
             if len(kept) < len(whole.columns):
                 found = map(_picker(kept), found)
-            return self._privacy.changed(table, found, self._persons.get(stored, stored))
+            is_timed = self._privacy.recoded is not None and table.of == "session"
+            starts = run_starts(self._database, stored) if is_timed else None
+            return self._privacy.changed(table, found, self._persons.get(stored, stored), starts)
 
         return self._damage.rows(table, owner, read)
+
+
+def _with_ids(sentence: str, names: Mapping[str, str]) -> str:
+    """Return a sentence with other names of sessions, or persons, in place of those it has."""
+    return re.sub(r"[\w@.-]*\w", lambda word: names.get(word[0], word[0]), sentence)
 
 
 def _picker(kept: list[int]) -> Any:

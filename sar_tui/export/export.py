@@ -20,11 +20,11 @@ from sar_tui.export.methods import methods
 from sar_tui.export.passports import FILE as PASSPORTS
 from sar_tui.export.passports import Passport, passports
 from sar_tui.export.privacy import Privacy
-from sar_tui.export.recoding import recoding
+from sar_tui.export.recoding import recoding, shuffled
 from sar_tui.export.registry import Format
 from sar_tui.export.site_target import check_folder, site_target
 from sar_tui.export.sites import Part, parts
-from sar_tui.export.target import check, sync, target
+from sar_tui.export.target import check, forget_times, sync, target
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
 from sar_tui.store.selection import Request, Selection, select
@@ -80,12 +80,14 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
 FOLDER = "exports"
 """Folder of the exports, in the data folder, unless another is named."""
 _DEFAULTS = Options()
+_RUNNING = "A session that runs is left out until it has ended."
 _UNRECORDED = "The data folder cannot be written to, so this export is not in its ledger."
 
 
-def new_folder(data: Path, format: Format) -> Path:
-    """Return a folder for an export that is in none yet, in a data folder."""
-    return unused((data / FOLDER / f"{format.name}-{datetime.now(UTC):%Y%m%dT%H%M%SZ}").absolute())
+def new_folder(data: Path, format: Format, options: Options = _DEFAULTS) -> Path:
+    """Return a folder for an export that is in none yet, in a data folder. Its name has the time if dates leave."""
+    ending = "recoded" if options.recode else f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
+    return unused((data / FOLDER / f"{format.name}-{ending}").absolute())
 
 
 def export(
@@ -122,10 +124,12 @@ def export(
     written: list[_Written] = []
     with ExitStack() as targets, ExitStack() as snapshot:
         snapshot.enter_context(_snapshot(database))
-        selection = with_any_text(database, lambda: select(database, data, request, also_damaged=True))
+        chosen = selection = with_any_text(database, lambda: select(database, data, request, also_damaged=True))
         recoded = recoding(database, options.recode, selection.participants) if options.recode else None
+        if recoded is not None:  # they are in the order in which people came
+            selection = msgspec.structs.replace(selection, sessions=tuple(shuffled(selection.sessions)))
         made = []
-        for part in parts(database, selection, folder) if by_site else [Part(selection)]:
+        for part in parts(database, selection, folder, recoded) if by_site else [Part(selection)]:
             privacy = Privacy(options.with_notes, recoded, part.of_site)
             measured = passports(part.selection.sessions, with_dates=recoded is None)
             contents = with_any_text(
@@ -140,16 +144,22 @@ def export(
             place = site_target(folder, part.site) if by_site else target(folder, format.name)
             hidden = targets.enter_context(place)
             format.write(contents, hidden, advance)
-            _add_provenance(hidden / part.about, part.selection, measured)
+            _add_provenance(hidden / part.about, part.selection, measured, contents)
             written.append(_Written(hidden, part, contents))
         snapshot.close()
         manifests = [_finish(each, database, format, options, selection.refused) for each in written]
+    if recoded is not None:
+        forget_times(folder, files=False)  # folders have that of the last name in them
     return Exported(
         folder=str(folder),
         format=format.name,
-        sessions=selection.ids,
+        sessions=chosen.ids,
         left_out=list(dict.fromkeys(column for each in written for column in each.contents.left_out)),
-        problems=_problems(database, selection.refused, *(each.contents for each in written)),
+        problems=[
+            *selection.refused,
+            *dict.fromkeys(each.contents.here(problem) for each in written for problem in each.contents.problems),
+            *_unrecorded(database),
+        ],
         manifest=" ".join(manifests),
     )
 
@@ -166,18 +176,23 @@ def _finish(
     written: _Written, database: sqlite3.Connection, format: Format, options: Options, refused: Sequence[str]
 ) -> str:
     """Write the manifest of a folder, and add the export to the ledger. Return the SHA-256 of the manifest."""
+    is_recoded = options.recode is not None
+    created = {} if is_recoded else {"created": datetime.now(UTC).isoformat(timespec="seconds")}
+    running = [_RUNNING] if is_recoded and refused else refused
     manifest = write_manifest(
         written.hidden,
         written.part.about,
         format=format.name,
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        **created,
         options=options.facts,
-        sessions=written.part.selection.ids,
+        sessions=written.contents.sessions,
         left_out=written.contents.left_out,
-        problems=_problems(database, refused, written.contents),
+        problems=[*running, *dict.fromkeys(written.contents.problems), *_unrecorded(database)],
         **({"replaces": written.part.replaces} if written.part.replaces else {}),
     )
     sync(written.hidden)
+    if is_recoded:
+        forget_times(written.hidden)
     if isinstance(database, StoreConnection):  # before the folder appears: nothing leaves that the ledger does not have
         record(
             database,
@@ -191,16 +206,16 @@ def _finish(
     return manifest
 
 
-def _problems(database: sqlite3.Connection, refused: Sequence[str], *written: Contents) -> list[str]:
-    """Return a sentence on each thing that an export lacks. A database that can only be read has no ledger."""
-    told = dict.fromkeys(problem for contents in written for problem in contents.problems)
-    return [*refused, *told, *([] if isinstance(database, StoreConnection) else [_UNRECORDED])]
+def _unrecorded(database: sqlite3.Connection) -> list[str]:
+    """Return a sentence if the database can only be read: it has no ledger."""
+    return [] if isinstance(database, StoreConnection) else [_UNRECORDED]
 
 
-def _add_provenance(folder: Path, selection: Selection, measured: Sequence[Passport]) -> None:
+def _add_provenance(folder: Path, selection: Selection, measured: Sequence[Passport], contents: Contents) -> None:
     """Write the timing of the machines, and the methods in words, beside the data."""
     folder.mkdir(parents=True, exist_ok=True)
-    timing = msgspec.json.format(msgspec.json.encode({"passports": measured}))
+    passports = [msgspec.structs.replace(each, sessions=contents.measured(each.sessions)) for each in measured]
+    timing = msgspec.json.format(msgspec.json.encode({"passports": passports}))
     (folder / PASSPORTS).write_bytes(timing + b"\n")
     (folder / METHODS).write_text(methods(selection.sessions, measured), encoding="utf-8")
 

@@ -70,7 +70,7 @@ def _design(rows: Sequence[Row]) -> Iterator[str]:
             f"Feedback followed the schedule “{schedule}” (form: {value('feedback_form')}; compared with: "
             f"{value('feedback_compared_with')}; delay: {value('feedback_delay_ms')} ms)."
         )
-    yield "All that is random follows from the seed of each session, which is in the data."
+    yield "All that is random follows from the seed of each session."
 
 
 def _software(rows: Sequence[Row], *path: str) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sar_tui.export.errors import ExportError
+from sar_tui.export.recoding import Recoding
 from sar_tui.export.site_target import about, check_folder, earlier, settled
 from sar_tui.store import sites
 from sar_tui.store.selection import Selection
@@ -34,14 +35,21 @@ class Part(NamedTuple):
         return self.of_site[0] if self.of_site else ""
 
 
-def parts(database: sqlite3.Connection, selection: Selection, folder: Path) -> list[Part]:
+def parts(
+    database: sqlite3.Connection, selection: Selection, folder: Path, recoded: Recoding | None = None
+) -> list[Part]:
     """Divide sessions by the site that recorded them.
+
+    Args:
+        recoded: how ids leave; None: as they are.
 
     Raises:
         ExportError: the folder holds sessions of one of these sites that this database does not have, or other files.
     """
     here = sites.own(database) or NAMELESS
     known = {id for (id,) in database.execute("SELECT id FROM sessions")}
+    if recoded is not None:  # an earlier export may have been made without the map
+        known |= set(map(recoded.id, known))
     found: dict[str, list[dict[str, Any]]] = {}
     for row in selection.sessions:
         found.setdefault(sites.of_session(database, row["id"]) or NAMELESS, []).append(row)
@@ -58,7 +66,8 @@ def _checked(found: dict[str, list[dict[str, Any]]], folder: Path, known: set[st
             raise ExportError(
                 f"{folder} holds {unknown} session{'' if unknown == 1 else 's'} of the site {site} that this database "
                 "does not have, so the site's data are not replaced. Is there another database of this site, or an "
-                "older copy? Give each a code (sar-tui site BERN), or merge them, or name another folder.",
+                "older copy? Give each a code (sar-tui site BERN), or merge them, or name another folder. Were they "
+                "exported with --recode? Give the same map of codes.",
                 bad_input=True,
             )
         is_renamed = site == here != NAMELESS and bool(old := _sessions(folder, NAMELESS)) and old <= known

@@ -19,6 +19,8 @@ MANIFEST = "sar-tui-export.json"
 """The file in an export that says what it holds, and by which a later export knows its own folder."""
 LOCK = ".sar-tui-lock"
 """Held in the hidden folder while it is written, so that one that was left behind is recognised."""
+_NO_TIME_NS = 946_684_800 * 10**9
+"""The beginning of the year 2000, which every zip archive can hold."""
 _BEFORE = "-before"
 """Ending of the hidden name under which an earlier export waits for a moment while the new one takes its place."""
 
@@ -118,6 +120,17 @@ def sync(folder: Path) -> None:
                 os.fsync(file.fileno())
         else:
             sync_names(path)
+
+
+def forget_times(folder: Path, *, files: bool = True) -> None:
+    """Give everything in a folder, and the folder, the same time of change: the order of files would tell an order.
+
+    Args:
+        files: false for folders only.
+    """
+    for path in [*folder.rglob("*"), folder]:
+        if files or path.is_dir():
+            os.utime(path, ns=(_NO_TIME_NS, _NO_TIME_NS))
 
 
 def sync_names(folder: Path) -> None:

@@ -2,8 +2,8 @@
 
 import csv
 import os
+from collections import Counter
 from contextlib import closing
-from datetime import date
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -14,10 +14,11 @@ from sqlite_utils import Database
 
 from sar_tui.export import recoding as recoding_module
 from sar_tui.export.errors import ExportError
-from sar_tui.export.recoding import Recoded, shifted
+from sar_tui.export.export import _UNRECORDED
+from sar_tui.export.recoding import Recoding, shifted
 from sar_tui.store import participants
 from sar_tui.store.database import connect
-from tests.export.exported import export_csv, read_csv
+from tests.export.exported import export_as, export_csv, read_csv
 from tests.program import Call
 
 CODES = {"ANNA", "BEA", "CARL"}
@@ -70,7 +71,7 @@ def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path)
         assert [code for code in CODES if code in path.read_text("utf-8")] == [], path.name
     for table in ("participants", "trials", "sessions"):
         plain, recoded = read_csv(tmp_path / "plain", table), read_csv(tmp_path / "out", table)
-        assert [codes[row["participant"]][0] for row in plain] == [row["participant"] for row in recoded]
+        assert Counter(codes[row["participant"]][0] for row in plain) == Counter(row["participant"] for row in recoded)
     assert frictionless.validate(str(tmp_path / "out" / "datapackage.json")).valid
 
 
@@ -109,28 +110,87 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(data: Path, tmp_path
         "instrument_scores": "date",
     }  # fmt: skip
     for table, column in stamps.items():
-        pairs = list(zip(read_csv(tmp_path / "plain", table), read_csv(tmp_path / "out", table), strict=True))
-        assert pairs, table
-        for plain, recoded in pairs:
-            assert recoded[column] == shifted(plain[column], codes[plain["participant"]][1])
-            assert recoded[column][10:] == plain[column][10:], "the time of day stays"
-    anchors = [[row["clock_utc"][:10] for row in read_csv(tmp_path / name, "runs")] for name in ("plain", "out")]
-    days = [(date.fromisoformat(b) - date.fromisoformat(a)).days for a, b in zip(*anchors, strict=True)]
-    assert days == [codes[name][1] for name in ("CARL", "ANNA", "ANNA")]
+        plain = [(codes[row["participant"]], row[column]) for row in read_csv(tmp_path / "plain", table)]
+        assert plain, table
+        expected = {(code, shifted(stamp, days)) for (code, days), stamp in plain}
+        assert {(row["participant"], row[column]) for row in read_csv(tmp_path / "out", table)} == expected
+        assert all(shifted(stamp, days)[10:] == stamp[10:] for (_, days), stamp in plain), "the time of day stays"
+    began = {row["session"]: row["started_at"] for row in read_csv(tmp_path / "out", "sessions")}
+    assert [row["clock_utc"][:10] == began[row["session"]][:10] for row in read_csv(tmp_path / "out", "runs")]
 
 
 def test_a_map_is_used_again(data: Path, tmp_path: Path) -> None:
-    (tmp_path / "map.csv").write_text("code,recoded,shift_days\r\nBEA,XY,-3\r\n")
+    (tmp_path / "map.csv").write_text("code,recoded,shift_days,key\r\nBEA,XY,-3,ab12\r\n")
     export_csv(data, tmp_path / "one", recode=tmp_path / "map.csv")
     first = read_map(tmp_path / "map.csv")
     export_csv(data, tmp_path / "two", recode=tmp_path / "map.csv")
     assert read_map(tmp_path / "map.csv") == first
     assert (first["BEA"], first["ANNA"][1]) == (("XY", -3), -3)
-    assert read_csv(tmp_path / "one", "trials") == read_csv(tmp_path / "two", "trials")
+    one, two = (sorted(map(str, read_csv(tmp_path / name, "trials"))) for name in ("one", "two"))
+    assert one == two, "the same ids of sessions, in another order"
+
+
+def test_a_map_of_an_earlier_version_gets_a_key(data: Path, tmp_path: Path) -> None:
+    (tmp_path / "map.csv").write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
+    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+    assert read_map(tmp_path / "map.csv") == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
+    with (tmp_path / "map.csv").open(encoding="utf-8", newline="") as file:
+        keys = {row["key"] for row in csv.DictReader(file)}
+    assert [len(key) for key in keys] == [32]
+
+
+def test_ids_and_seeds_leave_as_others_which_are_equal_where_they_were(data: Path, tmp_path: Path) -> None:
+    with closing(connect(data)) as database:
+        database.execute("UPDATE sessions SET seed=7 WHERE task='keyboard'")
+    export_csv(data, tmp_path / "plain")
+    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+    plain, recoded = read_csv(tmp_path / "plain", "sessions"), read_csv(tmp_path / "out", "sessions")
+    assert {row["session"] for row in plain} & {row["session"] for row in recoded} == set()
+    assert len({row["session"] for row in recoded}) == len(plain)
+    assert {row["seed"] for row in plain} & {row["seed"] for row in recoded} == set()
+    assert len({row["seed"] for row in recoded if row["task"] == "keyboard"}) == 1
+    assert {row["session"] for row in read_csv(tmp_path / "out", "trials")} <= {row["session"] for row in recoded}
+
+
+def test_versions_leave_only_if_all_sessions_have_the_same(data: Path, tmp_path: Path) -> None:
+    export_csv(data, tmp_path / "same", recode=tmp_path / "map.csv")
+    assert all(row["sar_tui"] and row["task_sha256"] for row in read_csv(tmp_path / "same", "sessions"))
+    with closing(connect(data)) as database:
+        (some,) = database.execute("SELECT id FROM sessions LIMIT 1").fetchone()
+        database.execute("UPDATE sessions SET software=json_set(software, '$.sar_tui', '0.0.1') WHERE id=?", (some,))
+    left_out = export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").left_out
+    assert {"sessions.sar_tui", "runs.sar_tui"} <= set(left_out)
+    assert all("sar_tui" not in row and row["python"] for row in read_csv(tmp_path / "out", "sessions"))
+    told = (tmp_path / "out" / "methods.md").read_text()
+    assert "0.0.1" in told, "which versions there are is told, but not whose sessions they recorded"
+
+
+def test_problems_name_sessions_as_they_leave_in_files_and_as_they_are_here_on_the_terminal(
+    data: Path, tmp_path: Path
+) -> None:
+    with closing(connect(data)) as database:
+        (some,) = database.execute("SELECT id FROM sessions LIMIT 1").fetchone()
+        database.execute("UPDATE runs SET clock_anchor='{' WHERE session=?", (some,))
+    (problem,) = set(export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").problems) - {_UNRECORDED}
+    assert problem.startswith(f"runs, session {some}, run 1: ")
+    manifest = (tmp_path / "out" / "sar-tui-export.json").read_text()
+    assert problem.partition(": ")[2] in manifest
+    assert some not in manifest
+    trials = [row for row in read_csv(tmp_path / "out", "trials") if row["onset_ns"] is not None]
+    assert len({row["session"] for row in trials}) == 3, "the first message stands for the start of its run"
+    assert max(row["onset_ns"] for row in trials) < 3600 * 10**9
 
 
 @pytest.mark.parametrize(
-    "text", ["", "a,b\n1,2\n", "code,recoded,shift_days\nA,X,1\nB,X,2\n", "code,recoded,shift_days\nA,X,soon\n"]
+    "text",
+    [
+        "",
+        "a,b\n1,2\n",
+        "code,recoded,shift_days\nA,X,1\nB,X,2\n",
+        "code,recoded,shift_days\nA,X,soon\n",
+        "code,recoded,shift_days,key\nA,X,1\n",
+        "code,recoded,shift_days,key\nA,X,1,k\nB,Y,2,l\n",
+    ],
 )
 def test_a_file_that_is_no_map_is_not_touched(data: Path, tmp_path: Path, text: str) -> None:
     (tmp_path / "map.csv").write_text(text)
@@ -150,7 +210,7 @@ def test_two_exports_at_once_agree_on_the_codes(data: Path, tmp_path: Path, monk
     told: list[str] = []
     write = recoding_module._write
 
-    def write_while_another_begins(path: Path, known: dict[str, Recoded]) -> None:
+    def write_while_another_begins(path: Path, known: Recoding) -> None:
         other = Thread(target=another)
         other.start()
         other.join()
@@ -166,7 +226,7 @@ def test_two_exports_at_once_agree_on_the_codes(data: Path, tmp_path: Path, monk
     with closing(connect(data)) as database:
         given = recoding_module.recoding(database, tmp_path / "map.csv", CODES)
     assert told == [f"Another export is writing {tmp_path / 'map.csv'}. Try again when it has ended."]
-    assert read_map(tmp_path / "map.csv") == {code: (each.code, each.shift_days) for code, each in given.items()}
+    assert read_map(tmp_path / "map.csv") == {code: (each.code, each.shift_days) for code, each in given.people.items()}
 
 
 def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:
@@ -177,3 +237,10 @@ def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Pa
     assert refused.code == 2
     assert refused.err == f"{tmp_path / 'file' / 'map.csv'} cannot be made: {tmp_path / 'file'} is a file.\n"
     assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_of_many_sites_is_replaced_by_an_export_with_the_same_map_only(data: Path, tmp_path: Path) -> None:
+    for _ in range(2):
+        export_as("parquet", data, tmp_path / "lake", recode=tmp_path / "map.csv")
+    with pytest.raises(ExportError, match="Give the same map of codes"):
+        export_as("parquet", data, tmp_path / "lake", recode=tmp_path / "other.csv")

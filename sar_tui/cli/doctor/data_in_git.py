@@ -67,14 +67,14 @@ def data_in_git(checkout: Path | None, data: Path | None) -> DataInGit:
 
 
 def _is_of_people(path: Path, checkout: Path) -> bool:
-    from sar_tui.export.recoding import HEAD
+    from sar_tui.export.recoding import EARLIER_HEAD, HEAD
     from sar_tui.export.target import MANIFEST
 
     if path.parent == checkout / "data":
         return path.name not in _SAMPLE
     if checkout / "data" in path.parents or path.name == MANIFEST or any(map(path.match, _OF_PEOPLE)):
         return True
-    return path.suffix == ".csv" and _head(path) == HEAD
+    return path.suffix == ".csv" and _head(path) in (HEAD, EARLIER_HEAD)
 
 
 def _head(path: Path) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from sar_tui.export.formats.mat_codebook import (
 from sar_tui.export.formats.mat_values import column_of, names_row, numbers, short_names, stacked, stamps, struct_row
 from sar_tui.export.session_clock import SessionClock, session_clock
 
+_HEAD, _HEAD_LENGTH = b"MATLAB 5.0 MAT-file, exported by sar-tui", 116
 _SAMPLES = "imu"
 _BLOCK = 1 << 16
 """Number of samples that become a matrix at once."""
@@ -49,7 +50,9 @@ class MatFormat:
             raise ExportError(_NO_PACKAGE) from error
         of_persons = [table for table in contents.tables if table.of == "participant"]
         of_sessions = [table for table in contents.tables if table.of == "session"]
-        savemat(folder / "participants.mat", {"participants": _participants(contents, of_persons, progress)})
+        path = folder / "participants.mat"
+        savemat(path, {"participants": _participants(contents, of_persons, progress)})
+        _replace_head(path)
         for session in contents.owners(of_sessions[0]):
             path = folder / f"session_{session}.mat"
             try:
@@ -57,8 +60,16 @@ class MatFormat:
             except MatWriteError:
                 path.unlink()
                 contents.problems.append(_TOO_LARGE.format(session))
+            else:
+                _replace_head(path)
         lines = (sample_entries(table) if table.name == _SAMPLES else entries(table) for table in contents.tables)
         write_codebook(folder / "codebook.csv", chain.from_iterable(lines))
+
+
+def _replace_head(path: Path) -> None:
+    """Replace the words at the beginning of a MATLAB file: those of scipy have the date of the export."""
+    with path.open("r+b") as file:
+        file.write(_HEAD.ljust(_HEAD_LENGTH))
 
 
 def _participants(contents: Contents, tables: Sequence[Table], progress: Callable[[], None]) -> Any:

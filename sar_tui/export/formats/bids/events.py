@@ -83,9 +83,9 @@ def describe_events(study: Study, task: str, facts: dict[str, Any], folder: Path
 def presentation(session: Session) -> dict[str, Any]:
     """Return the software that showed the prompts of a session, for the JSON beside its events."""
     facts = {
-        "OperatingSystem": session.row["system"],
+        "OperatingSystem": session.row.get("system"),
         "SoftwareName": "sar-tui",
-        "SoftwareVersion": session.row["sar_tui"],
+        "SoftwareVersion": session.row.get("sar_tui"),
     }
     return {"StimulusPresentation": {name: fact for name, fact in facts.items() if fact}}
 

@@ -1,0 +1,163 @@
+"""Attacks on shifted dates: what somebody finds out who has an export, and knows when some people trained, or in which
+order all of them did.
+"""
+
+import json
+import re
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet
+import scipy.io
+
+from tests.export.exported import read_csv
+from tests.export.thirty_people import UPTIME_NS
+
+KNOWN = 3
+"""People whose true dates the attacker knows, the first ones."""
+UNITS = {"ns": 1e9, "us": 1e6, "ms": 1e3, "s": 1.0}
+_DATES = ("created_at", "started_at", "ended_at", "clock_utc", "at", "recorded_at", "onset")
+_NUMBER = re.compile(r"(?<![\w.+-])-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?(?![\w.])")
+Guesses = Mapping[str, datetime]
+"""The guessed dates of people, by their codes in the export."""
+
+
+def by_clocks(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str, Guesses]]:
+    """Yield guesses by each column of numbers, as if it were a clock: known dates give its zero."""
+    for table, rows in _tables(folder):
+        for column in rows[0] if rows else ():
+            for unit, a_second in UNITS.items():
+                readings = _first_by_person(rows, column, a_second)
+                zeros = [known[code] - readings[code] for code in known if code in readings]
+                if zeros and len(set(readings.values())) > 1:
+                    yield f"{table}.{column} in {unit}", {code: zeros[0] + each for code, each in readings.items()}
+
+
+def by_times_of_day(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str, Guesses]]:
+    """Yield guesses by a clock that is printed beside a shifted time: equal differences are those of one start."""
+    runs = [row for row in read_csv(folder, "runs") if row["clock_ns"] is not None]
+    people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
+    clocks = {people[row["session"]]: timedelta(microseconds=row["clock_ns"] / 1000) for row in runs}
+    for code, true in known.items():
+        yield "runs.clock_ns beside a known date", {other: true + at - clocks[code] for other, at in clocks.items()}
+
+
+def by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
+    """Yield guesses by what may be in the order of enrolment: rows, names, ids, seeds, versions, times of files."""
+    for table, rows in _tables(folder):
+        ranked = list(dict.fromkeys(row["participant"] for row in rows))
+        yield f"order of rows in {table}", dict(zip(ranked, enrolled, strict=False))
+        for column in rows[0] if rows else ():
+            if column not in ("participant", *_DATES):
+                values = {row["participant"]: row[column] for row in rows[::-1] if row[column] is not None}
+                if len(set(values.values())) > 1:
+                    ranked = sorted(values, key=lambda code: (str(type(values[code])), values[code], code))
+                    yield f"order of {table}.{column}", dict(zip(ranked, enrolled, strict=False))
+    people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
+    manifest = json.loads((folder / "sar-tui-export.json").read_text("utf-8"))
+    yield "sessions of the manifest", _in_order(manifest["sessions"], people, enrolled)
+    timing = json.loads((folder / "timing.json").read_text("utf-8"))
+    measured = [session for each in timing["passports"] for session in each["sessions"]]
+    yield "sessions of timing.json", _in_order(measured, people, enrolled)
+
+
+def by_files(folder: Path, people: Mapping[str, str], enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
+    """Yield guesses by names and times of the files of sessions or persons, in a folder or its zip archive.
+
+    Args:
+        people: codes by the sessions that are in names of files.
+    """
+    packed = folder.with_suffix(".zip")
+    with zipfile.ZipFile(packed, "w") as archive:
+        for path in folder.rglob("*"):
+            archive.write(path, path.relative_to(folder))
+        zipped = {folder / info.filename: info.date_time for info in archive.infolist()}
+    packed.unlink()
+    keys: dict[str, Callable[[Path], Any]] = {
+        "names": lambda path: path.name,
+        "times": lambda path: path.stat().st_mtime_ns,
+        "times in a zip archive": zipped.__getitem__,
+    }
+    files = [(path, code) for path in folder.rglob("*") for name, code in people.items() if name in path.as_posix()]
+    for what, key in keys.items():
+        firsts: dict[str, Any] = {}
+        for path, code in files:
+            firsts[code] = min(firsts.get(code, key(path)), key(path))
+        ranked = sorted(firsts, key=lambda code: (firsts[code], code))
+        yield f"{what} of files", dict(zip(ranked, enrolled, strict=False))
+
+
+def identified(guesses: Guesses, true: Mapping[str, datetime], known: Mapping[str, datetime] = {}) -> int:
+    """Return the number of people whose date was not known, and was guessed to the day."""
+    return sum(each.date() == true[code].date() for code, each in guesses.items() if code not in known)
+
+
+def _tables(folder: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield each table with the participant of each row."""
+    people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
+    for path in sorted(folder.glob("*.csv")):
+        rows = read_csv(folder, path.stem)
+        yield path.stem, [row | {"participant": row.get("participant") or people[row["session"]]} for row in rows]
+
+
+def _first_by_person(rows: Sequence[dict[str, Any]], column: str, a_second: float) -> dict[str, timedelta]:
+    found: dict[str, timedelta] = {}
+    for row in rows:
+        value = row[column]
+        if isinstance(value, str) and column.endswith("_ns"):
+            value = next(map(int, value.replace("[", " ").replace(",", " ").split()[:1]), None)
+        if isinstance(value, int | float) and abs(value / a_second) < 1e10:
+            found.setdefault(row["participant"], timedelta(seconds=value / a_second))
+    return found
+
+
+def _in_order(sessions: Sequence[str], people: Mapping[str, str], enrolled: Sequence[datetime]) -> Guesses:
+    ranked = list(dict.fromkeys(people[session] for session in sessions if session in people))
+    return dict(zip(ranked, enrolled, strict=False))
+
+
+def written(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield the name of each file with all that is in it as text, whatever its format."""
+    for path in sorted(folder.rglob("*")):
+        if path.suffix == ".parquet":
+            text = json.dumps(pyarrow.parquet.read_table(path).to_pylist(), default=lambda each: each.isoformat())
+        elif path.suffix == ".mat":
+            text = f"{path.read_bytes()[:116]!r} {' '.join(_flat(scipy.io.loadmat(path)))}"
+        else:
+            text = path.read_text("utf-8") if path.is_file() else ""
+        yield path.relative_to(folder).as_posix(), text
+
+
+def _flat(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        for each in value.values():
+            yield from _flat(each)
+    elif hasattr(value, "dtype") and value.dtype.names:
+        for name in value.dtype.names:
+            yield from _flat(value[name])
+    elif hasattr(value, "ravel"):
+        for each in value.ravel():
+            yield from _flat(each) if hasattr(each, "ravel") and each.shape else (str(each),)
+    else:
+        yield str(value)
+
+
+def clock_readings(text: str) -> list[str]:
+    """Return the numbers in a text that read as the machine's clock during the study, in any unit.
+
+    In ms and s only fractions do: other numbers are as large.
+    """
+    found = _NUMBER.findall(text)
+    fine = [number for number in found if any(_is_reading(float(number), UNITS[unit]) for unit in ("ns", "us"))]
+    return fine + [
+        number
+        for number in found
+        if not float(number).is_integer() and any(_is_reading(float(number), UNITS[u]) for u in ("ms", "s"))
+    ]
+
+
+def _is_reading(number: float, a_second: float) -> bool:
+    return UPTIME_NS / 1e9 <= number / a_second < UPTIME_NS / 1e9 + 120 * 86_400
