@@ -44,38 +44,25 @@ def difference_text(metric: Metric, value: float, other: float, tr: Language, de
     return "" if text == result_text(metric, 0.0, tr, decimals) else text
 
 
-def beside_text(metric: Metric, now: float, then: float, when: str, tr: Language, levels: tuple[int, int]) -> str:
+def beside_text(metric: Metric, now: float, then: float, when: str, tr: Language) -> str:
     """Return two results in words: "Today 0.48 seconds, Tuesday 0.54 seconds."
 
-    Args:
-        metric: of the task.
-        now, then: of today, and of an earlier day.
-        when: that day, as `day_text` returns it.
-        tr: the language.
-        levels: of both; they are named if they differ, because results of harder levels are worse.
+    ``now`` and ``then`` are of today and of an earlier day, ``when``, as `day_text` returns it.
     """
     today, before = result_text(metric, now, tr), result_text(metric, then, tr)
-    if levels[0] == levels[1]:
-        return tr("Today {now}, {when} {then}.", now=today, when=when, then=before)
-    return tr(
-        "Today {now} at level {level}, {when} {then} at level {before}.",
-        now=today,
-        level=levels[0],
-        when=when,
-        then=before,
-        before=levels[1],
-    )
+    return tr("Today {now}, {when} {then}.", now=today, when=when, then=before)
 
 
-def comparison_text(now: float, then: float, tr: Language, *, is_better: bool) -> str:
-    """Return a kind sentence on two results of the same level; empty if they are equal.
+def levels_beside_text(now: float, then: float, when: str, tr: Language) -> str:
+    """Return two levels at goal in words ("Level at goal: today 4.6, Tuesday 4.2."), as `beside_text` does."""
+    today, before = (tr.figures(f"{level:.1f}") for level in (now, then))
+    return tr("Level at goal: today {now}, {when} {then}.", now=today, when=when, then=before)
 
-    ``is_better``: the present one is better by more than chance; only then it is praised.
-    """
-    if now == then:
-        return ""
+
+def verdict_text(tr: Language, *, is_better: bool) -> str:
+    """Return a kind sentence on a session: praise only if it is better by more than noise and practice explain."""
     if is_better:
-        return tr("That is more than chance. Well done.")
+        return tr("That is better than your first times, and more than chance and practice. Well done.")
     return tr("Some times go better than others, and that is all right.")
 
 

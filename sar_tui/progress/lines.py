@@ -4,6 +4,7 @@ import math
 import statistics
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime
+from functools import cached_property
 from typing import Any, Literal
 
 import msgspec
@@ -14,6 +15,8 @@ from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.framework.policies.wellbeing import SessionRatings
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
+from sar_tui.progress import change
+from sar_tui.progress.change import Baseline, Verdict
 from sar_tui.progress.level_estimate import (
     Attempt,
     Estimate,
@@ -83,7 +86,7 @@ class Point(msgspec.Struct, frozen=True):
     side: Side = ""
 
 
-class Line(msgspec.Struct, frozen=True):
+class Line(msgspec.Struct, frozen=True, dict=True):
     """Comparable sessions, first to last.
 
     ``settings``: what they have in common. ``task``: with these settings; None if it is not installed, or no longer
@@ -119,6 +122,36 @@ class Line(msgspec.Struct, frozen=True):
         if self.measure == "result" and point.mean is not None:
             return point.mean if point.results.metric.better == "higher" else -point.mean
         return None
+
+    @cached_property
+    def judged(self) -> int | None:
+        """Number of the session that the verdict is on: the last one whose measure is known; None without any."""
+        known = [number for number, point in enumerate(self.points) if self.value(point) is not None]
+        return known[-1] if known else None
+
+    @cached_property
+    def baseline(self) -> Baseline | None:
+        """The baseline; None before there are enough sessions whose measure is known."""
+        return change.baseline(self._values)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """The verdict on the person, for every screen and report that says how they are doing.
+
+        It is not yet known if a later session, whose measure is not known, speaks against it: all its results were
+        better than the goal although the last known session was worse than the baseline, or the other way round.
+        """
+        if self.judged is None:
+            return "not yet known"
+        found = change.verdict(self._values[-1], self.baseline)
+        later = {point.side for point in self.points[self.judged + 1 :]}
+        is_contradicted = (found == "less" and "easier" in later) or (found == "more" and "harder" in later)
+        return "not yet known" if is_contradicted else found
+
+    @cached_property
+    def _values(self) -> list[float]:
+        """The values of the sessions whose measure is known, first to last."""
+        return [value for point in self.points if (value := self.value(point)) is not None]
 
 
 def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Task] | None]) -> list[Line]:

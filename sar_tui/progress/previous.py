@@ -1,76 +1,64 @@
-"""A session beside the last one that can be compared with it."""
+"""A session that has just ended beside the earlier ones that can be compared with it, for its participant."""
 
-import statistics
 from collections.abc import Iterable, Sequence
 from datetime import date
 from itertools import takewhile
 
+import msgspec
+
 from sar_tui.framework.language import Language
-from sar_tui.framework.policies.real_change import Sample, judge, spread_of
-from sar_tui.framework.results_for_people import beside_text, comparison_text, day_text
+from sar_tui.framework.results_for_people import beside_text, day_text, levels_beside_text, verdict_text
 from sar_tui.framework.task import Task
-from sar_tui.progress.lines import SessionResults, is_comparable, settings_of
-from sar_tui.progress.task_level import AttemptResult
+from sar_tui.progress.lines import Line, Point, SessionResults, comparable, is_comparable, settings_of
+from sar_tui.progress.task_level import AttemptResult, places, to_level
 
 
-def earlier_sessions(sessions: Iterable[SessionResults], task: Task, *, before: str = "") -> list[SessionResults]:
-    """Return the completed live sessions that are comparable with one of a task, oldest first.
-
-    Comparable are sessions of the same task, version, goal, timing and own settings of the task, as on a line of
-    progress.
+def line_with(
+    sessions: Iterable[SessionResults], task: Task, session: str, results: Sequence[AttemptResult]
+) -> Line | None:
+    """Return the line that ends with a session that has just ended; None if no earlier one can be compared with it.
 
     Args:
-        sessions: of one participant, in the order in which they were played.
-        task: with the settings of the session that is compared.
-        before: id of that session, if it is among the sessions: later ones are not looked at.
+        sessions: of one participant, in the order in which they were played; later ones are not looked at.
+        task: with the settings of the session that has ended.
+        session: its id, which may be among the sessions.
+        results: its results.
     """
     settings = settings_of(task)
-    until = takewhile(lambda each: each.session != before, sessions)
-    return [each for each in until if each.status == "completed" and is_comparable(each, task, settings)]
+    until = takewhile(lambda each: each.session != session, sessions)
+    earlier = [each for each in until if is_comparable(each, task, settings)]
+    if not earlier or not results:
+        return None
+    ended = msgspec.structs.replace(earlier[-1], session=session, status="completed", results=results)
+    return comparable([*earlier, ended], task)
 
 
-def beside_previous(results: Sequence[AttemptResult], previous: SessionResults, today: date, tr: Language) -> str:
-    """Return the mean results of a session and an earlier one in words: "Today 0.48 seconds, Tuesday 0.54 seconds."
+def beside_previous(line: Line, today: date, tr: Language) -> str:
+    """Return how the last session of a line went beside the earlier ones, in kind words; empty if that is not known.
 
-    The levels are named if most attempts were at another one. Empty if a session has no timed response.
+    The verdict is that of the line. The level at goal, or the mean where the level never changed, stands beside that of
+    the last completed session, unless it was better then: a difference that may be chance must not look like a fall.
     """
-    now, then = _mean(results), _mean(previous.results)
-    if now is None or then is None:
+    now = line.points[-1]
+    earlier = [point for point in line.points[:-1] if point.results.status == "completed"]
+    then = next((point for point in reversed(earlier) if line.value(point) is not None), None)
+    value, before = line.value(now), line.value(then) if then else None
+    if then is None or value is None or before is None:
         return ""
-    levels = _level(results), _level(previous.results)
-    return beside_text(previous.metric, now, then, day_text(previous.began.date(), today, tr), tr, levels)
+    said = []
+    if value >= before:
+        said.append(_figures(line, now, then, day_text(then.results.began.date(), today, tr), tr))
+    if value != before or line.verdict == "more":
+        said.append(verdict_text(tr, is_better=line.verdict == "more"))
+    return " ".join(filter(None, said))
 
 
-def kind_word(results: Sequence[AttemptResult], earlier: Sequence[SessionResults], tr: Language) -> str:
-    """Return a kind sentence on the comparison with the last session; empty if the levels or the figures say nothing.
-
-    It praises a change only if it is more than the noise between the earlier sessions at this level.
-
-    Args:
-        results: of the session.
-        earlier: comparable sessions, oldest first; at least one.
-        tr: the language.
-    """
-    now, then = _sample(results), _sample(earlier[-1].results)
-    if now is None or then is None or _level(results) != _level(earlier[-1].results):
-        return ""
-    alike = [each.results for each in earlier if each.results and _level(each.results) == _level(results)]
-    change = judge(now, then, [found for each in alike if (found := _sample(each))], earlier[-1].metric.better)
-    return comparison_text(now.mean, then.mean, tr, is_better=change is not None and change.verdict == "better")
-
-
-def _sample(results: Sequence[AttemptResult]) -> Sample | None:
-    """Return the mean of a session's results, as a sample of its attempts; None without any."""
-    values = [result.metric for result in results if result.metric is not None]
-    return Sample(statistics.fmean(values), len(values), spread_of(values)) if values else None
-
-
-def _mean(results: Sequence[AttemptResult]) -> float | None:
-    values = [result.metric for result in results if result.metric is not None]
-    return statistics.fmean(values) if values else None
-
-
-def _level(results: Sequence[AttemptResult]) -> int:
-    """Return the level of most attempts; of several, the one played last."""
-    levels = [result.level for result in reversed(results)]
-    return statistics.mode(levels)
+def _figures(line: Line, now: Point, then: Point, when: str, tr: Language) -> str:
+    """Return two sessions in figures; empty if a level at goal lies outside of the levels."""
+    if now.estimate and then.estimate:
+        rising = places(line.task) if line.task else []
+        level, before = (to_level(rising, estimate.value) for estimate in (now.estimate, then.estimate))
+        return "" if level is None or before is None else levels_beside_text(level, before, when, tr)
+    assert now.mean is not None
+    assert then.mean is not None
+    return beside_text(line.last.metric, now.mean, then.mean, when, tr)

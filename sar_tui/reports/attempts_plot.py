@@ -45,6 +45,7 @@ def attempts_figure(
     results: Sequence[ResultName] = (),
     beside: Sequence[float | None] = (),
     has_legend: bool = True,
+    has_bars: bool = True,
     tr: Language = _ENGLISH,
 ) -> str:
     """Draw the metric over attempts, with the goal as a line, and the levels below.
@@ -61,6 +62,7 @@ def attempts_figure(
         results: of each attempt; if empty, all that have a metric have the same marker.
         beside: metrics and goals of a figure shown beside this one, so that both have the same axes.
         has_legend: False if the legend is shown elsewhere (`legend`).
+        has_bars: False for levels in figures alone.
         tr: the language of the other words.
 
     Returns:
@@ -73,7 +75,7 @@ def attempts_figure(
     width, height = max(width, _SMALLEST[0]), max(height, _SMALLEST[1])
     names = results or ["no result" if value is None else "reached" for value in metrics]
     has_empty = None in (*metrics, *beside)
-    bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS)
+    bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS) if has_bars else 0
     explained = legend(goals, results or [name for name in names if name == "no result"], tr)
     heading = _heading(metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND)
     plotext.clear_figure()
@@ -112,7 +114,8 @@ def _body(
     plt.plotsize(*size)
     plt.xaxes(True, False)
     plt.xlim(0.5, count + 0.5)
-    low, high = _limits([value for value in (*metrics, *goals, *beside) if value is not None])
+    values = [value for value in (*metrics, *goals, *beside) if value is not None]
+    low, high = _limits(values)
     plt.ylim(low, high, yside="left")
     for goal, alike in groupby(enumerate(goals, start=1), key=lambda item: item[1]):
         same = [attempt for attempt, _ in alike]
@@ -128,7 +131,7 @@ def _body(
                 found, [metrics[attempt - 1] for attempt in found], marker=marker, color=_COLORS[name], style="bold"
             )
 
-    ticks = round_numbers(low, high, max(2, rows // 2))
+    ticks = _possible(round_numbers(low, high, max(2, rows // 2)), values)
     plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
     room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
     every = next(step for power in (1, 10, 100, 1000, 10_000) for m in (1, 2, 5) if (step := m * power) >= room)
@@ -221,6 +224,12 @@ def _limits(values: Sequence[float]) -> tuple[float, float]:
     low, high = min(values, default=0.0), max(values, default=0.0)
     room = 0.06 * (high - low) or 0.1 * abs(high) or 1.0
     return low - room, high + room
+
+
+def _possible(ticks: Sequence[float], values: Sequence[float]) -> list[float]:
+    """Return the ticks that a value may have: whole ones if all values are, and none below zero if no value is."""
+    is_whole, is_positive = all(value == int(value) for value in values), min(values, default=0.0) >= 0
+    return [tick for tick in ticks if (tick == int(tick) or not is_whole) and (tick >= 0 or not is_positive)]
 
 
 def round_numbers(low: float, high: float, most: int) -> list[float]:

@@ -80,7 +80,7 @@ class LineProgress(msgspec.Struct, frozen=True):
         places: of the levels on the axis of difficulty; empty if they do not rise from level to level.
         between_sd: SD of the sessions' means.
         baseline: None before it has enough sessions.
-        verdict: on the last session whose value is known, against the baseline.
+        verdict: on the last session whose value is known, against the baseline; ``judged``: its id.
         measured: the measures of attempts that the task declares.
     """
 
@@ -99,6 +99,7 @@ class LineProgress(msgspec.Struct, frozen=True):
     between_sd: float | None
     baseline: Baseline | None
     verdict: Verdict
+    judged: str | None
     measured: tuple[Measure, ...]
 
 
@@ -156,11 +157,6 @@ def progress(
     )
 
 
-def known_values(line: Line) -> list[float]:
-    """Return the values of the sessions whose measure is known, first to last."""
-    return [value for point in line.points if (value := line.value(point)) is not None]
-
-
 def _began_in(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> dict[str, list[str]]:
     """Return the adverse events of sessions: the session that an event names, or else the last one before it."""
     shown = [each for each in played if each.results]
@@ -176,8 +172,7 @@ def _began_in(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) 
 
 
 def _line(line: Line, began_in: Mapping[str, list[str]]) -> LineProgress:
-    last, values = line.last, known_values(line)
-    found = change.baseline(values)
+    last = line.last
     rising = places(line.task) if line.task else []
     means = [point.mean for point in line.points if point.mean is not None]
     return LineProgress(
@@ -194,8 +189,9 @@ def _line(line: Line, began_in: Mapping[str, list[str]]) -> LineProgress:
         titles=_titles(line.task, settings) if line.task else {},
         sessions=[_session(line, point, rising, began_in) for point in line.points],
         between_sd=stdev(means) if len(means) > 1 else None,
-        baseline=found,
-        verdict=change.verdict(values[-1], found) if values else "not yet known",
+        baseline=line.baseline,
+        verdict=line.verdict,
+        judged=None if line.judged is None else line.points[line.judged].results.session,
         measured=line.task.measured if line.task else (),
     )
 

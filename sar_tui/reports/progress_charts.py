@@ -109,7 +109,9 @@ def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     if not values:
         return None
     values = grouped(values)
-    y = {"type": "quantitative", "scale": {"zero": False}, "title": label}
+    is_turned = line.metric.better == "lower"  # better results are higher up
+    title = f"{label}, {tr('better is up')}" if is_turned else label
+    y = {"type": "quantitative", "scale": {"zero": False, "reverse": is_turned}, "title": title}
     x = _x(values, line.sessions)
     layers: list[Spec] = [
         {

@@ -66,15 +66,16 @@ def result_figure(
     Below are bars for accuracy, and for each measure of how the movements were done.
     """
     label, factor = axis(line.metric, tr)
+    up = 1
+    if line.metric.better == "lower":  # the chart is turned, so that a person who gets better never seems to fall
+        up, label = -1, f"{label}, {tr('better is up')}"
     values = [
-        Value(without=UNKNOWN)
-        if each.mean is None
-        else Value(each.mean * factor, (each.mean - (each.sd or 0.0)) * factor, (each.mean + (each.sd or 0.0)) * factor)
+        Value(without=UNKNOWN) if each.mean is None else _around(up * each.mean * factor, (each.sd or 0.0) * factor)
         for each in line.sessions
     ]
-    goal = None if line.goal is None else line.goal * factor
+    goal = None if line.goal is None else up * line.goal * factor
     low, high = session_chart.limits(values, [] if goal is None else [goal])
-    ticks = [(value, tr.figures(f"{value:g}")) for value in round_numbers(low, high, 5)]
+    ticks = [(value, tr.figures(f"{up * value:zg}")) for value in round_numbers(low, high, 5)]
     signs = {POINT: tr("mean"), BAND: tr("SD within the session")}
     if goal is not None:
         signs[RULE] = tr("goal")
@@ -82,6 +83,10 @@ def result_figure(
     return _figure(
         line, values, (low, high), ticks, label, signs, size, tr, rule=goal, bars=bars, chosen=chosen, marked=marked
     )
+
+
+def _around(mean: float, sd: float) -> Value:
+    return Value(mean, mean - sd, mean + sd)
 
 
 def has_levels(line: LineProgress) -> bool:

@@ -243,12 +243,54 @@ def _noise(line: LineProgress, tr: Language) -> str:
 
 
 def _verdict(line: LineProgress, tr: Language) -> str:
+    if line.baseline is None:
+        return ""
+    session = tr("The last session")
+    if line.judged != line.sessions[-1].session:
+        began = next(each.began for each in line.sessions if each.session == line.judged)
+        session = tr("The last session with a known value, of {day},", day=day(began))
     return {
-        "more": tr("The last known session is better than that: a change that noise and practice do not explain."),
-        "less": tr("The last known session is worse than that: a change that noise does not explain."),
-        "noise": tr("The last known session is within that: no change can be shown."),
-        "not yet known": "",
+        "more": tr("{session} is better than that: a change that noise and practice do not explain.", session=session),
+        "less": tr("{session} is worse than that: a change that noise does not explain.", session=session),
+        "noise": tr("{session} is within that: no change can be shown.", session=session),
+        "not yet known": tr("Whether there is a change is not yet known."),
     }[line.verdict]
+
+
+def standing(line: LineProgress, tr: Language) -> str:
+    """Return the verdict in a few words, with the value that it is on: "Level 4.5 at goal: no change can be shown".
+
+    If the last session has no known value it says so first, and names the day of the one that has.
+    """
+    last = line.sessions[-1]
+    unknown = {
+        "easier": tr("Last session all too easy"),
+        "harder": tr("Last session all too hard"),
+        "": tr("Level at goal not yet known"),
+    }[last.side]
+    judged = next((each for each in line.sessions if each.session == line.judged), None)
+    if judged is None:
+        return unknown
+    verdict = {
+        "more": tr("better than noise and practice explain"),
+        "less": tr("worse than noise explains"),
+        "noise": tr("no change can be shown"),
+        "not yet known": tr("change not yet known"),
+    }[line.verdict]
+    if judged is last:
+        return f"{_standing_value(line, judged, tr)}: {verdict}"
+    return f"{unknown}. {day(judged.began)}: {_standing_value(line, judged, tr)}, {verdict}"
+
+
+def _standing_value(line: LineProgress, session: SessionProgress, tr: Language) -> str:
+    """Return a session's level at goal, or its mean result where the level never changed."""
+    if session.at_goal is None:
+        assert session.mean is not None
+        value = result(line, session.mean, tr)
+        return tr("Mean {value} at level {level}", value=value, level=str(session.last_level))
+    if session.at_goal.level is None:
+        return tr("{value} at goal", value=figure(line, session.at_goal.difficulty, tr))
+    return tr("Level {level} at goal", level=tr.figures(f"{session.at_goal.level:.1f}"))
 
 
 def goal(line: LineProgress, tr: Language) -> str:

@@ -1,4 +1,4 @@
-"""A session that has just ended, beside the participant's last one."""
+"""A session that has just ended, beside the participant's earlier ones."""
 
 import sqlite3
 from collections.abc import Sequence
@@ -9,14 +9,16 @@ from pathlib import Path
 from sar_tui.framework.language import Language
 from sar_tui.framework.messages import AttemptEnded
 from sar_tui.framework.task import Task
-from sar_tui.progress.previous import beside_previous, earlier_sessions, kind_word
+from sar_tui.progress.previous import beside_previous, line_with
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.results import sessions_of
 
 
-def beside_last_session(folder: Path, task: Task, session: str, attempts: Sequence[AttemptEnded], tr: Language) -> str:
+def beside_earlier_sessions(
+    folder: Path, task: Task, session: str, attempts: Sequence[AttemptEnded], tr: Language
+) -> str:
     """Return the comparison in words; empty if there is no earlier session like it, or the database cannot be read.
 
     Args:
@@ -26,15 +28,12 @@ def beside_last_session(folder: Path, task: Task, session: str, attempts: Sequen
         attempts: the scored attempts, without practice.
         tr: the language of the session.
     """
+    results = [AttemptResult(attempt.level, attempt.metric, attempt.correct) for attempt in attempts]
     try:
         with closing(connect(folder)) as database:
             codes = [row["participant"] for row in sessions.rows(database, "seats", session)]
             played = sessions_of(database, codes[0], task.name) if codes else ()
-            earlier = earlier_sessions(played, task, before=session)
+            line = line_with(played, task, session, results)
     except (StoreError, sqlite3.Error):
         return ""
-    if not earlier or not attempts:
-        return ""
-    results = [AttemptResult(attempt.level, attempt.metric, attempt.correct) for attempt in attempts]
-    words = beside_previous(results, earlier[-1], date.today(), tr)
-    return f"{words} {kind_word(results, earlier, tr)}".strip() if words else ""
+    return beside_previous(line, date.today(), tr) if line else ""

@@ -85,7 +85,7 @@ async def test_the_card_tells_how_a_participant_does(data: Path, catalogue: Cata
         assert driver.sees("Interrupted today after 0")
         await driver.press("down")
         assert driver.sees("Programme v1: 2 × 2 · goal 1.0 s · start level")
-        for row in ("Level 2 3", "Result (s) 0.40 0.40", "Played at level 3, up 1 in one day"):
+        for row in ("At goal >2 >3", "Reached 2/2 2/2", "Last session all too easy"):
             assert driver.sees(row)
         assert driver.sees("Today: 2 of 2 reached, pain 3, tired 4")
         assert driver.sees("pain 6")

@@ -1,5 +1,6 @@
-"""A session beside the last one that can be compared with it, in words."""
+"""A session that has just ended beside the earlier ones that can be compared with it, in words for its participant."""
 
+from collections.abc import Sequence
 from datetime import date, timedelta
 
 import pytest
@@ -7,9 +8,14 @@ import pytest
 from sar_tui.framework.language import Language
 from sar_tui.framework.parameters import build
 from sar_tui.framework.task import Task
-from sar_tui.progress.previous import beside_previous, earlier_sessions, kind_word
+from sar_tui.progress.lines import SessionResults, lines
+from sar_tui.progress.previous import beside_previous, line_with
 from sar_tui.progress.task_level import AttemptResult
+from sar_tui.reports.progress import progress
 from tests.progress.session_results import START, adapted, session
+
+KIND = "Some times go better than others, and that is all right."
+PRAISE = "That is better than your first times, and more than chance and practice. Well done."
 
 
 @pytest.fixture
@@ -17,69 +23,94 @@ def task(keyboard: type[Task]) -> Task:
     return keyboard(build(keyboard.Parameters, {}))
 
 
-def test_earlier_sessions_are_the_completed_ones_with_the_same_settings(task: Task) -> None:
+def alike(mean: float) -> list[AttemptResult]:
+    return [AttemptResult(3, mean, 20)] * 6
+
+
+def said(
+    earlier: Sequence[SessionResults], results: Sequence[AttemptResult], task: Task, today: date = date(2026, 3, 20)
+) -> str:
+    line = line_with(earlier, task, "now", results)
+    return beside_previous(line, today, task.tr) if line else ""
+
+
+def test_only_live_sessions_with_the_same_settings_before_this_one_are_on_its_line(task: Task) -> None:
     played = [
         session(0, adapted(0)),
-        session(1, adapted(1)),
         session(2, adapted(2), {"threshold": 900.0}),
-        session(3, adapted(3), status="ended early"),
         session(4, adapted(4), mode="simulated"),
         session(5, []),
         session(6, adapted(6)),
         session(7, adapted(7)),
     ]
-    found = earlier_sessions(played, task, before="session006")
-    assert [each.session for each in found] == ["session000", "session001"]
-    assert earlier_sessions(played[:1], task, before="session000") == []
-    assert earlier_sessions([], task) == []
+    line = line_with(played, task, "session006", adapted(6))
+    assert line is not None
+    assert [point.results.session for point in line.points] == ["session000", "session006"]
+    assert line_with(played[:1], task, "session000", adapted(0)) is None
+    assert line_with(played, task, "now", []) is None
 
 
-def test_today_and_an_earlier_day_are_told_in_seconds() -> None:
+def test_today_and_an_earlier_day_are_told_in_the_measure_of_the_line(task: Task) -> None:
     began = START.date()
-    earlier = session(0, [AttemptResult(1, 540.0, 20), AttemptResult(1, None, 0)])
+    earlier = [session(0, alike(540.0)), session(1, alike(200.0), on_day=0, status="aborted")]
 
-    def told(days: int, *results: AttemptResult) -> str:
-        return beside_previous(results, earlier, began + timedelta(days=days), Language())
+    def told(days: int) -> str:
+        return said(earlier, alike(480.0), task, began + timedelta(days=days)).removesuffix(f" {KIND}")
 
-    now = AttemptResult(1, 480.0, 20)
-    assert told(4, now) == "Today 0.48 seconds, Friday 0.54 seconds."
-    assert told(0, now) == "Today 0.48 seconds, earlier today 0.54 seconds."
-    assert told(1, now) == "Today 0.48 seconds, yesterday 0.54 seconds."
-    assert told(12, now) == "Today 0.48 seconds, 12 days ago 0.54 seconds."
-    harder = AttemptResult(2, 480.0, 20)
-    assert told(1, harder) == "Today 0.48 seconds at level 2, yesterday 0.54 seconds at level 1."
-    assert told(1, AttemptResult(1, None, 0)) == ""
+    assert told(4) == "Today 0.48 seconds, Friday 0.54 seconds."
+    assert told(0) == "Today 0.48 seconds, earlier today 0.54 seconds."
+    assert told(1) == "Today 0.48 seconds, yesterday 0.54 seconds."
+    assert told(12) == "Today 0.48 seconds, 12 days ago 0.54 seconds."
+    by_level = said([session(0, adapted(0, base=600.0))], adapted(1), task, began + timedelta(days=1))
+    assert by_level.startswith("Level at goal: today 3.")
+    assert ", yesterday 2." in by_level
 
 
 def test_the_words_are_also_spanish(task: Task) -> None:
-    spanish = type(task)(build(type(task).Parameters, {"language": "es"})).tr
-    earlier = session(0, [AttemptResult(1, 540.0, 20)])
-    said = beside_previous([AttemptResult(1, 480.0, 20)], earlier, date(2026, 3, 3), spanish)
-    assert said == "Hoy 0,48 segundos; el viernes, 0,54 segundos."
+    spanish = type(task)(build(type(task).Parameters, {"language": "es"}))
+    earlier = [session(0, alike(540.0))]
+    assert said(earlier, alike(480.0), spanish, date(2026, 3, 3)).startswith(
+        "Hoy 0,48 segundos; el viernes, 0,54 segundos. "
+    )
 
 
-def test_the_comparison_is_kind_in_both_directions() -> None:
-    earlier = [session(day, [AttemptResult(1, metric, 20)]) for day, metric in enumerate((541, 538, 542, 540, 540))]
-
-    def kind(level: int, metric: float | None) -> str:
-        return kind_word([AttemptResult(level, metric, 20)], earlier, Language())
-
-    assert kind(1, 480.0) == "That is more than chance. Well done."
-    assert kind(1, 700.0) == "Some times go better than others, and that is all right."
-    assert kind(1, 540.0) == kind(2, 700.0) == kind(1, None) == ""
+def test_the_verdict_is_that_of_the_line_and_its_words_are_kind_in_both_directions(task: Task) -> None:
+    means = (541.0, 538.0, 542.0, 540.0, 540.0)
+    earlier = [session(day, alike(mean)) for day, mean in enumerate(means)]
+    assert said(earlier, alike(480.0), task).endswith(PRAISE)
+    assert said(earlier, alike(700.0), task) == said(earlier, alike(541.0), task) == KIND
+    assert said(earlier, alike(540.0), task) == "Today 0.54 seconds, 17 days ago 0.54 seconds."
+    assert said(earlier[:3], alike(480.0), task).endswith(KIND), "the noise is not yet known"
 
 
-@pytest.mark.parametrize("before", [(540.0,), (600.0, 480.0, 550.0, 520.0, 540.0)], ids=["one session", "noise"])
-def test_a_session_that_is_better_by_chance_is_not_praised(before: tuple[float, ...]) -> None:
-    earlier = [session(day, [AttemptResult(1, metric, 20)]) for day, metric in enumerate(before)]
-    said = kind_word([AttemptResult(1, 480.0, 20)], earlier, Language())
-    assert said == "Some times go better than others, and that is all right."
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("base", [50.0, 450.0, 750.0])
+def test_a_participant_reads_no_other_verdict_than_a_therapist(
+    keyboard: type[Task], task: Task, base: float, seed: int
+) -> None:
+    earlier = [session(number, adapted(number + 9 * seed)) for number in range(6)]
+    now = adapted(100 + seed, base=base)
+    words = said(earlier, now, task)
+    found = progress("P01", [*earlier, session(9, now)], {"keyboard": keyboard}.get).lines[0]
+    assert words
+    assert words.endswith(PRAISE) == (found.verdict == "more")
+    last, previous = found.sessions[-1].value, found.sessions[-2].value
+    assert last is not None
+    assert previous is not None
+    assert words.startswith("Level at goal") == (last >= previous)
 
 
-def test_sessions_at_another_level_are_not_part_of_the_noise() -> None:
-    levels = (1, 2, 1, 2, 1, 2, 1, 2, 1)
-    earlier = [
-        session(day, [AttemptResult(level, 540.0 + day if level == 1 else 900.0, 20)])
-        for day, level in enumerate(levels)
-    ]
-    assert kind_word([AttemptResult(1, 480.0, 20)], earlier, Language()).endswith("Well done.")
+def test_a_session_that_was_all_too_easy_is_not_called_worse_after_a_worse_one(
+    keyboard: type[Task], task: Task
+) -> None:
+    earlier = [*(session(number, adapted(number)) for number in range(5)), session(5, adapted(5, base=750.0))]
+    (worse,) = lines(earlier, {"keyboard": keyboard}.get)
+    assert worse.verdict == "less"
+    line = line_with(earlier, task, "now", [AttemptResult(3, 400.0, 20)] * 12)
+    assert line is not None
+    assert line.verdict == "not yet known"
+    assert beside_previous(line, date(2026, 3, 20), Language()) == ""
+    hard = [AttemptResult(1, 1400.0, 20)] * 12
+    better = line_with([*earlier[:5], session(5, adapted(5, base=50.0))], task, "now", hard)
+    assert better is not None
+    assert better.verdict == "not yet known"

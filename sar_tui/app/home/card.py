@@ -66,16 +66,14 @@ class ParticipantCard(Vertical):
 
     def show(self, participant: str, title: str, found: "CardContents", offer: str) -> None:
         """Show the card of a participant."""
-        from sar_tui.app.home.words import progress_words
-
         self.border_title = f"{participant} · {title}"
         self._found = found
-        texts = {"progress": progress_words(found.past, found.others), "last": found.last}
+        texts = {"progress": found.progress, "last": found.last}
         self._write(texts | {"told": "\n".join(found.told), "offer": offer})
         for name, text in texts.items():
             self.query_one(f"#{name}-row").display = bool(text)
         self.query_one("#told").display = bool(found.told)
-        self.query_one(SessionChart).show(found.past, "" if found.last else _FIRST)
+        self.query_one(SessionChart).show(found.chart, "" if found.last else _FIRST)
         self._show_programme()
         self._shows_facts(True)
 

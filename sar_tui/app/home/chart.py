@@ -1,12 +1,17 @@
-"""A participant's sessions as a small chart: a bar for the level of each, its number and its result below."""
+"""A participant's comparable sessions as a small chart: a bar for the level at goal of each, and figures below."""
 
 from collections.abc import Sequence
 from datetime import date
+from typing import TYPE_CHECKING
 
+import msgspec
 from textual.content import Content
 from textual.widget import Widget
 
-from sar_tui.app.home.words import BARS, Past, day_words
+from sar_tui.app.home.words import BARS, day_words
+
+if TYPE_CHECKING:  # the empty screen is shown before it is loaded
+    from sar_tui.reports.progress import LineProgress, SessionProgress
 
 LABEL = 11
 """Columns of the labels at the left, on the chart as on the rest of the card."""
@@ -22,32 +27,84 @@ Row = tuple[str, str, bool]
 """Label, text, and True for a row of bars."""
 
 
-def draw(past: Sequence[Past], width: int, height: int) -> list[Row]:
-    """Return the rows of the chart, with as many of the newest sessions as there is room for.
+class Bar(msgspec.Struct, frozen=True):
+    """A session: its day, the height of its bar (0 to 1; more is better), its value, and the goals reached in it."""
 
-    The dates are left out if there are only three rows.
+    day: date
+    height: float
+    value: str
+    reached: str = ""
+
+
+class Chart(msgspec.Struct, frozen=True):
+    """Sessions, oldest first. ``label`` names their values."""
+
+    label: str = ""
+    bars: Sequence[Bar] = ()
+
+
+def charted(line: "LineProgress") -> Chart:
+    """Return the chart of a line: of the levels at goal, or of the mean results where the level never changed."""
+    from sar_tui.framework.results_for_people import metric_for_people
+
+    metric, factor = metric_for_people(line.metric)
+    is_result = line.measure == "result"
+    label = (f"Result ({metric.unit})" if metric.unit else "Result") if is_result else "At goal"
+    known = [each.at_goal.level for each in line.sessions if each.at_goal and each.at_goal.level]
+    highest = max([*known, _LEAST_TOP])
+    means = [each.mean for each in line.sessions if each.mean is not None]
+    bars = []
+    for each in line.sessions:
+        if not is_result:
+            height, value = _at_goal(line, each, highest)
+        elif each.mean is None:
+            height, value = 0.0, "?"
+        else:
+            height, value = _of_best(line, each.mean, means), f"{each.mean * factor:.{metric.decimals}f}"
+        reached = "" if each.reached is None else f"{each.reached}/{each.attempts}"
+        bars.append(Bar(date.fromisoformat(each.began[:10]), height, value, reached))
+    return Chart(label[: LABEL - 1], bars)
+
+
+def _at_goal(line: "LineProgress", session: "SessionProgress", highest: float) -> tuple[float, str]:
+    """Return the height and the level at goal of a session; it may be known only to lie above or below some level."""
+    if session.at_goal and session.at_goal.level:
+        return session.at_goal.level / highest, f"{session.at_goal.level:.1f}"
+    if session.at_goal and line.places:
+        is_above = session.at_goal.difficulty > line.places[-1]
+        return (1.0, f">{len(line.places)}") if is_above else (0.0, "<1")
+    levels = session.level_means
+    if session.side == "easier" and levels:
+        return 1.0, f">{max(levels)}"
+    return 0.0, f"<{min(levels)}" if session.side == "harder" and levels else "?"
+
+
+def _of_best(line: "LineProgress", mean: float, means: Sequence[float]) -> float:
+    """Return a mean result as a share of the best one; 0 where results are not all above zero."""
+    if min(means) <= 0:
+        return 0.0
+    return min(means) / mean if line.metric.better == "lower" else mean / max(means)
+
+
+def draw(chart: Chart, width: int, height: int) -> list[Row]:
+    """Return the rows of a chart, with as many of the newest sessions as there is room for.
+
+    The goals reached and the dates are left out if there are too few rows.
     """
     narrowest, widest = _COLUMNS
     room = max(narrowest, width - LABEL)
-    shown = [each for each in past if each.level is not None][-(room // narrowest) :]
+    shown = chart.bars[-(room // narrowest) :]
     if not shown:
         return []
     column = min(widest, room // max(len(shown), min(_SPREAD, room // narrowest)))
-    levels = [each.level or 0 for each in shown]
-    below = 3 if height > 3 else 2
-    rows = max(1, height - below)
-    top = max(*levels, _LEAST_TOP)
-    drawn: list[Row] = [
-        ("", _cells([_part(level / top, row, rows) * _BAR for level in levels], column), True) for row in range(rows)
-    ]
-    results = [each.result.partition(" ") for each in shown]
-    unit = results[-1][2]
-    drawn.append(("Level", _cells([str(level) for level in levels], column), False))
-    name = f"Result ({unit})" if unit else "Result"
-    drawn.append((name[: LABEL - 1], _cells([figure for figure, *_ in results], column), False))
-    if below == 3:
-        drawn.append(("", _cells([_short_day(each.day) for each in shown], column), False))
-    return drawn
+    below: list[Row] = [(chart.label, _cells([bar.value for bar in shown], column), False)]
+    if height > len(below) + 1 and any(bar.reached for bar in shown):
+        below.append(("Reached", _cells([bar.reached for bar in shown], column), False))
+    if height > len(below) + 1:
+        below.append(("", _cells([_short_day(bar.day) for bar in shown], column), False))
+    rows = max(1, height - len(below))
+    above = [_cells([_part(bar.height, row, rows) * _BAR for bar in shown], column) for row in range(rows)]
+    return [*(("", text, True) for text in above), *below]
 
 
 def _part(share: float, row: int, rows: int) -> str:
@@ -71,16 +128,16 @@ class SessionChart(Widget):
 
     def __init__(self, id: str | None = None) -> None:
         super().__init__(id=id)
-        self._past: Sequence[Past] = ()
+        self._chart = Chart()
         self._without = ""
 
-    def show(self, past: Sequence[Past], without: str) -> None:
-        """Show sessions; ``without`` any, these words."""
-        self._past, self._without = past, without
+    def show(self, chart: Chart, without: str) -> None:
+        """Show a chart; ``without`` any session, these words."""
+        self._chart, self._without = chart, without
         self.refresh()
 
     def render(self) -> Content:
-        rows = draw(self._past, self.size.width, self.size.height)
+        rows = draw(self._chart, self.size.width, self.size.height)
         if not rows:
             return Content(self._without)
         return Content("\n").join(

@@ -1,4 +1,4 @@
-"""Reads what the first screen shows of a participant. Only their newest sessions are looked at."""
+"""Reads what the first screen shows of a participant."""
 
 import sqlite3
 from collections.abc import Sequence
@@ -9,8 +9,9 @@ from statistics import fmean
 import msgspec
 
 from sar_tui.app.home import words
+from sar_tui.app.home.chart import Chart, charted
 from sar_tui.app.home.session_table import Line
-from sar_tui.app.home.words import Past, Programme
+from sar_tui.app.home.words import Programme
 from sar_tui.framework.declaration import ParameterError
 from sar_tui.framework.parameters import build, usable
 from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
@@ -19,7 +20,8 @@ from sar_tui.framework.results_for_people import short_goal
 from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
 from sar_tui.plugins import Catalogue, PluginError
-from sar_tui.progress.lines import Point, SessionResults, lines
+from sar_tui.progress.lines import SessionResults
+from sar_tui.reports.progress import progress
 from sar_tui.reports.wellbeing import advice, marks
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.start_level import LOOKED_AT, start_after
@@ -33,8 +35,8 @@ class CardContents(msgspec.Struct, frozen=True):
 
     Args:
         programme: of the next session; None if it does not fit, and ``problem`` says why.
-        past: the newest sessions that can be compared, oldest first.
-        others: number of sessions before them that had other settings.
+        chart: of the sessions that can be compared with the next one.
+        progress: the verdict on them.
         last: the last session.
         offer: of the newest session if it was interrupted.
         told: what the therapist should know.
@@ -42,8 +44,8 @@ class CardContents(msgspec.Struct, frozen=True):
 
     programme: Programme | None
     problem: str
-    past: Sequence[Past]
-    others: int
+    chart: Chart
+    progress: str
     last: str
     told: Sequence[str]
 
@@ -52,32 +54,22 @@ def read_card(
     database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str, kind: type[Task], today: date
 ) -> CardContents:
     """Return what a participant's card says of a task."""
-    played = results.newest_of(database, participant, kind.name, LOOKED_AT, folder=folder)
-    found = lines(played, {kind.name: kind}.get)
-    points = found[-1].points if found else ()
-    felt = wellbeing.by_session(database, [each.session for each in played[-1:]])
-
-    def past(point: Point) -> Past:
-        session = point.results
-        levels = [each.level for each in session.results]
-        return Past(
-            day=session.began.date(),
-            level=words.level_played(levels) if levels else None,
-            result="" if point.mean is None else words.short(session.metric, point.mean),
-            reached=session.reached,
-            attempts=len(session.results),
-            status=session.status,
-            felt=marks([row for row in felt.get(session.session, ()) if row["participant"] == participant]),
-        )
-
-    last = past(Point(played[-1], None, None, None)) if played else None
-    programme, problem = _programme(database, participant, kind, played)
+    every = results.sessions_of(database, participant, kind.name, folder=folder)
+    played = [each for each in every if each.mode == "live"]
+    found = progress(participant, played, {kind.name: kind}.get, today=today)
+    line = found.lines[-1] if found.lines else None
+    others = sum(bool(each.results) for each in played) - (len(line.sessions) if line else 0)
+    last = played[-1] if played else None
+    felt = wellbeing.by_session(database, [last.session]).get(last.session, ()) if last else ()
+    programme, problem = _programme(database, participant, kind, played[-LOOKED_AT:])
     return CardContents(
         programme=programme,
         problem=problem,
-        past=[past(point) for point in points],
-        others=sum(bool(each.results) for each in played) - len(points),
-        last=words.last_words(last, today) if last else "",
+        chart=charted(line) if line else Chart(),
+        progress=words.progress_words(line, others) if line else "",
+        last=words.last_words(last, marks([row for row in felt if row["participant"] == participant]), today)
+        if last
+        else "",
         told=advice(tell_therapist(wellbeing.newest_ratings(database, participant))),
     )
 

@@ -36,7 +36,7 @@ class HomeScreen(JoiningScreen, StartingScreen):
     help_text = (
         "Choose who trains; Enter, and Enter again starts. Type part of a code to find it. The right arrow leads to "
         "task, theme, START, sessions.\n"
-        "Played at level: the middle one of a session's second half. F4 estimates the level at goal.\n"
+        "At goal: the level at which this person would just reach the goal. F4 shows how well it is known.\n"
         "Enter resumes an interrupted session; Delete dismisses it, and takes that back. New participant shows "
         "everyone's sessions.\n"
     )

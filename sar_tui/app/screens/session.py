@@ -186,10 +186,10 @@ class SessionScreen(KeysScreen):
 
     def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
         """Add the last comparable session to the summary. Runs in a thread: it reads all of the person's sessions."""
-        from sar_tui.runs.previous import beside_last_session
+        from sar_tui.runs.previous import beside_earlier_sessions
 
         run = self._live.run
-        if words := beside_last_session(self.app.folder, run.session.task, run.id, attempts, self.tr):
+        if words := beside_earlier_sessions(self.app.folder, run.session.task, run.id, attempts, self.tr):
             self.app.call_from_thread(self.query_one(Summary).compare, words)
 
     def _broken(self, error: str) -> None:

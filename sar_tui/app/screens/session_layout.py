@@ -61,7 +61,7 @@ class LayoutScreen(AgentScreen):
             yield MessagePanel(id="message")
             yield BigPrompt(id="prompt", draw=self._live.view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, self._live.view.facts, id="summary")
+            yield Summary(session.task.metric, self._live.view.facts, for_participant=True, id="summary")
         yield from self.compose_agent()
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")

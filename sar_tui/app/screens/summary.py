@@ -1,6 +1,7 @@
-"""The summary of a session: metric and level over attempts, as text and as a plot (Figure 4.4 of the thesis)."""
+"""The summary of a session in words and as a plot: for its participant the goals reached, for others the results."""
 
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from rich.text import Text
@@ -21,22 +22,28 @@ _GAP = 3
 
 
 class Summary(Vertical):
-    """Results of a session, for the participant and the therapist beside them.
+    """Results of a session.
 
     Args:
         metric: the task's metric.
         more_facts: sentences that the task's view adds for one seat's attempts.
+        for_participant: True to plot the goals reached so far, a line that never falls: results get worse as the level
+            rises, so that a session that went well would look like a decline. Without a goal nothing is plotted.
+            False to plot results and levels over attempts (Figure 4.4 of the thesis).
     """
 
     def __init__(
         self,
         metric: Metric,
         more_facts: Callable[[Sequence[AttemptEnded]], Sequence[str]] = lambda _: (),
+        *,
+        for_participant: bool = False,
         id: str | None = None,
     ) -> None:
         super().__init__(id=id)
         self._metric = metric
         self._more_facts = more_facts
+        self._for_participant = for_participant
         self._attempts: tuple[Sequence[AttemptEnded], ...] = ()
         self._names: Sequence[str] = ()
 
@@ -118,15 +125,15 @@ class Summary(Vertical):
         """Return the legend of both participants' plots, which has no room beside either heading."""
         from sar_tui.reports.attempts_plot import legend
 
-        attempts = [attempt for each in self._attempts for attempt in each]
-        _, factor = axis(self._metric, language_of(self.app))
-        results = [self._result(attempt) for attempt in attempts]
-        return "  ".join(legend([_scaled(a.goal, factor) for a in attempts], results, language_of(self.app)))
+        results = [self._result(attempt) for each in self._attempts for attempt in each]
+        goals = [goal for each in self._attempts for goal in self._plotted(each)[1]]
+        return "  ".join(legend(goals, results, language_of(self.app)))
 
     def _result(self, attempt: AttemptEnded) -> "ResultName":
         from sar_tui.reports.attempt_results import result_name
 
-        return result_name(attempt.outcome, attempt.metric, attempt.goal, self._metric)
+        found = result_name(attempt.outcome, attempt.metric, attempt.goal, self._metric)
+        return "missed" if found == "no result" and self._for_participant else found
 
     def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
         """Return the lines of a plot, all ``width`` wide; none if there is nothing to draw, or no room.
@@ -136,28 +143,39 @@ class Summary(Vertical):
         from sar_tui.reports.attempts_plot import attempts_figure
 
         tr = language_of(self.app)
-        heading, factor = axis(self._metric, tr)
+        has_goals = any(attempt.outcome == "success" for each in self._attempts for attempt in each)
         if not attempts or self._metric.is_none or width < 20 or height < 6:
             return []
+        if self._for_participant and not has_goals:
+            return []
+        values, goals = self._plotted(attempts)
+        shown = [self._plotted(each) for each in self._attempts]
         figure = attempts_figure(
             [a.level for a in attempts],
-            [_scaled(a.metric, factor) for a in attempts],
-            metric=heading,
-            goals=[_scaled(a.goal, factor) for a in attempts],
+            values,
+            metric=tr("goals reached") if self._for_participant else axis(self._metric, tr)[0],
+            goals=goals,
             width=width - _GAP if len(self._attempts) > 1 else width,
             height=height,
             color=False,
             results=[self._result(attempt) for attempt in attempts],
             beside=[
-                _scaled(value, factor)
-                for each in self._attempts
-                for a in each
-                for value in ((a.metric, a.goal) if a.goal is not None else (a.metric,))
+                *(value for own, _ in shown for value in own),
+                *(goal for _, own in shown for goal in own if goal is not None),
             ],
             has_legend=len(self._attempts) == 1,
+            has_bars=not self._for_participant,
             tr=tr,
         )
         return [line.ljust(width) for line in figure.splitlines()]
+
+    def _plotted(self, attempts: Sequence[AttemptEnded]) -> tuple[list[float | None], list[float | None]]:
+        """Return the plotted values of attempts, and their goals, as people read them."""
+        if self._for_participant:
+            reached = accumulate(float(attempt.outcome == "success") for attempt in attempts)
+            return list(reached), [None] * len(attempts)
+        _, factor = axis(self._metric, language_of(self.app))
+        return [_scaled(a.metric, factor) for a in attempts], [_scaled(a.goal, factor) for a in attempts]
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

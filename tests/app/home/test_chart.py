@@ -1,29 +1,37 @@
 """The small chart of a participant's sessions."""
 
+from collections.abc import Sequence
 from datetime import date, timedelta
 
-from sar_tui.app.home.chart import draw
-from sar_tui.app.home.words import Past
+from sar_tui.app.home.chart import Bar, Chart, charted, draw
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
+from sar_tui.progress.lines import SessionResults
+from sar_tui.progress.task_level import AttemptResult
+from sar_tui.reports.progress import progress
+from tests.progress.session_results import adapted, at_one_level, session
 
 
-def past(*levels: int | None) -> list[Past]:
+def chart(*levels: float) -> Chart:
     began = date(2026, 11, 3)
-    return [
-        Past(began + timedelta(days=2 * number), level, result="0.95 s", reached=1, attempts=1)
-        for number, level in enumerate(levels)
-    ]
+    bars = [Bar(began + timedelta(days=2 * n), level / 4, f"{level:.1f}", "12/20") for n, level in enumerate(levels)]
+    return Chart("At goal", bars)
 
 
-def test_the_smallest_chart_has_bars_levels_and_results() -> None:
-    assert draw(past(1, 2, 4), 39, 3) == [
+def drawn_of(keyboard: type[Task], *sessions: SessionResults) -> Chart:
+    return charted(progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1])
+
+
+def test_the_smallest_chart_has_bars_levels_and_goals() -> None:
+    assert draw(chart(1, 2, 4), 39, 3) == [
         ("", "  ▂▂▂    ▄▄▄    ███", True),
-        ("Level", "   1      2      4", False),
-        ("Result (s)", " 0.95   0.95   0.95", False),
+        ("At goal", "  1.0    2.0    4.0", False),
+        ("Reached", " 12/20  12/20  12/20", False),
     ]
 
 
 def test_more_room_adds_dates_and_higher_bars() -> None:
-    drawn = draw(past(1, 2, 4), 39, 6)
+    drawn = draw(chart(1, 2, 4), 39, 6)
     assert [text for _, text, is_bar in drawn if is_bar] == [
         "                ███",
         "         ▄▄▄    ███",
@@ -33,10 +41,36 @@ def test_more_room_adds_dates_and_higher_bars() -> None:
 
 
 def test_the_newest_sessions_are_drawn_as_far_as_there_is_room() -> None:
-    drawn = {label: text for label, text, _ in draw(past(*range(1, 30)), 39, 3)}
-    assert drawn["Level"].split() == ["26", "27", "28", "29"]
+    drawn = {label: text for label, text, _ in draw(chart(*range(1, 30)), 39, 3)}
+    assert drawn["At goal"].split() == ["26.0", "27.0", "28.0", "29.0"]
 
 
-def test_sessions_without_an_attempt_are_left_out() -> None:
-    assert draw(past(None), 39, 6) == []
-    assert {label: text for label, text, _ in draw(past(2, None), 39, 6)}["Level"].split() == ["2"]
+def test_without_sessions_there_is_no_chart() -> None:
+    assert draw(Chart(), 39, 6) == []
+
+
+def test_the_levels_are_those_at_goal_and_a_session_that_was_all_too_easy_is_above_all_others(
+    keyboard: type[Task],
+) -> None:
+    hard = session(3, [AttemptResult(1, 1400.0, 20), AttemptResult(2, 1500.0, 20)])
+    found = drawn_of(keyboard, session(0, adapted(0)), session(1, adapted(1)), session(2, at_one_level(2, 400.0)), hard)
+    assert found.label == "At goal"
+    assert [bar.value for bar in found.bars] == ["3.3", "3.3", ">3", "<1"]
+    assert [bar.height == max(each.height for each in found.bars) for bar in found.bars] == [False, False, True, False]
+
+
+def test_without_goals_reached_their_row_is_left_out(keyboard: type[Task]) -> None:
+    rows = draw(drawn_of(keyboard, session(0, adapted(0), reached=None)), 39, 6)
+    assert [label for label, _, is_bar in rows if not is_bar] == ["At goal", ""]
+
+
+def test_at_one_level_a_better_result_has_a_higher_bar_whichever_way_is_better(keyboard: type[Task]) -> None:
+    def heights(means: Sequence[float], metric: Metric) -> list[float]:
+        played = [session(n, [AttemptResult(3, mean, 20)] * 6, metric=metric) for n, mean in enumerate(means)]
+        found = drawn_of(keyboard, *played)
+        assert found.label.startswith("Result")
+        return [round(bar.height, 2) for bar in found.bars]
+
+    assert heights([800.0, 400.0], Metric("reaction_time", "ms", "lower")) == [0.5, 1.0]
+    assert heights([8.0, 4.0], Metric("taps", "taps", "higher")) == [1.0, 0.5]
+    assert heights([8.0, -4.0], Metric("effect", "ms", "lower")) == [0.0, 0.0]

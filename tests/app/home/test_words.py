@@ -1,34 +1,34 @@
 """The texts of a participant's card."""
 
-from datetime import date, timedelta
+from collections.abc import Sequence
+from datetime import UTC, date, datetime
 
 import pytest
 
 from sar_tui.app.home.words import (
-    Past,
     Programme,
     bars,
     day_words,
     last_words,
-    level_played,
     offer_words,
     programme_words,
     progress_words,
     short,
-    span_words,
     waits_words,
 )
+from sar_tui.framework.language import Language
 from sar_tui.framework.results_for_people import short_goal
+from sar_tui.framework.task import Task
 from sar_tui.framework.trial_types import Metric
+from sar_tui.progress.lines import SessionResults
+from sar_tui.progress.task_level import AttemptResult
+from sar_tui.reports import progress_words as report_words
+from sar_tui.reports.progress import progress
+from tests.progress.session_results import adapted, at_one_level, session
 
 TODAY = date(2026, 11, 22)
 TIME = Metric("reaction_time", "ms", "lower")
 TAPS = Metric("taps", "taps", "higher")
-
-
-def past(days_ago: int, level: int | None, **more: object) -> Past:
-    played = {"result": "0.95 s", "reached": 12, "attempts": 20} | more
-    return Past(TODAY - timedelta(days=days_ago), level, **played)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -44,15 +44,6 @@ def test_a_date_is_said_as_people_say_it(day: date, said: str) -> None:
     assert day_words(day, TODAY) == said
 
 
-def test_a_length_of_time_has_one_unit() -> None:
-    assert [span_words(days) for days in (1, 9, 14, 45, 90)] == ["1 day", "9 days", "2 weeks", "6 weeks", "3 months"]
-
-
-@pytest.mark.parametrize(("levels", "level"), [([1], 1), ([1, 2, 3, 4], 3), ([1, 2, 3, 4, 5, 4, 5, 4], 4), ([4, 5], 5)])
-def test_a_session_was_played_at_the_middle_level_of_its_second_half(levels: list[int], level: int) -> None:
-    assert level_played(levels) == level
-
-
 def test_people_read_seconds_and_other_units_as_they_are() -> None:
     assert (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850)) == ("0.95 s", "1.0 s", "0.85 s")
     assert (short(TAPS, 12), short_goal(TAPS, 12)) == ("12 taps", "12 taps")
@@ -66,32 +57,42 @@ def test_a_programme_is_said_in_a_line_that_fits() -> None:
     assert programme_words(never_saved, is_roomy=True) == "none saved: 1 attempt of 1 · start level 1"
 
 
-@pytest.mark.parametrize(
-    ("levels", "said"),
-    [
-        ([], ""),
-        ([2], "Played at level 2"),
-        ([1, 2, 2, 4], "Played at level 4, up 3 in 2 weeks; up to 7 by chance"),
-        ([1, 3, 3, 3, 4], "Played at level 4, up 3 in 2 weeks; up to 1 by chance"),
-        ([4, 2], "Played at level 2, down 2 in 2 weeks; chance not known yet"),
-        ([3, 4, 3], "Played at level 3, as before in 2 weeks"),
-    ],
-)
-def test_progress_is_the_change_of_the_level(levels: list[int], said: str) -> None:
-    ago = [14] * (len(levels) - 1) + [0] if len(levels) > 1 else [0]
-    assert progress_words([past(days, level) for days, level in zip(ago, levels, strict=False)], 0) == said
+@pytest.mark.parametrize("base", [50.0, 450.0, 750.0])
+def test_the_card_and_the_note_give_one_verdict(keyboard: type[Task], base: float) -> None:
+    played = [*(session(number, adapted(number)) for number in range(5)), session(9, adapted(9, base=base))]
+    (line,) = progress("P01", played, {"keyboard": keyboard}.get).lines
+    note = report_words.note("P01", line, Language())
+    card, sentence = {
+        50.0: ("better than noise and practice explain", "is better than that: a change that noise and practice do"),
+        450.0: ("no change can be shown", "no change can be shown"),
+        750.0: ("worse than noise explains", "is worse than that: a change that noise does not"),
+    }[base]
+    assert sentence in note
+    assert line.sessions[-1].at_goal is not None
+    assert progress_words(line, 0) == f"Level {line.sessions[-1].at_goal.level:.1f} at goal: {card}"
+    assert progress_words(line, 5).endswith(f"{card} (5 with other settings)")
 
 
-def test_sessions_with_other_settings_are_named_and_not_compared() -> None:
-    said = progress_words([past(3, 2), past(3, None), past(0, 4)], others=5)
-    assert said == "Played at level 4, up 2 in 3 days; chance not known yet (5 earlier with other settings)"
+def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> None:
+    played = [session(number, adapted(number)) for number in range(5)]
+    easy = [session(9, at_one_level(9, 400.0))]
+
+    def said(sessions: Sequence[SessionResults]) -> str:
+        return progress_words(progress("P01", sessions, {"keyboard": keyboard}.get).lines[-1], 0)
+
+    assert said(played[:3]).endswith("at goal: change not yet known")
+    assert said([*played, *easy]) == (
+        "Last session all too easy. 2026-03-03: Level 3.2 at goal, no change can be shown"
+    )
+    assert said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])]) == "Last session all too easy"
+    assert said(easy) == "Mean 0.41 s at level 3: change not yet known"
 
 
 def test_the_last_session_is_a_sentence() -> None:
-    assert last_words(past(5, 4, felt="tired 3"), TODAY) == "Tue 17 Nov: 12 of 20 reached, tired 3"
-    assert last_words(past(1, None, attempts=0, status="aborted"), TODAY) == (
-        "Yesterday: no attempt was finished, ended early"
-    )
+    last = session(0, at_one_level(0, 900.0), began=datetime(2026, 11, 17, 10, tzinfo=UTC), reached=7)
+    assert last_words(last, "tired 3", TODAY) == "Tue 17 Nov: 7 of 12 reached, tired 3"
+    nothing = session(0, [], began=datetime(2026, 11, 21, 10, tzinfo=UTC), status="aborted")
+    assert last_words(nothing, "", TODAY) == "Yesterday: no attempt was finished, ended early"
 
 
 def test_an_interrupted_session_is_offered_with_its_keys() -> None:

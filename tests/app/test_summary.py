@@ -1,0 +1,104 @@
+"""The summary of a session: its plot never falls for the participant, and it may be removed before it is drawn."""
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from pathlib import Path
+
+import pytest
+from textual.widgets import Static
+
+from sar_tui.app.screens.summary import Summary
+from sar_tui.framework.messages import AttemptEnded
+from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Metric
+from sar_tui.plugins import Catalogue
+from sar_tui.store import sessions
+from tests.app.app_driver import open_app, plan
+
+TIME = Metric("reaction_time", "ms", "lower")
+
+
+def attempts(*played: tuple[int, float | None, bool]) -> list[AttemptEnded]:
+    """Return attempts of a level, with a result, that reached the goal or did not."""
+    return [
+        AttemptEnded(
+            attempt=number, practice=False, level=level, metric=metric, metric_unit="ms", accuracy=1.0, correct=5,
+            trials=5, goal=1000.0, outcome="success" if reached else "failure", feedback="none", started=0, ended=0,
+        )
+        for number, (level, metric, reached) in enumerate(played, 1)
+    ]  # fmt: skip
+
+
+GOOD_DAY = attempts((1, 400.0, True), (2, 600.0, True), (3, 800.0, True), (4, 950.0, True), (5, 1100.0, False))
+
+
+Plot = Callable[[Sequence[AttemptEnded], bool], Awaitable[list[str]]]
+
+
+@pytest.fixture
+async def plot(data: Path, catalogue: Catalogue) -> AsyncIterator[Plot]:
+    """Return the lines of a summary's plot, for its participant or for others."""
+    async with open_app(data, catalogue) as driver:
+
+        async def drawn(played: Sequence[AttemptEnded], for_participant: bool) -> list[str]:
+            summary = Summary(TIME, for_participant=for_participant)
+            await driver.app.screen.mount(summary)
+            summary.styles.height, summary.styles.width = 20, 80
+            summary.query_one("#plot").styles.height = 15
+            summary.show(played)
+            await driver.settle()
+            return str(summary.query_one("#plot", Static).content).splitlines()
+
+        yield drawn
+
+
+def heights(lines: Sequence[str]) -> list[int]:
+    """Return the rows of the markers in the plot, from left to right; the lowest is 0."""
+    plot = lines[1 : next(row for row, line in enumerate(lines) if "└" in line)]
+    places = [(column, row) for row, line in enumerate(plot) for column, char in enumerate(line) if char in "●○"]
+    return [len(plot) - row for _, row in sorted(places)]
+
+
+async def test_a_day_on_which_the_level_rose_and_results_got_slower_is_not_drawn_as_a_fall(plot: Plot) -> None:
+    lines = await plot(GOOD_DAY, True)
+    shown = heights(lines)
+    assert len(shown) == 5
+    assert shown == sorted(shown)
+    assert lines[0].startswith("goals reached")
+    assert not any("▁" <= char <= "█" for line in lines for char in line), "no bar falls either"
+    assert next(line for line in lines if line.startswith("level")).split() == ["level", *"12345"]
+
+
+async def test_results_that_get_faster_are_not_drawn_as_a_fall_and_what_was_not_reached_keeps_the_height(
+    plot: Plot,
+) -> None:
+    played = attempts((3, 1400.0, False), (2, 1200.0, False), (1, 900.0, True), (1, 800.0, True), (1, None, False))
+    shown = heights(await plot(played, True))
+    assert shown == sorted(shown)
+    assert shown[0] == shown[1]
+    assert shown[3] == shown[4]
+
+
+@pytest.mark.parametrize("played", [attempts((1, 1400.0, False)), attempts((1, None, False), (1, None, False))])
+async def test_where_no_goal_was_reached_nothing_is_drawn(plot: Plot, played: list[AttemptEnded]) -> None:
+    assert await plot(played, True) == []
+
+
+async def test_a_therapist_sees_results_and_levels_over_attempts(plot: Plot) -> None:
+    lines = await plot([*GOOD_DAY, *attempts((5, 900.0, False))], False)
+    assert lines[0].startswith("reaction time (s)")
+    assert "◇ inaccurate" in lines[0], "fast enough, but too few were right"
+    assert any("█" in line for line in lines)
+
+
+async def test_a_summary_without_its_parts_draws_nothing(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.do_session()
+        summary = driver.app.screen.query_one(Summary)
+        rows = sessions.rows(driver.app.database, "attempts", driver.session_id)
+        summary.show([sessions.attempt_ended(row) for row in rows])  # asks to be drawn after the next refresh
+        await summary.query_one("#plot", Static).remove()
+        await driver.settle()
+        summary.on_resize()
+        assert driver.app.is_running
