@@ -169,7 +169,8 @@ class BeginningApp(PatientModeApp):
 
         resuming = ResumingScreen()
         self.push_screen(resuming)
-        resuming.call_after_refresh(self._enter_session, session_id, resuming=resuming)
+        enter = functools.partial(self._enter_session, session_id, resuming=resuming)
+        resuming.call_after_refresh(self.call_later, enter)
 
     def _enter_session(
         self,

@@ -18,9 +18,9 @@ async def test_the_progress_of_a_long_replay_is_painted(
     painted: list[str] = []
     paint = resuming.paint_now
 
-    def watched(widget: Widget) -> None:
+    def watched(widget: Widget, *, in_place: bool) -> None:
         painted.append(str(widget.render()))
-        paint(widget)
+        paint(widget, in_place=in_place)
 
     monkeypatch.setattr(resuming, "paint_now", watched)
     monkeypatch.setattr(resuming, "_SHOWN_AFTER_S", seconds)

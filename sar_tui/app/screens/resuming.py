@@ -45,4 +45,4 @@ class ResumingScreen(ModalScreen[None]):
         line.update(
             tr("The session goes on where it stopped: {share} %", share=str(100 * done // max(1, of))), layout=False
         )
-        paint_now(line)
+        paint_now(line, in_place=True)
