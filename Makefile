@@ -1,25 +1,38 @@
-# `make run` and `make test` set up all they need in .venv; nothing is installed outside it.
+# `make run` sets up what the program needs in .venv, and `make test` what developers need besides; nothing is installed
+# outside it.
 
 PYTHON ?= python3
 BIN := .venv/bin
+comma := ,
+
+# An environment for developers has all that the program needs, and is kept up to date as a whole.
+PROGRAM := $(or $(wildcard .venv/ready),.venv/program)
 
 .PHONY: run demo test test-all coverage lint bench clean
 
-.venv/ready: pyproject.toml
+# $(call install,EXTRAS,HOW LONG)
+define install
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "sar-tui needs Python 3.11 or newer; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
-	@echo "Setting up .venv: this takes about a minute, once."
+	@echo "Setting up .venv: this takes $(2), once."
 	@echo "1/2 Making a virtual environment."
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { echo "Python cannot make a virtual environment; on Debian and Ubuntu: sudo apt install python3-venv"; exit 1; }
 	@echo "2/2 Installing sar-tui and the libraries it needs:"
-	@{ $(BIN)/python -u -m pip install --disable-pip-version-check --progress-bar off --editable '.[dev]'; echo $$? > .venv/status; } | \
+	@{ $(BIN)/python -u -m pip install --disable-pip-version-check --progress-bar off --editable '.[$(1)]'; echo $$? > .venv/status; } | \
 		awk '/^Collecting / { printf "%s ", $$2; fflush() } /^Installing collected/ { printf "\nAll downloaded; installing.\n"; fflush() }'
 	@test "$$(cat .venv/status)" = 0 || { echo "The libraries could not be installed; see the reason above. Try again with: make $(MAKECMDGOALS)"; exit 1; }
 	@touch $@
+endef
 
-run: .venv/ready  ## the app, with its data in data/
+.venv/program: pyproject.toml
+	$(call install,link$(comma)serve,half a minute)
+
+.venv/ready: pyproject.toml
+	$(call install,dev,about two minutes)
+
+run: $(PROGRAM)  ## the app, with its data in data/
 	@SAR_TUI_DATA=$${SAR_TUI_DATA:-data} $(BIN)/sar-tui
 
-demo: .venv/ready  ## a session by a simulated participant; needs no terminal
+demo: $(PROGRAM)  ## a session by a simulated participant; needs no terminal
 	@folder=$$(mktemp -d) && $(BIN)/sar-tui simulate keyboard --user average --seed 1 --data $$folder && $(BIN)/sar-tui show last --data $$folder; status=$$?; rm -rf "$$folder"; exit $$status
 
 # Six workers keep two cores busy: many tests wait for a program that they have started.
