@@ -16,7 +16,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.task_pictures import picture_file
 from sar_tui.framework.trial_types import Situation
 from sar_tui.plugins import task_folder
-from sar_tui.widgets.prompt_pictures import MISSING, decode_problem
+from sar_tui.widgets.prompt_pictures import decode_problem, no_package
 
 PROMPTS = 500
 """At most this many prompts of a task are looked at."""
@@ -67,7 +67,7 @@ def picture_problems(prompts: Iterable[Shown], folder: Path) -> list[str]:
     """Return a sentence for each picture of prompts that is missing or cannot be read, or for the missing extra."""
     names = _named(prompt.picture for prompt in prompts)
     if names and not has_pictures_extra():
-        return [MISSING]
+        return [no_package()]
     return [problem for name in names if (problem := _picture_problem(folder, name))]
 
 

@@ -11,6 +11,7 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.session_choice import Link
 from sar_tui.drivers import child_process
+from sar_tui.drivers.installation import pip_install_extra
 
 _UNENCRYPTED = (
     "Others on the network can reach this and read along: it is not encrypted. Use an SSH tunnel instead of --host, "
@@ -81,7 +82,7 @@ def serve(
         from sar_tui.serve import address, runner, server, token
     except ImportError as error:
         raise Refused(
-            f"Serving to a browser needs the package {error.name}. Install it with: pip install 'sar-tui[serve]'"
+            f"Serving to a browser needs the package {error.name}. Install it with: {pip_install_extra('serve')}"
         ) from error
     try:
         secret = token.load_or_create_token(token_file) if token_file else token.new_token()

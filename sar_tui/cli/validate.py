@@ -158,9 +158,9 @@ def _store_page(
     write_private(folder / _WHOLE, page(title, reports, notes))
     lacking = any(report.chart and not (folder / f"{name}.svg").exists() for name, (_, report) in reports.items())
     if lacking:
-        from sar_tui.reports.html_page import NO_PACKAGE
+        from sar_tui.reports.html_page import no_package
 
-        console(error=True).print(f"! {NO_PACKAGE} Everything but NAME.svg is written.", soft_wrap=True)
+        console(error=True).print(f"! {no_package()}. Everything but NAME.svg is written.", soft_wrap=True)
 
 
 def _show_session(home: Home, name: str, to: Path | None, as_json: bool) -> None:

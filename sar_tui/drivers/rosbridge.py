@@ -9,9 +9,10 @@ from urllib.parse import parse_qsl, urlsplit
 
 from msgspec import Meta
 
+from sar_tui.drivers.installation import pip_install_extra
+
 PORT = 9090
 """Default port of a rosbridge server."""
-NO_PACKAGE = "The Python package roslibpy is missing; install it with: pip install 'sar-tui[ros]'"
 
 TopicName = Annotated[str, Meta(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
 """Full name of a ROS topic: ``/robot/speech``."""
@@ -132,7 +133,7 @@ class Bridge:
 
             make = select_factory("asyncio")
         except ImportError:
-            self._refuse(NO_PACKAGE)
+            self._refuse(no_package())
         except RuntimeError as error:
             self._refuse(f"The connection to ROS cannot be made: {error}")
         else:
@@ -190,3 +191,8 @@ def _silence(*names: str) -> None:
         logger = logging.getLogger(name)
         if not logger.handlers:
             logger.addHandler(logging.NullHandler())
+
+
+def no_package() -> str:
+    """Return the sentence that says how to install roslibpy."""
+    return f"The Python package roslibpy is missing; install it with: {pip_install_extra('ros')}"

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any, Literal, NamedTuple
 from urllib.parse import urlsplit
 
+from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
 from sar_tui.framework.clock import host_now
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
@@ -21,8 +22,10 @@ NO_GYROSCOPE = ("1041", "1043", "1049")
 SERVER_PORT = 5661
 """Default port of a Phidget network server."""
 
-NO_PACKAGE = "The Python package Phidget22 is missing; install it with: pip install phidget22"
-NO_LIBRARY = "The sensor's driver cannot be loaded ({}); install it with: pip install phidget22 libusb-package"
+NO_PACKAGE = "The Python package Phidget22 is missing; install it with: " + pip_install("phidget22")
+NO_LIBRARY = (
+    f"The sensor's driver cannot be loaded ({{}}); install it with: {pip_install('phidget22', 'libusb-package')}"
+)
 NO_PERMISSION = (
     "A sensor is plugged in, but this computer does not let you use it: write the line "
     f"{UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug the sensor, and plug it in again."

@@ -1,12 +1,16 @@
 """The error that commands print when a link cannot be made or used."""
 
-NO_PACKAGES = (
-    "The link needs Python packages that are not installed here. Install them with: pip install 'sar-tui[link]'"
-)
+from sar_tui.drivers.installation import pip_install_extra
 
 
 class LinkError(Exception):
     """A link cannot be made or used as asked; the message is one or two clear sentences."""
+
+
+def no_packages() -> str:
+    """Return the sentence that says how to install the extra ``link``."""
+    how = pip_install_extra("link")
+    return f"The link needs Python packages that are not installed here. Install them with: {how}"
 
 
 def need_packages() -> None:
@@ -14,4 +18,4 @@ def need_packages() -> None:
     from importlib.util import find_spec
 
     if find_spec("zenoh") is None or find_spec("cryptography") is None:
-        raise LinkError(NO_PACKAGES)
+        raise LinkError(no_packages())

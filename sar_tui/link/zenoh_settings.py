@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 
 from sar_tui.framework.messages import Role
-from sar_tui.link.errors import NO_PACKAGES, LinkError
+from sar_tui.link.errors import LinkError, no_packages
 
 if TYPE_CHECKING:
     import zenoh
@@ -206,7 +206,7 @@ def config(settings: str) -> "zenoh.Config":
     try:
         import zenoh
     except ImportError:
-        raise LinkError(NO_PACKAGES) from None
+        raise LinkError(no_packages()) from None
     return zenoh.Config.from_json5(settings)
 
 

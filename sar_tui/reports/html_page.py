@@ -4,7 +4,8 @@ from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from typing import Any
 
-NO_PACKAGE = "The charts need the Python package vl-convert-python. Install it with: pip install 'sar-tui[report]'."
+from sar_tui.drivers.installation import pip_install_extra
+
 _STYLE = """
 body { font: 15px/1.5 sans-serif; color: #111; background: #fff; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
@@ -18,6 +19,12 @@ pre { font-size: 1rem; line-height: 1.6; }
 .foot { font-size: .85rem; color: #333; margin-top: 2rem; }
 @media print { body { margin: 0; max-width: none; } figure, table, tr { break-inside: avoid; } }
 """
+
+
+def no_package() -> str:
+    """Return the sentence that says how to install what draws charts."""
+    how = pip_install_extra("report")
+    return f"The charts need the Python package vl-convert-python. Install it with: {how}"
 
 
 class ChartsMissing(Exception):
@@ -73,5 +80,5 @@ def drawn(spec: dict[str, Any]) -> str:
     try:
         import vl_convert
     except ImportError:
-        raise ChartsMissing(NO_PACKAGE) from None
+        raise ChartsMissing(no_package()) from None
     return str(vl_convert.vegalite_to_svg(spec))

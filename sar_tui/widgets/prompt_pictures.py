@@ -19,11 +19,11 @@ from rich.control import Control
 from rich.segment import ControlType, Segment
 from rich.style import Style
 
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.framework.task_pictures import picture_file
 
 Way = Literal["kitty", "sixel", "half blocks", "blocks"]
 """Ways to draw pictures. ``blocks``: whole cells, for the Linux console, whose font has no half blocks."""
-MISSING = "Pictures need the extra images: pip install 'sar-tui[images]'."
 Pixel = tuple[int, int, int]
 _CHUNK = 4096
 """Longest part of a picture in one of kitty's commands."""
@@ -232,3 +232,8 @@ def find_way(environ: Mapping[str, str] = os.environ) -> Way | None:
         return "half blocks"
     _cell_size()  # asks the terminal, once
     return way
+
+
+def no_package() -> str:
+    """Return the sentence that says how to install what shows pictures."""
+    return f"Pictures need the extra images: {pip_install_extra('images')}"

@@ -16,7 +16,7 @@ from sar_tui.framework.topics import PROMPT
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from sar_tui.widgets.big_prompt import BigPrompt
-from sar_tui.widgets.prompt_pictures import MISSING
+from sar_tui.widgets.prompt_pictures import no_package
 from tests.app.app_driver import AppDriver, open_app
 from tests.documented import write_documented
 
@@ -151,7 +151,7 @@ async def test_a_session_does_not_begin_without_its_pictures(
     (naming / "pictures" / "banana.png").unlink()
     assert await refusal(data, naming) == f"There is no picture pictures/banana.png in {naming}."
     monkeypatch.setattr("sar_tui.app.prompt_needs.has_pictures_extra", lambda: False)
-    assert await refusal(data, naming) == MISSING
+    assert await refusal(data, naming) == no_package()
 
 
 async def test_a_session_does_not_begin_with_a_picture_from_elsewhere(data: Path, naming: Path) -> None:

@@ -141,4 +141,4 @@ def test_missing_packages_are_reported(call: Call, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     called = invited(call)
     assert called.code == 2
-    assert called.err.strip() == errors.NO_PACKAGES
+    assert called.err.strip() == errors.no_packages()

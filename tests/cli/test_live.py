@@ -313,4 +313,4 @@ def test_without_the_packages_of_the_link_it_is_reported_what_to_install(
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     called = call("run", "keyboard", "-p", "P01", "--operator")
     assert (called.code, opened) == (1, [])
-    assert "pip install 'sar-tui[link]'" in called.err
+    assert "pip install -e '.[link]'" in called.err

@@ -90,7 +90,7 @@ def test_a_missing_package_is_named_before_the_screen_changes(
     )
     called = call(*RUN, "--markers", address)
     assert (called.code, opened) == (1, [])
-    assert f'pip install "sar-tui[{extra}]"' in called.err
+    assert f"pip install -e '.[{extra}]'" in called.err
 
 
 def test_test_markers_are_sent(call: Call) -> None:

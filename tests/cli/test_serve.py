@@ -18,7 +18,7 @@ from sar_tui.cli.common import Home
 from sar_tui.cli.serve import _program
 from sar_tui.link import discovery, errors, invitation
 from sar_tui.link.discovery import JoinableSession
-from sar_tui.link.errors import NO_PACKAGES, LinkError
+from sar_tui.link.errors import LinkError, no_packages
 from tests.link.tls_fixtures import invite_guests
 from tests.program import Call
 
@@ -140,15 +140,15 @@ def test_missing_extra_is_reported(call: Call, monkeypatch: pytest.MonkeyPatch, 
     monkeypatch.setitem(sys.modules, missing, None)
     called = call("serve", "observer")
     assert called.code == 2
-    assert "pip install 'sar-tui[serve]'" in called.err
+    assert "pip install -e '.[serve]'" in called.err
 
 
 def test_missing_link_packages_are_reported(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing() -> None:
-        raise LinkError(NO_PACKAGES)
+        raise LinkError(no_packages())
 
     monkeypatch.setattr(errors, "need_packages", missing)
-    assert call("serve", "operator", "--port", 0) == (2, "", f"{NO_PACKAGES}\n")
+    assert call("serve", "operator", "--port", 0) == (2, "", f"{no_packages()}\n")
 
 
 def test_name_of_an_operator(call: Call, tmp_path: Path) -> None:

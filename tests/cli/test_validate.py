@@ -209,7 +209,7 @@ def test_without_the_package_for_figures_all_else_is_written_and_the_page_draws_
     folder = tmp_path / "report"
     called = call("validate", "--only", "figure-4.8", "--to", folder)
     assert called.code == 0
-    assert called.err.count("pip install 'sar-tui[report]'") == 1
+    assert called.err.count("pip install -e '.[report]'") == 1
     assert {path.name for path in folder.iterdir()} == {"figure-4.8.csv", "figure-4.8.txt", "validation.html"}
     assert "rad/s about z over s" in (folder / "validation.html").read_text(encoding="utf-8")
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers import rosbridge
-from sar_tui.drivers.rosbridge import NO_PACKAGE, Address, AddressError, Bridge, parse
+from sar_tui.drivers.rosbridge import Address, AddressError, Bridge, no_package, parse
 from tests.fake_rosbridge import RosBridge, hide_roslibpy, ros_bridge, wait_until
 
 STRING = "std_msgs/String"
@@ -254,7 +254,7 @@ def test_a_missing_package_is_reported_with_how_to_install_it(monkeypatch: pytes
     hide_roslibpy(monkeypatch)
     caller = Caller(9090)
     wait_until(lambda: caller.changes == [False])
-    assert caller.bridge.problem == NO_PACKAGE
+    assert caller.bridge.problem == no_package()
     caller.bridge.close()
 
 

@@ -134,5 +134,5 @@ def test_without_scipy_a_sentence_says_how_to_install_it(
     monkeypatch.setitem(sys.modules, "scipy.io", None)
     called = call("export", "--all", "--simulated", "--format", "mat", "--to", tmp_path / "out")
     assert called.code == 1
-    assert "pip install 'sar-tui[export]'" in called.err
+    assert "pip install -e '.[export]'" in called.err
     assert not (tmp_path / "out").exists()

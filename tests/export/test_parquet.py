@@ -234,7 +234,7 @@ def test_months_follow_shifted_dates(clinic: Any, tmp_path: Path) -> None:
 
 def test_without_the_package_one_sentence_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ExportError, match=r"pip install 'sar-tui\[lake\]'"):
+    with pytest.raises(ExportError, match=r"pip install -e '\.\[lake\]'"):
         ParquetFormat()
 
 

@@ -289,7 +289,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
     source.start(lambda sample: None, statuses.append)
     wait_until(lambda: len(statuses) == 2)
     assert statuses[1].state == "error"
-    assert "pip install 'sar-tui[ros]'" in statuses[1].detail
+    assert "pip install -e '.[ros]'" in statuses[1].detail
     source.stop()
 
 

@@ -439,7 +439,7 @@ def test_without_the_package_parts_fail_with_what_to_install(monkeypatch: pytest
     rig.ask("say", "greeting", "Hello.")
     rig.wait_for("say", "greeting")
     assert rig.states("greeting", "say") == ["failed"]
-    assert "pip install 'sar-tui[ros]'" in rig.detail("greeting", "say")
+    assert "pip install -e '.[ros]'" in rig.detail("greeting", "say")
     rig.output.close()
 
 

@@ -145,7 +145,7 @@ def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
 
 def test_without_the_package_one_sentence_says_so(keyboard: type[Task], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
-    with pytest.raises(html_page.ChartsMissing, match=r"pip install 'sar-tui\[report\]'"):
+    with pytest.raises(html_page.ChartsMissing, match=r"pip install -e '\.\[report\]'"):
         page(keyboard, steady(1))
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sar_tui.cli.doctor.finding import Finding
+from sar_tui.drivers.installation import pip_install_extra
 
 if TYPE_CHECKING:
     from sar_tui.link.authority import IssuedInvitation
@@ -73,7 +74,7 @@ def browser() -> Finding:
     from sar_tui.link.errors import LinkError, need_packages
 
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
-        return _not_installed("Browser", "pip install 'sar-tui[serve]'", "Only `sar-tui serve` needs it.")
+        return _not_installed("Browser", pip_install_extra("serve"), "Only `sar-tui serve` needs it.")
     try:
         need_packages()
     except LinkError as error:

@@ -9,12 +9,12 @@ def lsl_markers() -> Finding:
     """Check that LSL is installed, and that its clock is the session's."""
     from importlib.util import find_spec
 
-    from sar_tui.outputs.markers.lsl import NO_PACKAGE, SAME_CLOCK_NS, clock_offset_ns, library
+    from sar_tui.outputs.markers.lsl import SAME_CLOCK_NS, clock_offset_ns, library, no_package
     from sar_tui.outputs.markers.marker import MarkerError
 
     name = "Markers, LSL"
     if find_spec("pylsl") is None:
-        return _not_installed(name, NO_PACKAGE)
+        return _not_installed(name, no_package())
     try:
         pylsl = library()
     except MarkerError as error:
@@ -30,11 +30,11 @@ def serial_markers() -> Finding:
     """Check that serial lines can be used, and name those that there are."""
     from importlib.util import find_spec
 
-    from sar_tui.outputs.markers.serial_line import NO_PACKAGE
+    from sar_tui.outputs.markers.serial_line import no_package
 
     name = "Markers, serial"
     if find_spec("serial") is None:
-        return _not_installed(name, NO_PACKAGE)
+        return _not_installed(name, no_package())
     from serial.tools.list_ports import comports
 
     ports = sorted(port.device for port in comports())

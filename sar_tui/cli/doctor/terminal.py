@@ -56,11 +56,11 @@ def colours() -> Finding:
 
 def pictures() -> Finding:
     """Find out how the terminal shows the pictures of prompts. Asks it."""
-    from sar_tui.widgets.prompt_pictures import MISSING, find_way
+    from sar_tui.widgets.prompt_pictures import find_way, no_package
 
     way = find_way()
     if way is None:
-        how = f"To install it: {MISSING.rpartition(': ')[2].rstrip('.')}"
+        how = f"To install it: {no_package().rpartition(': ')[2]}"
         return Finding("Pictures", "ok", "not installed. Only tasks whose prompts have pictures need it.", how)
     as_they_are = {"kitty": "by kitty's graphics", "sixel": "by sixel graphics"}
     return Finding("Pictures", "ok", as_they_are.get(way) or f"in {way}, as this terminal has no graphics")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.export.columns import Table, Values
 from sar_tui.export.contents import Contents
 from sar_tui.export.errors import ExportError
@@ -27,7 +28,6 @@ _HEAD, _HEAD_LENGTH = b"MATLAB 5.0 MAT-file, exported by sar-tui", 116
 _SAMPLES = "imu"
 _BLOCK = 1 << 16
 """Number of samples that become a matrix at once."""
-_NO_PACKAGE = "The format mat needs the package scipy. Install it with: pip install 'sar-tui[export]'"
 _TOO_LARGE = "Session {} is left out: it is larger than a MATLAB file of version 5 can be (4 GB). Export it as csv."
 
 
@@ -47,7 +47,9 @@ class MatFormat:
             from scipy.io import savemat
             from scipy.io.matlab import MatWriteError
         except ImportError as error:
-            raise ExportError(_NO_PACKAGE) from error
+            raise ExportError(
+                f"The format mat needs the package scipy. Install it with: {pip_install_extra('export')}"
+            ) from error
         of_persons = [table for table in contents.tables if table.of == "participant"]
         of_sessions = [table for table in contents.tables if table.of == "session"]
         path = folder / "participants.mat"

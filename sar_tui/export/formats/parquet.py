@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from sar_tui import __version__
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.export.columns import Column, Table, Type, Values
 from sar_tui.export.contents import Contents
 from sar_tui.export.errors import ExportError
@@ -22,7 +23,6 @@ _BLOCKS = 32
 """Blocks of so many rows that are written together, as a row group."""
 _NO_MONTH = "__HIVE_DEFAULT_PARTITION__"
 """The name that DuckDB, Spark and others read as missing."""
-NO_PACKAGE = "Parquet needs the Python package pyarrow. Install it with: pip install 'sar-tui[lake]'."
 _TYPES: dict[Type, str] = {"string": "string", "integer": "int64", "number": "float64", "boolean": "bool_"}
 
 
@@ -41,7 +41,9 @@ class ParquetFormat:
         try:
             import pyarrow  # noqa: F401
         except ImportError:
-            raise ExportError(NO_PACKAGE) from None
+            raise ExportError(
+                f"Parquet needs the package pyarrow. Install it with: {pip_install_extra('lake')}"
+            ) from None
 
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
         """Write a folder for each table; in it one for the site, and in that one for each month of sessions."""

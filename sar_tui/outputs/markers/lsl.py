@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from sar_tui import __version__
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.framework.clock import MS, SECOND, host_now
 from sar_tui.outputs.markers.marker import CODES, Marker, MarkerError
 
-NO_PACKAGE = 'Markers over LSL need a package that is not installed here: pip install "sar-tui[lsl]"'
 SAME_CLOCK_NS = 100_000
 """LSL's clock is ours if the two differ by less, which is then the time it takes to read them."""
 _READINGS = 50
@@ -37,7 +37,7 @@ class Lsl:
 
     def check(self) -> None:
         if find_spec("pylsl") is None:
-            raise MarkerError(NO_PACKAGE)
+            raise MarkerError(no_package())
         library()
 
     def open(self, session: str, task: str) -> str:
@@ -96,7 +96,7 @@ def library() -> Any:
     try:
         import pylsl
     except (ImportError, OSError, RuntimeError) as error:  # its library written in C is missing or too old
-        raise MarkerError(f"LSL cannot be loaded ({str(error).splitlines()[0]}). {NO_PACKAGE}") from error
+        raise MarkerError(f"LSL cannot be loaded ({str(error).splitlines()[0]}). {no_package()}") from error
     if not _configured:
         _configured = True
         own = _own_configuration()
@@ -116,3 +116,8 @@ def _own_configuration() -> str:
         except OSError:
             continue
     return ""
+
+
+def no_package() -> str:
+    """Return the sentence that says how to install what is missing."""
+    return f"Markers over LSL need a package that is not installed here: {pip_install_extra('lsl')}"

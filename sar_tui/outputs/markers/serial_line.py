@@ -7,12 +7,12 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, NoReturn
 from urllib.parse import parse_qsl
 
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.outputs.markers.marker import CODES, Marker, MarkerError
 
 if TYPE_CHECKING:
     import serial
 
-NO_PACKAGE = 'Markers on a serial line need a package that is not installed here: pip install "sar-tui[serial]"'
 _PREFIX = "serial:"
 _BAUD = 115200
 _PULSE_MS = 10
@@ -63,7 +63,7 @@ class SerialLine:
     def check(self) -> None:
         """Raise MarkerError if the package or the port is missing, or the port is not ours to open."""
         if find_spec("serial") is None:
-            raise MarkerError(NO_PACKAGE)
+            raise MarkerError(no_package())
         self.open("", "")
         self.close()
 
@@ -106,3 +106,8 @@ def _reason(error: Exception) -> str:
     original = error.__context__ if isinstance(error.__context__, OSError) else error
     number = getattr(original, "errno", None)
     return os.strerror(number) if isinstance(number, int) else str(error)
+
+
+def no_package() -> str:
+    """Return the sentence that says how to install what is missing."""
+    return f"Markers on a serial line need a package that is not installed here: {pip_install_extra('serial')}"

@@ -7,6 +7,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
+from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
 from sar_tui.framework.clock import MS, SECOND, Clock, VirtualClock
 from sar_tui.framework.gesture import REST
@@ -23,8 +24,10 @@ ATTACH_NS = SECOND
 SETTLE_NS = 100 * MS
 """Time for which a motor is held after its last target, so that it gets there."""
 _CLOSE_S = 2.0
-_NO_PACKAGE = "The Python package Phidget22 is missing; install it with: pip install phidget22"
-_NO_LIBRARY = "The servo's driver cannot be loaded ({}); install it with: pip install phidget22 libusb-package"
+_NO_PACKAGE = "The Python package Phidget22 is missing; install it with: " + pip_install("phidget22")
+_NO_LIBRARY = (
+    f"The servo's driver cannot be loaded ({{}}); install it with: {pip_install('phidget22', 'libusb-package')}"
+)
 _NO_PERMISSION = (
     "A Phidget is plugged in, but this computer does not let you use it: "
     f"write the line {UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug it, and plug it in again."

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from sar_tui.drivers.installation import pip_install
 from sar_tui.outputs.sound.protocol import FoundVoice, SoundError, Unreadable, Voicing
 from sar_tui.outputs.sound.readability import why_unreadable
 from sar_tui.outputs.sound.samples import at_volume, is_whole, peak, read, seconds
@@ -32,11 +33,11 @@ _SETTLED_S = 0.02
 _END_REPORT_S = 0.05
 """Time for the engine to report its end once the file is whole; on Windows it may never report."""
 
-_NO_PACKAGE = "Speech needs the Python package pyttsx3: pip install pyttsx3."
+_NO_PACKAGE = f"Speech needs the Python package pyttsx3: {pip_install('pyttsx3')}."
 _NO_ENGINE = {
     "linux": "There is no speech engine: install espeak-ng (on Debian and Ubuntu: sudo apt install espeak-ng).",
-    "darwin": "The speech engine of macOS cannot be used: pip install pyobjc, or brew install espeak-ng.",
-    "win32": "The speech engine of Windows cannot be used: pip install comtypes pypiwin32.",
+    "darwin": f"The speech engine of macOS cannot be used: {pip_install('pyobjc')}, or brew install espeak-ng.",
+    "win32": f"The speech engine of Windows cannot be used: {pip_install('comtypes', 'pypiwin32')}.",
 }
 _MORE_VOICES = {
     "linux": "install espeak-ng, which has it",

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
+from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.framework.clock import host_now
 from sar_tui.outputs.sound.protocol import SoundError
@@ -21,7 +22,7 @@ BUFFER_S = _PERIODS * _PERIOD_MS / 1000
 _STALLED_S = 2.0
 """A sound card that has taken no samples for this long has failed."""
 
-_NO_PACKAGE = "Sound needs the Python package miniaudio: pip install miniaudio."
+_NO_PACKAGE = f"Sound needs the Python package miniaudio: {pip_install('miniaudio')}."
 _NO_CARD = (
     "There is no sound card that can be used ({}): connect loudspeakers, and choose them in the system's settings."
 )

@@ -11,6 +11,7 @@ import pytest
 
 from sar_tui.cli.doctor.finding import Finding
 from sar_tui.cli.doctor.link import browser, invitations, operator_here
+from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.link.authority import FOLDER, Authority
 from sar_tui.link.discovery import JoinableSession, announce
 from sar_tui.link.zenoh_settings import Guest, parse_endpoint
@@ -85,10 +86,10 @@ def test_missing_packages_are_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
         "Operator here",
         "ok",
         "not installed. Only sessions with an operator need it.",
-        "To install it: pip install 'sar-tui[link]'",
+        f"To install it: {pip_install_extra('link')}",
     )
     assert browser() == Finding(
-        "Browser", "ok", "not installed. Only `sar-tui serve` needs it.", "To install it: pip install 'sar-tui[serve]'"
+        "Browser", "ok", "not installed. Only `sar-tui serve` needs it.", f"To install it: {pip_install_extra('serve')}"
     )
 
 
@@ -98,7 +99,7 @@ def test_browser_needs_the_link(monkeypatch: pytest.MonkeyPatch) -> None:
         "Browser",
         "ok",
         "not installed. `sar-tui serve` needs the link.",
-        "To install it: pip install 'sar-tui[link]'",
+        f"To install it: {pip_install_extra('link')}",
     )
 
 

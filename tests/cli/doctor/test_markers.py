@@ -5,6 +5,7 @@ import importlib.util
 import pytest
 
 from sar_tui.cli.doctor.markers import lsl_markers, serial_markers
+from sar_tui.drivers.installation import pip_install_extra
 
 
 def test_lsl_has_the_clock_of_the_session() -> None:
@@ -26,5 +27,5 @@ def test_missing_packages_are_no_fault_and_named_with_the_command(monkeypatch: p
     find = importlib.util.find_spec
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name in ("pylsl", "serial") else find(name))
     for found, extra in ((lsl_markers(), "lsl"), (serial_markers(), "serial")):
-        assert (found.state, found.advice) == ("ok", f'To install it: pip install "sar-tui[{extra}]"')
+        assert (found.state, found.advice) == ("ok", f"To install it: {pip_install_extra(extra)}")
         assert found.found == "not installed. Only `--markers` needs it."

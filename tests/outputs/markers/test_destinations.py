@@ -55,7 +55,7 @@ def test_a_missing_package_is_named_with_the_command(
         monkeypatch.setattr(
             f"sar_tui.outputs.markers.{module}.find_spec", lambda name: None if name == package else find(name)
         )
-    with pytest.raises(MarkerError, match=r'pip install "sar-tui\[(lsl|serial)\]"'):
+    with pytest.raises(MarkerError, match=r"pip install -e '\.\[(lsl|serial)\]'"):
         destination.check()
 
 
