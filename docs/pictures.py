@@ -188,7 +188,7 @@ class _Channel:
 class _Peer:
     """A panel's link that sends nothing, on a clock that stands still."""
 
-    name = "operator.anna"
+    name = "operator.op1"
     role: Role = "operator"
 
     def __init__(self, clock: VirtualClock) -> None:
@@ -237,7 +237,7 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         def make_panel(self, where: object) -> PanelScreen:
             return PanelScreen(join, self._theme, self._folder, wall_time=lambda: datetime(2026, 3, 2, 10, 15))
 
-    panel = Panel(catalogue.theme("calm"), data, "anna", where=JoinableSession("picture", "keyboard", "picture", 0))
+    panel = Panel(catalogue.theme("calm"), data, "op1", where=JoinableSession("picture", "keyboard", "picture", 0))
     async with panel.run_test(size=(100, 30)) as pilot:
         for _ in range(5):
             await pilot.pause()

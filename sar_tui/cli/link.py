@@ -31,7 +31,7 @@ def invite(
         ),
     ],
     name: Annotated[
-        str, typer.Option("--name", metavar="NAME", show_default=False, help="Their name in the record, such as anna.")
+        str, typer.Option("--name", metavar="NAME", show_default=False, help="Their name in the record, such as op1.")
     ],
     host: Annotated[
         list[str],

@@ -5,7 +5,7 @@ ROLES = ("agent", "operator", "participant", "therapist", "stop", "other")
 
 
 def role(actor: str | None) -> str | None:
-    """Return the role of an actor: "operator" for "operator.ana"."""
+    """Return the role of an actor: "operator" for "operator.op1"."""
     if not actor:
         return None
     found = actor.partition(".")[0]

@@ -55,7 +55,7 @@ def check_name(name: str) -> None:
 
 
 def file_name(guest: Guest) -> str:
-    """Return the default name of an invitation's file: ``operator-anna.sar-link``."""
+    """Return the default name of an invitation's file: ``operator-op1.sar-link``."""
     return f"{guest.role}-{guest.name}{SUFFIX}"
 
 

@@ -27,7 +27,7 @@ _MAX_KEY = 120
 class Refusal(NamedTuple):
     """Connection that was rejected or closed, or message that was dropped.
 
-    ``guest``: such as ``operator.anna``; empty if unknown. ``why`` continues a sentence.
+    ``guest``: such as ``operator.op1``; empty if unknown. ``why`` continues a sentence.
     """
 
     what: Literal["connection", "message"]
@@ -102,7 +102,7 @@ class RefusalLog:
     """Parser of a host's log. It remembers whose connection is whose, as some lines contain no name.
 
     Args:
-        guests: those admitted, such as ``operator.anna``.
+        guests: those admitted, such as ``operator.op1``.
     """
 
     def __init__(self, guests: Iterable[str]) -> None:

@@ -41,7 +41,7 @@ class Guest(NamedTuple):
     role: Role
 
     def __str__(self) -> str:
-        """Return the name used in keys and as the certificate's common name: ``operator.anna``."""
+        """Return the name used in keys and as the certificate's common name: ``operator.op1``."""
         return f"{self.role}.{self.name}"
 
 

@@ -77,7 +77,7 @@ _LEVEL_REASONS = {"success": "goal reached", "failure": "goal missed", "operator
 
 
 def short_name(name: str) -> str:
-    """Return a peer's name without its role: ``anna`` for ``operator.anna``."""
+    """Return a peer's name without its role: ``op1`` for ``operator.op1``."""
     return name.partition(".")[2] or name
 
 
