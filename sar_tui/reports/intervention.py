@@ -84,7 +84,7 @@ class PersonChallenge(msgspec.Struct, frozen=True):
         lowest, highest: levels that were played.
         reached_share: of the attempts, that reached the goal; ``right_share``: of the responses, that were right.
         up, down: changes of level by the rule; ``by_person``: by a therapist or operator.
-        goals: changes of the goal otherwise than with the level.
+        goals: changes of the goal otherwise than with the level. All only if an attempt was played with them.
     """
 
     participant: str

@@ -2,8 +2,9 @@
 
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Literal
 
 from sar_tui.framework import messages as m
 from sar_tui.framework import topics
@@ -18,7 +19,7 @@ from sar_tui.store.selection import Selection
 
 _TOPICS = (
     topics.SESSION, topics.WAITING, topics.COMMAND, topics.SETTING, topics.MODE, topics.PRESENCE, topics.REFUSED,
-    topics.LATE_DECISION, topics.LEVEL, topics.GOAL, topics.OUTPUT,
+    topics.LATE_DECISION, topics.LEVEL, topics.GOAL, topics.OUTPUT, topics.ATTEMPT_STARTED, topics.ATTEMPT_ENDED,
 )  # fmt: skip
 _THERAPIST = "therapist"
 """The actor of what is done on the participant's terminal with the therapist's keys."""
@@ -28,6 +29,8 @@ _PERSONS = ("operator", "mark", _THERAPIST)
 
 def read(database: sqlite3.Connection, folder: Path, selection: Selection, progress: Callable[[], None]) -> Record:
     """Read what an intervention report needs of the chosen sessions.
+
+    If those of one participant were asked for, nothing of a partner in them is read.
 
     Args:
         database: only read.
@@ -44,7 +47,7 @@ def read(database: sqlite3.Connection, folder: Path, selection: Selection, progr
         _count(logged_messages.read_topics(database, session, _TOPICS), session, acts)
         progress()
     operated = sessions.operators(database)
-    codes = selection.participants
+    codes = [selection.of] if selection.of else selection.participants
     return Record(
         rows=selection.sessions,
         results={
@@ -52,7 +55,7 @@ def read(database: sqlite3.Connection, folder: Path, selection: Selection, progr
             for code in codes
         },
         acts=acts,
-        feedback=_feedback(database, selection.ids),
+        feedback=_feedback(database, selection.ids, codes),
         operated=sum(session in operated for session in chosen),
         programmes={
             (code, task): programmes.versions(database, code, task)
@@ -71,15 +74,11 @@ def _count(messages: Sequence[LoggedMessage], session: str, acts: Acts) -> None:
         acts.deviations[_role(each.actor), each.what] += each.count
     for pause in pauses(messages, operators):
         acts.pauses[pause.reason] += 1
+    for change in changes_played(each.message for each in messages):
+        getattr(acts, change)[session] += 1
     outputs = set()
     for _, _, message in messages:
         match message:
-            case m.LevelChanged(reason=reason) if reason in _PERSONS:
-                acts.by_person[session] += 1
-            case m.LevelChanged():
-                (acts.up if message.level > message.previous else acts.down)[session] += 1
-            case m.GoalChanged():
-                acts.goals[session] += 1
             case m.SettingChanged():
                 acts.deviations[_role(message.actor), f"setting {message.name}"] += 1
             case m.SessionCommand(command="skip", reason="attempt"):
@@ -89,20 +88,48 @@ def _count(messages: Sequence[LoggedMessage], session: str, acts: Acts) -> None:
     acts.outputs.update(outputs)
 
 
+def changes_played(messages: Iterable[m.Message]) -> Iterator[Literal["up", "down", "by_person", "goals"]]:
+    """Yield the changes of level and goal of a session that an attempt was played with; practice is left out.
+
+    A change after the last attempt, or one that was taken back before the next, was never played.
+    """
+    coming: list[m.Message] = []
+    """Changes since the last attempt began."""
+    changes: list[m.Message] = []
+    """Changes before the attempt that is under way."""
+    last: m.AttemptEnded | None = None
+    for message in messages:
+        match message:
+            case m.LevelChanged() | m.GoalChanged():
+                coming.append(message)
+            case m.AttemptStarted():
+                changes, coming = coming, []
+            case m.AttemptEnded(practice=False):
+                if last and message.attempt != last.attempt:
+                    yield from _changes(message.level - last.level, changes)
+                last = message
+
+
+def _changes(rise: int, changes: Sequence[m.Message]) -> Iterator[Literal["up", "down", "by_person", "goals"]]:
+    reasons = [change.reason for change in changes if isinstance(change, m.LevelChanged)]
+    if rise:
+        yield "by_person" if reasons and reasons[-1] in _PERSONS else "up" if rise > 0 else "down"
+    if any(isinstance(change, m.GoalChanged) for change in changes):
+        yield "goals"
+
+
 def _role(actor: str) -> str:
     """Return the role of who acted: the part of a name before its point."""
     return actor.partition(".")[0] or "program"
 
 
-def _feedback(database: sqlite3.Connection, ids: Sequence[str]) -> Counter[str]:
+def _feedback(database: sqlite3.Connection, ids: Sequence[str], codes: Sequence[str]) -> Counter[str]:
+    """Return the number of attempts of some participants in some sessions, by feedback."""
     found = Counter[str]()
+    query = (
+        "SELECT feedback, count(*) FROM attempts JOIN seats USING (session, seat) WHERE session=? AND NOT practice"
+        f" AND participant IN ({','.join('?' * len(codes))}) GROUP BY feedback"
+    )
     for session in ids:
-        found.update(
-            dict(
-                database.execute(
-                    "SELECT feedback, count(*) FROM attempts WHERE session=? AND NOT practice GROUP BY feedback",
-                    (session,),
-                ).fetchall()
-            )
-        )
+        found.update(dict(database.execute(query, (session, *codes)).fetchall()))
     return found

@@ -34,10 +34,14 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Selection(msgspec.Struct, frozen=True):
-    """Sessions in the order in which they were stored, and sentences on those that are left out."""
+    """Sessions in the order in which they were stored, and sentences on those that are left out.
+
+    ``of``: the participant whose sessions were asked for; empty if they were chosen otherwise.
+    """
 
     sessions: tuple[Row, ...]
     refused: tuple[str, ...] = ()
+    of: str = ""
 
     @property
     def ids(self) -> list[str]:
@@ -77,11 +81,11 @@ def select(database: sqlite3.Connection, folder: Path, request: Request, *, also
         )
     if request.simulated and request.mixed:
         raise StoreError("--simulated takes simulated sessions only, --mixed both: give one of them.", bad_input=True)
+    code = check_code(request.participant) if request.participant else ""
     if request.names:
         chosen = _named(database, folder, request, also_damaged)
     else:
-        code = check_code(request.participant) if request.participant else None
-        rows = listing(database, folder, participant=code, also_damaged=also_damaged)[::-1]
+        rows = listing(database, folder, participant=code or None, also_damaged=also_damaged)[::-1]
         chosen = [row for row in rows if _is_wanted(row, request)]
         if not chosen:
             raise StoreError(_none(database, rows, request, code), bad_input=True)
@@ -90,7 +94,7 @@ def select(database: sqlite3.Connection, folder: Path, request: Request, *, also
     refused = tuple(f"Session {row['id']} is running. It is left out until it has ended." for row in running)
     if not ended:
         raise StoreError(" ".join(f"Session {row['id']} is running: wait until it has ended." for row in running))
-    return Selection(tuple(ended), refused)
+    return Selection(tuple(ended), refused, code)
 
 
 def _named(database: sqlite3.Connection, folder: Path, request: Request, also_damaged: bool) -> list[Row]:
@@ -113,7 +117,7 @@ def _is_wanted(row: Row, request: Request) -> bool:
     return request.mixed or (row["mode"] == "live") != request.simulated
 
 
-def _none(database: sqlite3.Connection, rows: Sequence[Row], request: Request, code: str | None) -> str:
+def _none(database: sqlite3.Connection, rows: Sequence[Row], request: Request, code: str) -> str:
     if code and (stored := other_code(database, code)):
         return f"{code} is {stored} here: ask for the sessions of {stored}."
     of = f" of {code}" if code else ""

@@ -7,7 +7,9 @@ from typing import Any
 
 import pytest
 
+from sar_tui.framework import messages as m
 from sar_tui.reports.intervention import Acts, Record, intervention
+from sar_tui.reports.intervention_record import changes_played
 from sar_tui.reports.intervention_words import sections
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.programmes import Programme
@@ -48,16 +50,75 @@ def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], tmp_path: Pa
             "SELECT participant, min(level), max(level), round(avg(outcome='success'), 4)"
             " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY participant"
         ).fetchall()
-        (up,) = database.execute(
-            "SELECT count(*) FROM events WHERE topic='event_handler/level'"
-            " AND json_extract(message, '$.level')>json_extract(message, '$.previous')"
-        ).fetchone()
+        changes = database.execute(
+            "SELECT participant, sum(level > before), sum(level < before) FROM (SELECT participant, level,"
+            " lag(level) OVER (PARTITION BY attempts.session ORDER BY attempt) AS before"
+            " FROM attempts JOIN seats USING (session, seat)) GROUP BY participant ORDER BY participant"
+        ).fetchall()
     challenge = study["challenge"]
     told = [(each["participant"], each["lowest"], each["highest"], each["reached_share"]) for each in challenge]
     assert told == expected
-    assert sum(each["up"] + each["by_person"] for each in challenge) >= up > 0
+    assert [(each["participant"], each["up"], each["down"]) for each in challenge] == changes
+    assert changes[0][1] > 0
     settings = study["tasks"][0]["settings"]
     assert (settings["attempts"], settings["prompts_per_attempt"]) == ([6], [3])
+
+
+def test_of_one_participant_nothing_of_the_partner_in_a_pair_is_counted(call: Call, tmp_path: Path) -> None:
+    pair = ("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 3)
+    assert call(*pair).code == 0
+    call("adverse", "add", "P02", "--what", "Cramp", "--severity", "mild", "--onset", "2026-03-01")
+    found = call("report", "intervention", "-p", "P01", "--simulated", "--json").json
+    with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
+        feedback = database.execute(
+            "SELECT feedback, count(*) FROM attempts WHERE seat='A' GROUP BY feedback"
+        ).fetchall()
+    assert found["participants"] == ["P01"]
+    assert [(each["participant"], each["done"]) for each in found["dose"]] == [("P01", 3)]
+    assert [each["participant"] for each in found["challenge"]] == ["P01"]
+    assert found["feedback"] == dict(feedback)
+    assert found["harms"]["events"] == {}
+    everyone = call("report", "intervention", "--all", "--simulated", "--json").json
+    assert everyone["participants"] == ["P01", "P02"]
+    assert sum(everyone["feedback"].values()) == 6
+    assert everyone["harms"]["events"] == {"mild": 1}
+
+
+def changed(previous: int, level: int, reason: str = "success") -> m.LevelChanged:
+    return m.LevelChanged(previous=previous, level=level, reason=reason)
+
+
+def new_goal() -> m.GoalChanged:
+    return m.GoalChanged(previous=1000.0, goal=900.0, unit="ms", reason="goal", why="It went well.")
+
+
+def played(attempt: int, level: int, *, practice: bool = False) -> list[m.Message]:
+    ended = m.AttemptEnded(
+        attempt=attempt, practice=practice, level=level, metric=None, metric_unit="", accuracy=None, correct=0,
+        trials=1, outcome="none", feedback="none", started=0, ended=0,
+    )  # fmt: skip
+    return [m.AttemptStarted(attempt=attempt, practice=practice, level=level, trials=1), ended]
+
+
+@pytest.mark.parametrize(
+    ("messages", "changes"),
+    [
+        ([*played(1, 1), changed(1, 2)], []),
+        ([*played(1, 1), changed(1, 2), *played(2, 2)], ["up"]),
+        ([*played(1, 2), changed(2, 1, "failure"), *played(2, 1)], ["down"]),
+        ([*played(1, 1), changed(1, 2), changed(2, 1, "operator"), *played(2, 1)], []),
+        ([*played(1, 1), changed(1, 2), changed(2, 5, "operator"), *played(2, 5)], ["by_person"]),
+        ([*played(1, 1), changed(1, 2), played(2, 2)[0]], []),
+        ([*played(1, 3, practice=True), changed(3, 1), *played(2, 1)], []),
+        ([*played(1, 1), new_goal(), *played(2, 1), new_goal()], ["goals"]),
+        ([*played(1, 1), played(1, 1)[1], changed(1, 2), *played(2, 2), played(2, 2)[1]], ["up"]),
+    ],
+    ids=["after the last", "up", "down", "taken back", "by hand", "left", "practice", "goal", "scored again"],
+)
+def test_a_change_of_level_counts_once_an_attempt_was_played_at_it(
+    messages: list[m.Message], changes: list[str]
+) -> None:
+    assert list(changes_played(messages)) == changes
 
 
 def record(**changes: Any) -> Record:
