@@ -129,7 +129,7 @@ def _is_live(session: str | None) -> bool:
 def _program(view: str, session: str | None, link: Path | None, home: Home, name: str | None = None) -> list[str]:
     """Return the command that runs in each browser, as a list."""
     command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[view]
-    program = [*child_process.python("sar_tui"), *command, "--data", str(home.folder.absolute())]
+    program = child_process.python("sar_tui", *command, "--data", str(home.folder.absolute()))
     for folder in home.tasks:
         program += ["--tasks", str(folder.absolute())]
     if link is not None:

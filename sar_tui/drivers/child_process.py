@@ -11,12 +11,12 @@ REAPED_S = 1.0
 """Longest wait for the end of a killed process."""
 
 
-def python(module: str) -> Sequence[str]:
-    """Return the command line that runs a Python module.
+def python(module: str, *arguments: str) -> list[str]:
+    """Return the command line that runs a Python module: the only one by which the program starts Python.
 
     With ``-P``, no module in the current folder can replace a library.
     """
-    return (sys.executable, "-P", "-m", module)
+    return [sys.executable, "-P", "-m", module, *arguments]
 
 
 def start(program: Sequence[str]) -> subprocess.Popen[bytes]:

@@ -7,7 +7,6 @@ machine affect them alike.
 import gc
 import json
 import sqlite3
-import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
@@ -16,6 +15,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.drivers import child_process
 from sar_tui.timing.pty import Terminal, visible
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 
@@ -75,7 +75,7 @@ def python_program(name: str, module: str) -> Program:
         shortest, longest = FOREPERIOD_MS
         options = ["--prompts", str(block.prompts), "--seed", str(block.seed)]
         waits = ["--shortest-ms", str(QUIET_MS + shortest), "--longest-ms", str(QUIET_MS + longest)]
-        return [sys.executable, "-m", module, str(folder / "trials.jsonl"), *options, *waits]
+        return child_process.python(module, str(folder / "trials.jsonl"), *options, *waits)
 
     def read_trials(folder: Path) -> list[Row]:
         return [json.loads(line) for line in (folder / "trials.jsonl").read_text().splitlines()]
@@ -92,7 +92,7 @@ def _sar_tui(folder: Path, block: Block) -> list[str]:
         "foreperiod_max_ms": longest,
         "quiet_ms": QUIET_MS,
     }
-    command = [sys.executable, "-m", "sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder)]
+    command = child_process.python("sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder))
     command += ["--seed", str(block.seed)]
     return command + [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
 

@@ -6,12 +6,12 @@ are left out: all tasks share them, and they would only raise the figure.
 """
 
 import subprocess
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
+from sar_tui.drivers import child_process
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.source_lines import source_lines
@@ -58,7 +58,7 @@ def run(conditions: Conditions) -> Report:
 
 def load(name: str, catalogue: Catalogue) -> Loaded:
     """Run a session of a task in another process, and list what it loads. Raises NotLoaded."""
-    command = [sys.executable, "-m", "sar_tui.validation.loaded_modules", name, *map(str, catalogue.extra_tasks)]
+    command = child_process.python("sar_tui.validation.loaded_modules", name, *map(str, catalogue.extra_tasks))
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         last = done.stderr.strip().splitlines()[-1:]
