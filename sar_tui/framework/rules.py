@@ -12,5 +12,7 @@ task has ten levels, some of them far apart.
 whatever has just been said.
 4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only,
 that of the time to peak, too, and each change of a result is reported.
-6: the question about pain between attempts has the words of the one before and after a session at its ends.
+6: the question about pain between attempts has the words of the one before and after a session at its ends; and a reach
+is looked for since the end of the reach before, and from the rest just before its key, instead of in the three seconds
+before it.
 """

@@ -25,12 +25,15 @@ JUST_BEFORE_S = 0.1
 
 
 class Limits(NamedTuple):
-    """Definitions: a hand at rest is slower than ``still`` (rad/s); for the others see `OrientationParameters`."""
+    """Definitions: a hand at rest is slower than ``still`` (rad/s); ``home_s`` is the shortest first rest from which a
+    reach starts; for the others see `OrientationParameters`.
+    """
 
     still: float
     least_rad: float
     return_share: float
     longest_s: float
+    home_s: float
 
 
 class Excursion(NamedTuple):
@@ -64,7 +67,7 @@ def excursions(orientation: Floats, slow: Floats, rate_hz: float, limits: Limits
         rate_hz: samples per second.
         limits: definitions of rest and of an excursion.
     """
-    homes = _homes(slow <= limits.still, rate_hz)
+    homes = _homes(slow <= limits.still, rate_hz, limits.home_s)
     if slow[0] > limits.still >= slow[-1]:
         backwards = list(_chains(orientation[::-1], slow[::-1], [0], rate_hz, limits))
         first = len(slow) - 1 - (backwards[-1].last if backwards else 0)
@@ -89,12 +92,19 @@ def _chains(orientation: Floats, slow: Floats, homes: list[int], rate_hz: float,
             at = start = start + found.last
 
 
-def _homes(resting: npt.NDArray[np.bool_], rate_hz: float) -> list[int]:
-    """Return the samples at which a reach may start: just before the end of each rest that is no mere turn."""
+def _homes(resting: npt.NDArray[np.bool_], rate_hz: float, first_s: float) -> list[int]:
+    """Return the samples at which a reach may start: just before the end of each rest that is no mere turn.
+
+    A rest with which the samples begin may be shorter than others: ``first_s``.
+    """
     edges = changes(resting)
     rests = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
     shortest, before = HOME_S * rate_hz, round(JUST_BEFORE_S * rate_hz)
-    return [max(first, last - 1 - before) for first, last in rests if last - first >= shortest] or [0]
+    return [
+        max(first, last - 1 - before)
+        for first, last in rests
+        if last - first >= (first_s * rate_hz if first <= shortest else shortest)
+    ] or [0]
 
 
 def _excursion_from(orientation: Floats, slow: Floats, linger: float, limits: Limits) -> Excursion | None:

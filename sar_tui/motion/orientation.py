@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from sar_tui.motion import quaternions
 from sar_tui.motion.boundaries import first_peak, onset
-from sar_tui.motion.excursions import NEAR, Excursion, Limits, excursions
+from sar_tui.motion.excursions import HOME_S, NEAR, Excursion, Limits, excursions
 from sar_tui.motion.filters import usable_cutoff
 from sar_tui.motion.grid import Grid, even
 from sar_tui.motion.movement import checked, order_statistic, stretches
@@ -51,6 +51,8 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
         pause_s: a shorter pause does not end a movement.
         dwell_s: the longest rest at the target within a reach.
         longest_s: longest reach; a longer one is cut off.
+        home_s: shortest rest from which the first reach starts, where the recording is known to begin there; unset, it
+            needs as long a rest as each other.
     """
 
     cutoff_hz: float = 8.0
@@ -63,6 +65,7 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
     pause_s: float = 0.4
     dwell_s: float = 5.0
     longest_s: float = 15.0
+    home_s: float | msgspec.UnsetType = msgspec.UNSET
 
 
 class _Motion(NamedTuple):
@@ -134,6 +137,7 @@ def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, h
         least_rad=parameters.least_rad,
         return_share=parameters.return_share,
         longest_s=parameters.longest_s,
+        home_s=HOME_S if parameters.home_s is msgspec.UNSET else parameters.home_s,
     )
     for excursion in excursions(orientation, motion.slow[first:last], grid.rate_hz, limits):
         bounds = _bounds(motion, excursion.later(first), earliest, parameters, hand)

@@ -33,15 +33,17 @@ from sar_tui.framework.topics import (
 )
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
+from sar_tui.motion.home import home_since
 from sar_tui.motion.samples import Samples, join
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.trace import trace_of
 from sar_tui.perception.foreseen import STILL, Foreseen, Hand
-from sar_tui.perception.kept_samples import KeptSamples
+from sar_tui.perception.kept_samples import EVER, KeptSamples
 from sar_tui.perception.trunk import Trunk
 
 REST = 3 * SECOND
-"""Time before a reach from which samples are kept: the hand at rest shows the sensor's bias."""
+"""Time before a reach from which samples are kept, since the reach before at the most: the hand at rest shows the
+sensor's bias."""
 TAIL = 4 * SECOND
 """Longest wait for the hand to come to rest after the key that ends a reach."""
 SETTLED_S = 0.85
@@ -79,6 +81,9 @@ class ReachPerception(TimedNode):
         self._still_s = still_ms / 1000
         self._settled_s = max(SETTLED_S, analysis.fixed_threshold.still_ms / 1000 + MARGIN_S)
         self._kept = KeptSamples()
+        self._over = EVER
+        """End of the last reach, ns."""
+        self._starts_at_home = True
         self._trunk = Trunk()
         self._rate_hz = 0.0
         self._key = HeldKey()
@@ -106,6 +111,10 @@ class ReachPerception(TimedNode):
         if session.rules < 5:
             detector = "single-axis" if self._analysis.detector == "orientation" else self._analysis.detector
             self._analysis = msgspec.structs.replace(self._analysis, measures_version=1, detector=detector)
+        self._starts_at_home = session.rules >= 6
+        if self._starts_at_home:
+            orientation = msgspec.structs.replace(self._analysis.orientation, home_s=0.0)
+            self._analysis = msgspec.structs.replace(self._analysis, orientation=orientation)
 
     # --- the sensor ----------------------------------------------------------------------------------------
 
@@ -116,6 +125,7 @@ class ReachPerception(TimedNode):
             return
         if sensor.state == "attached":
             self._kept.clear()
+            self._over = EVER
             self._rate_hz = sensor.rate_hz
         elif self._prompt and sensor.state in ("saturated", "error") and sensor.state not in self._flags:
             self._flags.append(sensor.state)
@@ -127,7 +137,7 @@ class ReachPerception(TimedNode):
         samples = self._kept.add(block.samples)
         newest = int(samples["at"][-1])
         if self._prompt is None:
-            self._kept.forget_before(newest - REST)
+            self._kept.forget_before(max(newest - REST, self._over))
             return
         hand = self._look(samples)
         match self._reaction(newest, hand):
@@ -211,6 +221,18 @@ class ReachPerception(TimedNode):
         self._started = self.now if prompt.started is None else prompt.started
         if self._is_prompted:
             self.set_timer("timeout", self.now + prompt.timeout)
+            self._forget_earlier_movement()
+
+    def _forget_earlier_movement(self) -> None:
+        """Keep the samples since the hand came to the rest from which it starts now.
+
+        A movement before, such as a way back that belongs to no reach, could be taken for a part of this one.
+        """
+        if not self._starts_at_home:
+            return
+        home = home_since(self._kept.all(), self._started, self._analysis.orientation)
+        if home is not None:
+            self._kept.forget_before(home)
 
     @property
     def _is_prompted(self) -> bool:
@@ -279,6 +301,9 @@ class ReachPerception(TimedNode):
         if closed == "stillness" and found.onset_ns is None and not found.invalid:
             self._dismissed = self._began_s  # a small movement such as a flick of the wrist: keep waiting for the reach
             return
+        if self._starts_at_home and found.end_ns is not None:
+            self._over = found.end_ns
+            self._kept.forget_before(self._over)
         at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)
         turned = found.details.get("excursion_deg")
         hand_deg = turned if isinstance(turned, float) else None

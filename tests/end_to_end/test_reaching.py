@@ -9,15 +9,14 @@ from typing import Any
 import pytest
 
 from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.parameters import build
 from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.motion.analysis import Window, analyse
-from sar_tui.plugins import Catalogue
+from sar_tui.motion.analysis import Finding
 from sar_tui.store import imu
 from sar_tui.store.database import connect
 from sar_tui.timing.pty import Terminal
 from tests.end_to_end.participant_terminal import command, only_session, replays_identically, rows, see_the_summary
 from tests.examples import QUICK
+from tests.tasks.reaching import reaching_driver
 
 KILLS = 1 if QUICK else 3
 REACHED = 2200 * MS
@@ -87,18 +86,14 @@ def trials(data: Path) -> list[Row]:
     return [row | {"details": json.loads(row["details"])} for row in found]
 
 
-def analysed_again(data: Path, trial: Row) -> Any:
-    """A reach, analysed from the samples that were kept, in the window that its row names."""
-    kind = Catalogue().task("reaching")
-    task: Any = kind(build(kind.Parameters, {}))
+def analysed_again(data: Path, trial: Row) -> Finding:
+    """A reach, analysed from the samples that were kept, as its row names."""
     details = trial["details"]
-    window = Window(
-        from_ns=details["window_from_ns"], started_ns=details["window_started_ns"], to_ns=details["window_to_ns"]
-    )
-    database = connect(data)
-    with closing(database):
-        measured = imu.samples(database, only_session(data), window.from_ns, window.to_ns, trial["run"])
-    return analyse(measured, window, task.analysis())
+    with closing(connect(data)) as database:
+        measured = imu.samples(
+            database, only_session(data), details["window_from_ns"], details["window_to_ns"], trial["run"]
+        )
+    return reaching_driver.analysed_again(measured, details)
 
 
 def check_reaches(data: Path) -> None:

@@ -9,10 +9,8 @@ import msgspec
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.parameters import build
 from sar_tui.framework.phrase_keys import PERFORMANCE, QUALITATIVE
 from sar_tui.framework.task import Task
-from sar_tui.motion.analysis import Window, analyse
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate
@@ -20,6 +18,7 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 from tests.examples import first
+from tests.tasks.reaching.reaching_driver import analysed_again
 
 USERS = ("poor", "average", "competent")
 SEEDS = (1, 2)
@@ -146,14 +145,10 @@ def test_the_level_follows_the_outcome_by_one_within_its_bounds(samples: list[Sa
 def test_every_row_can_be_made_again_from_the_kept_samples(samples: list[Sample]) -> None:
     for sample in samples:
         database = connect(sample.data)
-        task: Any = reaching()(build(reaching().Parameters, {}))
         for trial in sample.trials:
             kept = trial["details"]
-            window = Window(
-                from_ns=kept["window_from_ns"], started_ns=kept["window_started_ns"], to_ns=kept["window_to_ns"]
-            )
-            measured = imu.samples(database, sample.session, window.from_ns, window.to_ns, trial["run"])
-            found = analyse(measured, window, task.analysis())
+            measured = imu.samples(database, sample.session, kept["window_from_ns"], kept["window_to_ns"], trial["run"])
+            found = analysed_again(measured, kept)
             assert found.details.items() <= kept.items()
             if trial["correct"]:
                 assert (found.onset_ns, found.end_ns) == (trial["onset_ns"], trial["response_ns"])

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from sar_tui.framework.bus import Record, Topic
@@ -13,8 +14,11 @@ from sar_tui.framework.topics import IMU, REACH, TRIAL
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
+from sar_tui.motion.reach_plans import end_of
 from sar_tui.motion.samples import Samples, unpack
 from sar_tui.motion.shapes import ReachShape
+from sar_tui.motion.simulated_arm import SimulatedArm
 from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand
 from sar_tui.plugins import Catalogue
 from tests.loop_driver import LoopDriver
@@ -30,7 +34,7 @@ class ReachingDriver(LoopDriver):
     """A session of reaches, by default two attempts of one each.
 
     Args:
-        sensor: a profile of the hand and its sensor, or its name.
+        sensor: a profile of the hand and its sensor, or its name; or a hand of another kind.
         history: an earlier record, to resume.
         rate_hz: samples per second.
     """
@@ -38,7 +42,7 @@ class ReachingDriver(LoopDriver):
     def __init__(
         self,
         *,
-        sensor: str | Profile = "drifting",
+        sensor: str | Profile | SimulatedHand = "drifting",
         history: Iterable[Record] | None = None,
         seed: int = 1,
         rate_hz: float = 250.0,
@@ -46,19 +50,21 @@ class ReachingDriver(LoopDriver):
         **parameters: Any,
     ) -> None:
         catalogue = Catalogue()
-        profile = PROFILES[sensor] if isinstance(sensor, str) else sensor
+        if isinstance(sensor, str):
+            sensor = PROFILES[sensor]
+        hand = SimulatedHand(sensor, rate_hz, seed=3) if isinstance(sensor, Profile) else sensor
         super().__init__(
             catalogue.task("reaching"),
             catalogue.theme("calm"),
             seed=seed,
             history=history,
-            extra=self._sensing(profile, rate_hz, extra),
+            extra=self._sensing(hand, extra),
             **{"attempts": 2, **parameters},
         )
 
-    def _sensing(self, profile: Profile, rate_hz: float, extra: Iterable[Node]) -> Iterator[Node]:
+    def _sensing(self, hand: SimulatedHand, extra: Iterable[Node]) -> Iterator[Node]:
         """Yield the sensor; called once the clock exists."""
-        self.hand = SimulatedSource(SimulatedHand(profile, rate_hz, seed=3), self.clock)
+        self.hand = SimulatedSource(hand, self.clock)
         self.feed = ImuFeed(self.hand, self.clock.now)
         yield Imu(self.feed)
         yield from extra
@@ -125,6 +131,25 @@ class ReachingDriver(LoopDriver):
         return np.concatenate(blocks)
 
 
+def arm_that_holds(kind: str, hold_s: float, seed: int = 1) -> tuple[SimulatedArm, ReachShape]:
+    """Return the arm of ``--imu simulated:kind=KIND``, with a hold at the marker, and the shape to ask it for."""
+    arm = SimulatedArm(kind, PROFILES["steady"], seed=seed)
+    out, back = arm._person.out, arm._person.back
+    later = hold_s - (min(stroke.begin_s for stroke in back) - end_of(out))
+    back = tuple(msgspec.structs.replace(stroke, begin_s=stroke.begin_s + later) for stroke in back)
+    arm._person = arm._person._replace(back=back)
+    return arm, ReachShape(out_s=end_of(back) / 2, back_s=end_of(back) / 2)
+
+
+def analysed_again(samples: Samples, details: Any) -> Finding:
+    """Return a reach, analysed again in the window and by the parameters that its details name."""
+    window = Window(
+        from_ns=details["window_from_ns"], started_ns=details["window_started_ns"], to_ns=details["window_to_ns"]
+    )
+    asked = {"hand": details["hand"], details["detector"]: msgspec.json.decode(details["detector_parameters"])}
+    return analyse(samples, window, msgspec.convert(asked, AnalysisParameters))
+
+
 def ms(stamp: int) -> float:
     return stamp / MS
 
@@ -147,4 +172,4 @@ def merged(records: Iterable[Record], *topics: Topic[ImuBlock]) -> list[Record]:
     return found
 
 
-__all__ = ["FLICK", "REACH_OUT", "SECOND", "ReachingDriver", "merged", "ms"]
+__all__ = ["FLICK", "REACH_OUT", "SECOND", "ReachingDriver", "analysed_again", "arm_that_holds", "merged", "ms"]
