@@ -94,7 +94,7 @@ class BeginningApp(PatientModeApp):
             return
         self._asked_since, self._is_asking = now(), True
         self._use(theme, plan.parameters.language)
-        codes = [code for code in (plan.participant, plan.partner) if code]
+        codes = list(plan.participants)
 
         def answered(goes_on: bool | None) -> None:
             self._is_asking = False

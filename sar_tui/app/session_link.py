@@ -30,10 +30,11 @@ def link_of(what: Plan | str, database: sqlite3.Connection, folder: Path) -> "It
     """
     if isinstance(what, Plan):
         session, task, can_join = what.id, what.task.name, what.parameters.operator_joins
+        codes = what.participants
         lost_ms = what.parameters.operator_lost_ms
     else:
         row, default = sessions.find(database, folder, what), OperatorSettings()
-        session, task = row["id"], row["task"]
+        session, task, codes = row["id"], row["task"], sessions.codes(row)
         can_join = row["parameters"].get("operator_joins", default.operator_joins)
         lost_ms = row["parameters"].get("operator_lost_ms", default.operator_lost_ms)
     if not can_join:
@@ -41,5 +42,5 @@ def link_of(what: Plan | str, database: sqlite3.Connection, folder: Path) -> "It
         return
     from sar_tui.link.listening import ListenOptions, open_link
 
-    with open_link(folder, session, task, ListenOptions(operator=True, end=None), lost_ms) as link:
+    with open_link(folder, session, task, codes, ListenOptions(operator=True, end=None), lost_ms) as link:
         yield link

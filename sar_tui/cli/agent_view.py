@@ -31,8 +31,9 @@ def follow_agent(
     """
     from sar_tui.cli.session_choice import session_to_join
 
-    catalogue = Home.of(context, data, tasks).catalogue()
-    where = session_to_join(session, link)
+    home = Home.of(context, data, tasks)
+    catalogue = home.catalogue()
+    where = session_to_join(session, link, home.folder)
     need_screen()
     from sar_tui.app.agent.app import AgentApp
     from sar_tui.link.client import connect

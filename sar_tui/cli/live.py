@@ -1,7 +1,7 @@
 """``sar-tui run`` and ``sar-tui resume``: start or resume a live session."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
 
@@ -142,7 +142,7 @@ def run(
     addresses = checked_markers(markers)
     need_terminal()
     can_join = operator or plan.parameters.operator_joins
-    with _open_link(home, plan.id, task, can_join, listen, plan.parameters.operator_lost_ms) as link:
+    with _open_link(home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(home.folder, catalogue, plan=plan, link=link, markers=addresses, sync_flash=sync_flash)
@@ -151,7 +151,13 @@ def run(
 
 @contextmanager
 def _open_link(
-    home: Home, session: str, task: str, operator: bool, listen: str | None, lost_ms: int
+    home: Home,
+    session: str,
+    task: str,
+    participants: Sequence[str],
+    operator: bool,
+    listen: str | None,
+    lost_ms: int,
 ) -> "Iterator[BrokerProcess | None]":
     """Open the session's link before the screen changes; yield None if neither option is given."""
     if not operator and listen is None:
@@ -167,7 +173,7 @@ def _open_link(
         raise Refused(str(error)) from error
     with ExitStack() as stack:
         try:
-            broker = stack.enter_context(open_link(home.folder, session, task, listening, lost_ms))
+            broker = stack.enter_context(open_link(home.folder, session, task, participants, listening, lost_ms))
         except LinkError as error:
             raise Failed(str(error)) from error
         yield broker
@@ -211,7 +217,7 @@ def resume(
 
     from sar_tui.framework.parameters import TaskParameters
     from sar_tui.runs.run import find_resumable
-    from sar_tui.store.sessions import latest_interrupted
+    from sar_tui.store.sessions import codes, latest_interrupted
 
     with home.database() as database:
         if session in (None, "last"):
@@ -226,7 +232,7 @@ def resume(
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     can_join = operator or chosen["parameters"].get("operator_joins", False)
-    with _open_link(home, chosen["id"], chosen["task"], can_join, listen, lost_ms) as link:
+    with _open_link(home, chosen["id"], chosen["task"], codes(chosen), can_join, listen, lost_ms) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(

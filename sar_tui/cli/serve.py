@@ -77,7 +77,7 @@ def serve(
         name_at_session(name, link, observe=False)
     need_packages()
     if link is not None or session is not None:  # refused here rather than in every browser
-        session_to_show(session, link, wait=False, observe=view == "observer")
+        session_to_show(session, link, home.folder, wait=False, observe=view == "observer")
     try:
         from sar_tui.serve import address, runner, server, token
     except ImportError as error:
@@ -108,20 +108,22 @@ def serve(
     from sar_tui.tui.exit_codes import after_signal
 
     program = _program(view, session, link, home, name)
-    served = server.Server(view, program, place, secret, is_ready=lambda: link is not None or _is_live(session))
+    served = server.Server(
+        view, program, place, secret, is_ready=lambda: link is not None or _is_live(session, home.folder)
+    )
     number = runner.run(served, listening, print_address)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise typer.Exit(after_signal(number))
 
 
-def _is_live(session: str | None) -> bool:
-    """Return True if a session on this machine can be joined now."""
-    from sar_tui.link.discovery import live_sessions
+def _is_live(session: str | None, data: Path) -> bool:
+    """Return True if a session of a data folder can be joined now."""
+    from sar_tui.link.discovery import joinable_sessions
     from sar_tui.link.errors import LinkError
 
     try:
-        return any(each.session.startswith(session or "") for each in live_sessions())
+        return any(each.session.startswith(session or "") for each in joinable_sessions(data))
     except LinkError:
         return False
 

@@ -33,7 +33,7 @@ def wizard(
     The session runs in another terminal with --operator, or on another machine with --listen. F1 shows all keys.
     """
     home = Home.of(context, data, tasks)
-    where = session_to_show(session, link, wait=wait, observe=observe)
+    where = session_to_show(session, link, home.folder, wait=wait, observe=observe)
     name = name_at_session(name, link, observe=observe)
     need_screen()
     from sar_tui.operator.app import WizardApp, run_wizard
@@ -45,31 +45,31 @@ def wizard(
 
 
 def session_to_show(
-    session: str | None, link: Path | None, *, wait: bool, observe: bool
+    session: str | None, link: Path | None, data: Path, *, wait: bool, observe: bool
 ) -> "JoinableSession | Invitation | None":
-    """Return the session to join, or None if the user must choose one or wait.
+    """Return the session of a data folder to join, or None if the user must choose one or wait.
 
     Raises:
         Refused: there is no such session.
         LinkError: it cannot be joined from here.
     """
     from sar_tui.cli.session_choice import session_to_join
-    from sar_tui.link.discovery import live_sessions
+    from sar_tui.link.discovery import joinable_sessions
     from sar_tui.link.errors import need_packages
 
     if link is not None:
         if session or wait:
             raise Refused("An invitation is for one session: leave out SESSION and --wait.")
-        where = session_to_join(None, link)
+        where = session_to_join(None, link, data)
         if observe and getattr(where, "role", None) == "operator":
             raise Refused(f"{link} invites an operator, who can act. To only watch, ask for an observer's invitation.")
         return where
     if session is None:
         need_packages()
-        found = live_sessions()
+        found = joinable_sessions(data)
         if len(found) > 1 or (wait and not found):
             return None
-    return session_to_join(session, None)
+    return session_to_join(session, None, data)
 
 
 def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> str:

@@ -10,6 +10,7 @@ import re
 import stat
 import tempfile
 from collections.abc import Iterator
+from datetime import datetime
 from pathlib import Path
 
 import filelock
@@ -30,12 +31,29 @@ _LOCK_TIMEOUT_S = 0.5
 
 
 class JoinableSession(msgspec.Struct, frozen=True):
-    """Session that an operator can join: ``link`` is the id of its link, ``pid`` that of its program."""
+    """Session that an operator can join.
+
+    ``link`` is the id of its link, ``pid`` that of its program, ``data`` the path of its data folder (see
+    `folder_name`). ``participants``: their codes. ``started``: when its program began it (UTC, ISO 8601).
+    """
 
     session: str
     task: str
     link: str
     pid: int
+    data: str = ""
+    participants: tuple[str, ...] = ()
+    started: str = ""
+
+    @property
+    def description(self) -> str:
+        """Participant, task, and start in local time: "P01, keyboard, since 14:03"."""
+        parts = [" and ".join(self.participants), self.task]
+        with contextlib.suppress(ValueError):
+            began = datetime.fromisoformat(self.started).astimezone()
+            is_today = began.date() == datetime.now().astimezone().date()
+            parts.append(f"since {began:%H:%M}" if is_today else f"since {began:%Y-%m-%d %H:%M}")
+        return ", ".join(filter(None, parts))
 
     @property
     def socket(self) -> Path:
@@ -118,8 +136,26 @@ def announce(live: JoinableSession) -> Iterator[Path]:
         lock.release()
 
 
+def folder_name(data: Path) -> str:
+    """Return the name by which programs agree on a data folder: its path, with symbolic links resolved."""
+    return os.path.realpath(data)
+
+
+def joinable_sessions(data: Path) -> list[JoinableSession]:
+    """Return the sessions of a data folder that can be joined, ordered by id. Raises LinkError as ``socket_folder``."""
+    name = folder_name(data)
+    return [live for live in live_sessions() if live.data == name]
+
+
+def other_folders(data: Path) -> list[str]:
+    """Return the other data folders with sessions that can be joined. Raises LinkError as ``socket_folder``."""
+    return sorted({live.data for live in live_sessions()} - {folder_name(data), ""})
+
+
 def live_sessions() -> list[JoinableSession]:
-    """Return the sessions that can be joined, ordered by id, and remove files left behind by killed programs.
+    """Return the sessions on this machine that can be joined, of all data folders, ordered by id.
+
+    Files left behind by killed programs are removed.
 
     Raises LinkError as ``socket_folder``.
     """

@@ -4,13 +4,14 @@ import contextlib
 import os
 import re
 from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.framework.clock import MS
 from sar_tui.link.authority import Authority
 from sar_tui.link.broker_process import BrokerProcess
-from sar_tui.link.discovery import JoinableSession, announce
+from sar_tui.link.discovery import JoinableSession, announce, folder_name
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.protocol import Setup
 from sar_tui.link.zenoh_settings import Endpoint, TlsFiles, host_settings, parse_endpoint
@@ -37,12 +38,15 @@ class ListenOptions(NamedTuple):
 
 
 @contextlib.contextmanager
-def open_link(data: Path, session: str, task: str, listening: ListenOptions, lost_ms: int) -> Iterator[BrokerProcess]:
+def open_link(
+    data: Path, session: str, task: str, participants: Sequence[str], listening: ListenOptions, lost_ms: int
+) -> Iterator[BrokerProcess]:
     """Open the link of a session for the duration of the block.
 
     Args:
-        data: the data folder, whose certificate authority admits guests over the network.
-        session, task: shown to operators on this machine.
+        data: the data folder, whose certificate authority admits guests over the network, and whose operators find
+            the session on this machine.
+        session, task, participants: shown to operators on this machine.
         listening: where to listen. The socket's folder is private to this user; the network requires certificates.
         lost_ms: silence after which an operator is lost (ms).
 
@@ -62,9 +66,16 @@ def open_link(data: Path, session: str, task: str, listening: ListenOptions, los
     with contextlib.ExitStack() as stack:
         socket = None
         if listening.operator:
-            socket = stack.enter_context(
-                announce(JoinableSession(session=session, task=task, link=link, pid=os.getpid()))
+            live = JoinableSession(
+                session=session,
+                task=task,
+                link=link,
+                pid=os.getpid(),
+                data=folder_name(data),
+                participants=tuple(participants),
+                started=datetime.now(UTC).isoformat(timespec="seconds"),
             )
+            socket = stack.enter_context(announce(live))
         settings = host_settings(link, socket=socket, listen=ends, files=files, guests=guests)
         names = tuple(str(guest) for guest in guests) if authority else None
         broker = BrokerProcess(Setup(settings, link, lost_ms * MS, names))

@@ -8,7 +8,7 @@ from textual import on
 
 from sar_tui.framework.messages import Role
 from sar_tui.framework.theme import Theme
-from sar_tui.link.discovery import JoinableSession, live_sessions
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
 from sar_tui.operator.layout import PanelLayout
 from sar_tui.operator.screen import PanelScreen
@@ -21,12 +21,11 @@ class WizardApp(BaseApp):
 
     Args:
         theme: applied until the session's theme is known.
-        folder: holds the operator's own file.
+        folder: the data folder, whose sessions can be joined; holds the operator's own file.
         name: the operator's or observer's name.
         role: operator or observer.
         where: the session; if None, the user chooses one.
         waits: join the first session that appears, if there is none yet.
-        look: finds the sessions that can be joined.
     """
 
     TITLE = "sar-tui wizard"
@@ -41,19 +40,18 @@ class WizardApp(BaseApp):
         where: JoinableSession | Invitation | None = None,
         *,
         waits: bool = False,
-        look: Callable[[], list[JoinableSession]] = live_sessions,
     ) -> None:
         super().__init__()
         self._theme, self._folder = theme, folder
         self._user_name, self._role = name, role
-        self._where, self._waits, self._look = where, waits, look
+        self._where, self._waits = where, waits
 
     def on_mount(self) -> None:
         self.apply_theme(self._theme)
         if self._where:
             self._join(self._where)
         else:
-            self.push_screen(ChooseScreen(waits=self._waits, look=self._look), self._join)
+            self.push_screen(ChooseScreen(self._folder, waits=self._waits), self._join)
 
     def _join(self, where: JoinableSession | Invitation | None) -> None:
         if where is None:

@@ -2,7 +2,6 @@
 
 import asyncio
 import functools
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,8 +15,9 @@ from textual.widgets.option_list import Option
 from sar_tui.drivers.login_name import login_name
 from sar_tui.framework.messages import Role
 from sar_tui.framework.theme import Theme
+from sar_tui.link import discovery
 from sar_tui.link.client import connect
-from sar_tui.link.discovery import JoinableSession, live_sessions
+from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
 from sar_tui.operator.screen import PanelScreen
@@ -25,7 +25,7 @@ from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.option_list import OptionList
 
 LOOK_SECONDS = 1.0
-HOW_TO_START = "No session on this machine can be joined. Start one with: sar-tui run TASK -p CODE --operator"
+HOW_TO_START = "No session of this data folder can be joined. Start one with: sar-tui run TASK -p CODE --operator"
 
 
 def own_name() -> str:
@@ -40,11 +40,11 @@ def panel(where: JoinableSession | Invitation, name: str, role: Role, theme: The
 
 
 class ChooseScreen(Screen[JoinableSession | None]):
-    """List of the sessions that can be joined, updated every second.
+    """List of a data folder's sessions that can be joined, updated every second.
 
     Args:
+        folder: the data folder.
         waits: join the first session that appears.
-        look: finds the sessions.
     """
 
     CSS = """
@@ -52,14 +52,15 @@ class ChooseScreen(Screen[JoinableSession | None]):
     ChooseScreen #box { width: 70; height: auto; max-height: 80%; border: round $accent; padding: 0 1; }
     ChooseScreen #hint { width: 70; height: auto; margin: 1 0; color: $text-muted; }
     """
-    help_text = "The sessions on this machine that an operator can join.\n"
+    help_text = "The sessions of this data folder that an operator can join.\n"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "leave", "Back")]
 
     app: Any
 
-    def __init__(self, *, waits: bool = False, look: Callable[[], list[JoinableSession]] = live_sessions) -> None:
+    def __init__(self, folder: Path, *, waits: bool = False) -> None:
         super().__init__()
-        self._waits, self._look = waits, look
+        self._folder, self._waits = folder, waits
+        self._others: list[str] = []
         self._found: dict[str, JoinableSession] = {}
 
     def compose(self) -> ComposeResult:
@@ -75,7 +76,8 @@ class ChooseScreen(Screen[JoinableSession | None]):
 
     def look_again(self) -> None:
         try:
-            found = {live.session: live for live in self._look()}
+            found = {live.session: live for live in discovery.joinable_sessions(self._folder)}
+            others = discovery.other_folders(self._folder)
         except LinkError as error:
             self.query_one("#hint", Static).update(str(error))
             return
@@ -83,19 +85,22 @@ class ChooseScreen(Screen[JoinableSession | None]):
             self.dismiss(next(iter(found.values())))
             return
         if found != self._found or not found:
-            self._found = found
+            self._found, self._others = found, others
             self._list()
 
     def _list(self) -> None:
         box = self.query_one("#box", OptionList)
         chosen = box.highlighted or 0
         box.clear_options()
-        box.add_options([Option(f"{live.session}   {live.task}", id=live.session) for live in self._found.values()])
+        box.add_options(
+            [Option(f"{live.description}   {live.session}", id=live.session) for live in self._found.values()]
+        )
         if self._found:
             box.highlighted = min(chosen, len(self._found) - 1)
         box.display = bool(self._found)
+        elsewhere = f"\n\nThere is a session of another data folder: {self._others[0]}" if self._others else ""
         self.query_one("#hint", Static).update(
-            "Enter joins." if self._found else f"{HOW_TO_START}\n\nWaiting for one …"
+            "Enter joins." if self._found else f"{HOW_TO_START}{elsewhere}\n\nWaiting for one …"
         )
 
     @on(OptionList.OptionSelected, "#box")

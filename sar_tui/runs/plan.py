@@ -46,6 +46,11 @@ class Plan(msgspec.Struct, frozen=True):
     left_out: Mapping[str, str] = {}
     steps: tuple[Step, ...] = ()
 
+    @property
+    def participants(self) -> tuple[str, ...]:
+        """The participants' codes, by seat."""
+        return tuple(filter(None, (self.participant, self.partner)))
+
 
 class Failed(Exception):
     """A session cannot start or continue. Its message is one or two clear sentences."""

@@ -141,7 +141,7 @@ def start(
         if plan.mode == "live":
             task = set_up(plan.task, with_start_level(database, task, plan.participant))
         nodes = make_nodes(task, theme, plan.seed)
-        codes = [code for code in (plan.participant, plan.partner) if code]
+        codes = list(plan.participants)
         if plan.mode == "live":
             codes = [participants.add(database, code) for code in codes]
             held += [locks.hold(folder, "participant", code) for code in codes]
@@ -192,7 +192,7 @@ def resume(
     held: list[BaseFileLock] = []
     with _released_on_failure(database, held):
         row = find_resumable(database, folder, session_id)
-        codes = [code for code in (row["participant"], row["partner"]) if code]
+        codes = list(sessions.codes(row))
         held += [locks.hold(folder, "participant", code) for code in codes]
         held.append(locks.hold(folder, "session", row["id"]))
         status = sessions.stored_status(database, row["id"])  # another program may have ended it before we held it

@@ -265,9 +265,14 @@ _PRESENCE = (
 """The conditions on the topic are literals, as in the indexes, so that no other message is looked at."""
 
 
+def codes(row: Row) -> tuple[str, ...]:
+    """Return the codes of a listed session's participants."""
+    return tuple(filter(None, (row["participant"], row["partner"])))
+
+
 def participant_codes(row: Row) -> str:
     """Return the codes of a listed session's participants: "P01" or "P01, P02"."""
-    return ", ".join(filter(None, (row["participant"], row["partner"])))
+    return ", ".join(codes(row))
 
 
 def find(db: sqlite3.Connection, folder: Path, name: str, *, also_damaged: bool = False) -> Row:

@@ -1,6 +1,6 @@
 """Session that operators can join, with a fake channel to the broker process."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -84,15 +84,17 @@ class Links:
 
     def __init__(self, channel: FakeChannel) -> None:
         self.channel = channel
-        self.opened: list[tuple[str, str, ListenOptions, int]] = []
+        self.opened: list[tuple[str, str, tuple[str, ...], ListenOptions, int]] = []
         self.closed = 0
         self.error = ""
 
     @contextmanager
-    def open(self, _: Path, session: str, task: str, listening: ListenOptions, lost_ms: int) -> Iterator[FakeChannel]:
+    def open(
+        self, _: Path, session: str, task: str, participants: Sequence[str], listening: ListenOptions, lost_ms: int
+    ) -> Iterator[FakeChannel]:
         if self.error:
             raise LinkError(self.error)
-        self.opened.append((session, task, listening, lost_ms))
+        self.opened.append((session, task, tuple(participants), listening, lost_ms))
         yield self.channel
         self.closed += 1
 
@@ -117,7 +119,7 @@ async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_jo
         links.channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
         assert any(isinstance(sent, OutgoingSnapshot) for sent in links.channel.sent)
-        assert (links.opened, links.closed) == ([(session, "keyboard", here_only, 700)], 0)
+        assert (links.opened, links.closed) == ([(session, "keyboard", ("P01",), here_only, 700)], 0)
         driver.app.exit()
     assert links.closed == 1
     async with open_app(data, catalogue) as driver:

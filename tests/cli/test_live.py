@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from sar_tui.link.broker_process import BrokerProcess
-from sar_tui.link.discovery import live_sessions
+from sar_tui.link.discovery import joinable_sessions, live_sessions
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
 from sar_tui.store import programmes
@@ -45,7 +45,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]
         calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
         calls[-1]["patient"] = patient
         calls[-1]["markers"] = markers
-        calls[-1]["joinable"] = live_sessions()
+        calls[-1]["joinable"] = joinable_sessions(folder)
         return 7
 
     monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
@@ -281,7 +281,10 @@ def test_a_session_that_is_not_asked_to_opens_no_link(call: Call, opened: list[d
 def test_a_session_that_operators_may_join_is_found_while_it_runs(call: Call, opened: list[dict[str, Any]]) -> None:
     assert call("run", "keyboard", "-p", "P01", "--operator").code == 7
     (how,) = opened
-    assert [(live.session, live.task) for live in how["joinable"]] == [(how["plan"].id, "keyboard")]
+    assert [(live.session, live.task, live.participants) for live in how["joinable"]] == [
+        (how["plan"].id, "keyboard", ("P01",))
+    ]
+    assert how["joinable"][0].description.startswith("P01, keyboard, since ")
     assert how["link"].link == how["plan"].id
     assert how["link"].pid is None  # its process has ended
     assert live_sessions() == []

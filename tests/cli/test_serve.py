@@ -118,7 +118,7 @@ def test_something_that_is_no_invitation_is_refused_before_anything_is_served(ca
 def test_a_session_that_is_not_there_is_refused_before_anything_is_served(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(discovery, "live_sessions", lambda: [JoinableSession("abc1", "keyboard", "l1", 1)])
+    monkeypatch.setattr(discovery, "joinable_sessions", lambda data: [JoinableSession("abc1", "keyboard", "l1", 1)])
     called = call("serve", "operator", "--port", 0, "--session", "nonsense")
     assert (called.code, called.out) == (2, "")
     assert called.err == "No session that can be joined begins with nonsense. These can: abc1 (keyboard).\n"

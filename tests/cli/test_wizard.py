@@ -18,11 +18,13 @@ from sar_tui.link.zenoh_settings import Credentials
 from tests.link.tls_fixtures import invite_guests
 from tests.program import Call
 
+HERE = Path("data")
 ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)
 
 
 def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
-    monkeypatch.setattr(discovery, "live_sessions", lambda: list(sessions))
+    monkeypatch.setattr(discovery, "joinable_sessions", lambda data: list(sessions))
+    monkeypatch.setattr(discovery, "other_folders", lambda data: [])
 
 
 @pytest.mark.parametrize(
@@ -48,10 +50,10 @@ def test_bad_input_is_refused_in_a_sentence(
 
 def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(monkeypatch: pytest.MonkeyPatch) -> None:
     live(monkeypatch, ONE)
-    assert session_to_show(None, None, wait=False, observe=False) == ONE
+    assert session_to_show(None, None, HERE, wait=False, observe=False) == ONE
     live(monkeypatch, ONE, OTHER)
-    assert session_to_show(None, None, wait=False, observe=False) is None
-    assert session_to_show("abd", None, wait=False, observe=False) == OTHER
+    assert session_to_show(None, None, HERE, wait=False, observe=False) is None
+    assert session_to_show("abd", None, HERE, wait=False, observe=False) == OTHER
 
 
 def test_an_expired_invitation_is_refused(call: Call, data: Path, tmp_path: Path) -> None:
@@ -63,7 +65,7 @@ def test_an_expired_invitation_is_refused(call: Call, data: Path, tmp_path: Path
 
 
 def test_an_operators_invitation_cannot_be_used_to_observe(monkeypatch: pytest.MonkeyPatch) -> None:
-    def read(session: Any, link: Path) -> Invitation:
+    def read(session: Any, link: Path, data: Path) -> Invitation:
         return Invitation(
             role="operator",
             name="anna",
@@ -75,7 +77,7 @@ def test_an_operators_invitation_cannot_be_used_to_observe(monkeypatch: pytest.M
 
     monkeypatch.setattr(session_choice, "session_to_join", read)
     with pytest.raises(Refused, match="ask for an observer's invitation"):
-        session_to_show(None, Path("anna.sar-link"), wait=False, observe=True)
+        session_to_show(None, Path("anna.sar-link"), HERE, wait=False, observe=True)
     with pytest.raises(Refused, match="leave out --name"):
         name_at_session("ben", Path("anna.sar-link"), observe=False)
 
@@ -88,3 +90,18 @@ def test_observers_of_one_user_have_different_names(monkeypatch: pytest.MonkeyPa
     assert here != there
     assert re.fullmatch(NAME, there)
     assert name_at_session(None, None, observe=False) == ("ben" * 20)[:32]
+
+
+def test_a_session_of_another_data_folder_is_not_joined_but_named(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    elsewhere = JoinableSession("abc1", "keyboard", "l1", 1, discovery.folder_name(tmp_path / "elsewhere"), ("P07",))
+    monkeypatch.setattr(discovery, "live_sessions", lambda: [elsewhere])
+    for arguments in ([], ["abc1"]):
+        called = call("wizard", *arguments)
+        assert (called.code, called.out) == (2, "")
+        assert called.err.endswith(f"to join it, add --data {tmp_path / 'elsewhere'}.\n")
+    here = JoinableSession("abd2", "reaching", "l2", 2, discovery.folder_name(tmp_path / "data"), ("P08",))
+    monkeypatch.setattr(discovery, "live_sessions", lambda: [elsewhere, here])
+    assert session_to_show(None, None, tmp_path / "data", wait=True, observe=False) == here
+    assert session_to_show(None, None, tmp_path / "elsewhere", wait=True, observe=False) == elsewhere

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.link.discovery import JoinableSession, announce
+from sar_tui.link.discovery import JoinableSession, announce, folder_name
 from sar_tui.timing.pty import Terminal, visible
 from sar_tui.tui.terminal_output import RESET
 from tests.end_to_end.operator_terminal import Panel, SessionTerminals
@@ -87,7 +87,8 @@ def program(request: pytest.FixtureRequest, data: Path, monkeypatch: pytest.Monk
         "agent": command("agent", "5ab1e", "--data", str(data)),
         "run": run_command(data),
     }
-    with announce(JoinableSession(session="5ab1e", task="keyboard", link="5ab1e", pid=os.getpid())):
+    live = JoinableSession("5ab1e", "keyboard", "5ab1e", os.getpid(), data=folder_name(data))
+    with announce(live):
         yield commands[request.param]
     shutil.rmtree(runtime)
 

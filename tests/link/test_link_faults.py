@@ -145,7 +145,9 @@ async def session(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
     folder = Path(tempfile.mkdtemp(prefix="sar"))  # a socket's path must be short
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
     session_id = secrets.token_hex(5)
-    with open_link(folder, session_id, "keyboard", ListenOptions.parse(operator=True, listen=None), lost_ms) as broker:
+    with open_link(
+        folder, session_id, "keyboard", ["P01"], ListenOptions.parse(operator=True, listen=None), lost_ms
+    ) as broker:
         live = JoinableSession(session=session_id, task="keyboard", link=broker.link, pid=os.getpid())
         session = LinkSession(broker, live)
         try:
@@ -369,12 +371,12 @@ def test_taken_port_and_missing_authority_are_reported(tmp_path: Path) -> None:
         listening = ListenOptions.parse(operator=False, listen=f"tls/127.0.0.1:{port}")
         with (
             pytest.raises(LinkError, match="Nobody has been invited"),
-            open_link(tmp_path, "s", "t", listening, LOST_MS),
+            open_link(tmp_path, "s", "t", ["P01"], listening, LOST_MS),
         ):
             pass
         Authority.open_or_create(tmp_path)
         with (
             pytest.raises(LinkError, match=f"127.0.0.1:{port}. Another program"),
-            open_link(tmp_path, "s", "t", listening, LOST_MS),
+            open_link(tmp_path, "s", "t", ["P01"], listening, LOST_MS),
         ):
             pass

@@ -1,9 +1,11 @@
 """Choice of a session, and its panel."""
 
 import re
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from sar_tui.app.screens import home
@@ -17,6 +19,7 @@ from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.operator.session_picker import HOW_TO_START, ChooseScreen, own_name
 from sar_tui.plugins import Catalogue
+from sar_tui.widgets.option_list import OptionList
 from tests.app.app_driver import open_app
 from tests.operator.panel_driver import FakePeer
 
@@ -37,37 +40,83 @@ def joined(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return found
 
 
-def wizard(catalogue: Catalogue, folder: Path, look: Any, *, waits: bool = False) -> WizardApp:
-    return WizardApp(catalogue.theme("calm"), folder, "anna", waits=waits, look=look)
+def here(live: JoinableSession, folder: Path) -> JoinableSession:
+    return msgspec.structs.replace(live, data=link_folder.folder_name(folder))
 
 
-async def test_the_panel_of_the_chosen_session_opens(catalogue: Catalogue, tmp_path: Path, joined: list[Any]) -> None:
-    app = wizard(catalogue, tmp_path, lambda: [ONE, OTHER])
+@pytest.fixture
+def there(monkeypatch: pytest.MonkeyPatch) -> list[JoinableSession]:
+    """The sessions on this machine."""
+    found: list[JoinableSession] = []
+    monkeypatch.setattr(link_folder, "live_sessions", lambda: found)
+    return found
+
+
+def wizard(catalogue: Catalogue, folder: Path, *, waits: bool = False) -> WizardApp:
+    return WizardApp(catalogue.theme("calm"), folder, "anna", waits=waits)
+
+
+async def test_the_panel_of_the_chosen_session_opens(
+    catalogue: Catalogue, tmp_path: Path, joined: list[Any], there: list[JoinableSession]
+) -> None:
+    there += [here(ONE, tmp_path), here(OTHER, tmp_path)]
+    app = wizard(catalogue, tmp_path)
     async with app.run_test() as pilot:
         await pilot.press("down", "enter")
         await pilot.pause()
         assert isinstance(app.screen, PanelScreen)
-    assert joined == [(OTHER, "anna", "operator")]
+    assert joined == [(there[1], "anna", "operator")]
+
+
+async def test_a_session_is_listed_with_its_participants_task_and_start(
+    catalogue: Catalogue, tmp_path: Path, there: list[JoinableSession]
+) -> None:
+    facts = {"participants": ("P01", "P02"), "started": "2026-01-02T03:04:05+00:00"}
+    there += [msgspec.structs.replace(here(ONE, tmp_path), **facts), here(OTHER, tmp_path)]
+    app = wizard(catalogue, tmp_path)
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        listed = app.screen.query_one("#box", OptionList)
+        began = datetime.fromisoformat("2026-01-02T03:04:05+00:00").astimezone()
+        first = str(listed.get_option_at_index(0).prompt)
+        assert first == f"P01 and P02, keyboard, since {began:%Y-%m-%d %H:%M}   s1"
+
+
+async def test_a_session_of_another_data_folder_is_named_but_never_joined(
+    catalogue: Catalogue, tmp_path: Path, joined: list[Any], there: list[JoinableSession]
+) -> None:
+    there.append(here(ONE, tmp_path / "other"))
+    app = wizard(catalogue, tmp_path, waits=True)
+    async with app.run_test() as pilot:
+        await pilot.pause()
+        assert isinstance(app.screen, ChooseScreen)
+        assert str(tmp_path / "other") in str(app.screen.query_one("#hint").render())
+        there.append(here(OTHER, tmp_path))
+        app.screen.look_again()
+        await pilot.pause()
+    assert joined == [(there[1], "anna", "operator")]
 
 
 async def test_without_a_session_it_says_how_to_start_one_and_joins_the_first(
-    catalogue: Catalogue, tmp_path: Path, joined: list[Any]
+    catalogue: Catalogue, tmp_path: Path, joined: list[Any], there: list[JoinableSession]
 ) -> None:
-    there: list[JoinableSession] = []
-    app = wizard(catalogue, tmp_path, lambda: there, waits=True)
+    app = wizard(catalogue, tmp_path, waits=True)
     async with app.run_test() as pilot:
         await pilot.pause()
         assert isinstance(app.screen, ChooseScreen)
         assert HOW_TO_START.split(":")[0] in str(app.screen.query_one("#hint").render())
-        there.append(ONE)
+        there.append(here(ONE, tmp_path))
         app.screen.look_again()
         await pilot.pause()
         assert isinstance(app.screen, PanelScreen)
-    assert joined == [(ONE, "anna", "operator")]
+    assert joined == [(there[0], "anna", "operator")]
 
 
-async def test_leaving_the_choice_leaves_the_app(catalogue: Catalogue, tmp_path: Path) -> None:
-    app = wizard(catalogue, tmp_path, lambda: [ONE, OTHER])
+async def test_leaving_the_choice_leaves_the_app(
+    catalogue: Catalogue, tmp_path: Path, there: list[JoinableSession]
+) -> None:
+    there += [here(ONE, tmp_path), here(OTHER, tmp_path)]
+    app = wizard(catalogue, tmp_path)
     async with app.run_test() as pilot:
         await pilot.press("escape")
     assert app.return_code == 0
@@ -87,14 +136,12 @@ async def test_a_failed_link_ends_the_app_with_a_message(
 
 
 async def test_home_offers_the_panel_while_a_session_can_be_joined(
-    data: Path, catalogue: Catalogue, joined: list[Any], monkeypatch: pytest.MonkeyPatch
+    data: Path, catalogue: Catalogue, joined: list[Any], there: list[JoinableSession]
 ) -> None:
-    there: list[JoinableSession] = []
-    monkeypatch.setattr(link_folder, "live_sessions", lambda: there)
     async with open_app(data, catalogue) as driver:
         assert not driver.sees("Operator's panel")
         await driver.press("f3")
-        there.append(ONE)
+        there += [here(OTHER, data / "other"), here(ONE, data)]
         assert isinstance(driver.app.screen, home.HomeScreen)
         driver.app.screen.look_for_sessions()
         await driver.settle()
@@ -103,7 +150,7 @@ async def test_home_offers_the_panel_while_a_session_can_be_joined(
         assert driver.screen_name == "PanelScreen"
         await driver.press("q", "q")
         assert driver.screen_name == "HomeScreen"
-    assert [(where, role) for where, _, role in joined] == [(ONE, "operator")]
+    assert [(where, role) for where, _, role in joined] == [(there[1], "operator")]
 
 
 @pytest.mark.parametrize("login", ["anna", "Ünal.K", "-x-", "", "a" * 80])
@@ -114,8 +161,11 @@ def test_a_login_name_becomes_a_valid_name(login: str, monkeypatch: pytest.Monke
     assert re.fullmatch(NAME, own_name())
 
 
-async def test_the_choice_survives_any_size_of_the_window(catalogue: Catalogue, tmp_path: Path) -> None:
-    app = wizard(catalogue, tmp_path, lambda: [ONE, OTHER])
+async def test_the_choice_survives_any_size_of_the_window(
+    catalogue: Catalogue, tmp_path: Path, there: list[JoinableSession]
+) -> None:
+    there += [here(ONE, tmp_path), here(OTHER, tmp_path)]
+    app = wizard(catalogue, tmp_path)
     async with app.run_test() as pilot:
         for size in [(60, 20), (30, 5), (5, 3), (1, 1), (20, 200), (200, 1), (80, 24)]:
             await pilot.resize_terminal(*size)

@@ -18,6 +18,7 @@ from sar_tui.framework import topics as t
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.trial_types import Metric, Result, Situation, Stimulus, Trial
+from sar_tui.link import discovery
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.operator.app import WizardApp
 from sar_tui.plugins import Catalogue
@@ -133,9 +134,12 @@ def _prompt() -> m.Prompt:
     return m.Prompt(**numbers, stimulus=TEXT, expected="f", text=TEXT, glyph=TEXT)
 
 
-async def test_the_choice_of_sessions_draws_their_names_visibly(data: Path, calm: Theme) -> None:
+async def test_the_choice_of_sessions_draws_their_names_visibly(
+    data: Path, calm: Theme, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = [JoinableSession(f"{TEXT}{number}", TEXT, "abcd", number) for number in (1, 2)]
-    app = WizardApp(calm, data, "anna", look=lambda: found)
+    monkeypatch.setattr(discovery, "joinable_sessions", lambda data: found)
+    app = WizardApp(calm, data, "anna")
     async with app.run_test(size=(120, 40)):
         await settle(app)
         assert BEGINNING in drawn(app)

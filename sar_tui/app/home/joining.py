@@ -1,4 +1,4 @@
-"""The operator's panel, offered while a session on this machine can be joined."""
+"""The operator's panel, offered while a session of this data folder can be joined."""
 
 from typing import Any
 
@@ -12,14 +12,14 @@ class JoiningScreen(Screen[None]):
     _can_operate = False
 
     def look_for_sessions(self) -> None:
-        """Offer the panel while a session on this machine can be joined."""
-        from sar_tui.link.discovery import live_sessions
+        """Offer the panel while a session of this data folder can be joined."""
+        from sar_tui.link.discovery import joinable_sessions
         from sar_tui.link.errors import LinkError
 
         if not self.is_current:
             return
         try:
-            can_operate = bool(live_sessions())
+            can_operate = bool(joinable_sessions(self.app.folder))
         except LinkError:
             can_operate = False
         if can_operate != self._can_operate:
@@ -31,7 +31,7 @@ class JoiningScreen(Screen[None]):
 
     def action_operate(self) -> None:
         """Choose a session, and open its panel."""
-        from sar_tui.link.discovery import JoinableSession, live_sessions
+        from sar_tui.link.discovery import JoinableSession, joinable_sessions
         from sar_tui.operator.session_picker import ChooseScreen, own_name, panel
 
         def chosen(live: JoinableSession | None) -> None:
@@ -43,8 +43,8 @@ class JoiningScreen(Screen[None]):
             if why:
                 self.notify(why, severity="warning", timeout=15)
 
-        found = live_sessions()
+        found = joinable_sessions(self.app.folder)
         if len(found) == 1:
             chosen(found[0])
         else:
-            self.app.push_screen(ChooseScreen(), chosen)
+            self.app.push_screen(ChooseScreen(self.app.folder), chosen)

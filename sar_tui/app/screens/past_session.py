@@ -63,7 +63,7 @@ class PastSessionScreen(DismissedOnce[None]):
         from sar_tui.app.screens.adverse_event import AdverseEventScreen
 
         row = self._row
-        codes = [code for code in (row["participant"], row["partner"]) if code]
+        codes = list(sessions.codes(row))
         form = AdverseEventScreen(codes, sessions.local_time(row["started_at"]), row["id"])
         self.app.push_screen(form, lambda _: self._show_wellbeing())
 

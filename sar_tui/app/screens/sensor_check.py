@@ -126,7 +126,7 @@ class SensorCheckScreen(DismissedOnce[bool]):
     def compose(self) -> ComposeResult:
         with Horizontal(id="top"):
             yield Static(self.tr("Check the sensor"), id="task", markup=False)
-            codes = ", ".join(filter(None, (self._plan.participant, self._plan.partner)))
+            codes = ", ".join(self._plan.participants)
             yield Static(f"{codes} · {self.tr(self._plan.task.title)}", id="where", markup=False)
         if len(self.sensors) > 1:
             yield Static(id="sides")
