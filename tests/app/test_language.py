@@ -132,7 +132,7 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
         await driver.do_attempt(await driver.begin())
         tour.look("Ya está todo", "Ese ha sido el último intento.")
         await driver.see_the_summary()
-        tour.look("Ha hecho 2 intentos; meta alcanzada en 2.", "tiempo de reacción (s)", "Pulse Enter para terminar.")
+        tour.look("Ha hecho 2 intentos; meta alcanzada en 2.", "metas alcanzadas", "Pulse Enter para terminar.")
         assert tour.found(catalogue) == []
 
 

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.steps.entry import DECLINE_KEY, Entry, Given, press
 from sar_tui.framework.steps.file import StepFileError, read_steps
 from sar_tui.framework.steps.questions import QUESTIONS, chosen
@@ -119,8 +120,8 @@ def test_a_step_is_due_before_after_or_between_attempts(when: dict[str, object],
 
 
 def test_questions_of_the_settings_come_after_so_many_attempts_or_after_the_last() -> None:
-    assert [step.is_due(2, 4) for step in chosen(("pain", "effort"), 2)] == [True, True]
-    assert [done for done in range(5) if chosen(("pain",), 0)[0].is_due(done, 4)] == [4]
+    assert [step.is_due(2, 4) for step in chosen(("pain", "effort"), 2, RULES)] == [True, True]
+    assert [done for done in range(5) if chosen(("pain",), 0, RULES)[0].is_due(done, 4)] == [4]
 
 
 @pytest.mark.parametrize("step", QUESTIONS.values(), ids=lambda step: step.name)

@@ -11,13 +11,13 @@ from textual.widgets import Static
 from textual.widgets.option_list import Option
 
 from sar_tui.drivers.login_name import login_name
-from sar_tui.framework.messages import RecordChange
 from sar_tui.store.database import StoreError
 from sar_tui.widgets.marked_list import MarkedList
 from sar_tui.widgets.option_list import OptionList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.contents import Listed
+    from sar_tui.framework.messages import RecordChange
     from sar_tui.store.sessions import Row
 
 _BESIDE = 4
@@ -131,7 +131,7 @@ class SessionList(Vertical):
         """Let the chosen session be resumed again."""
         self._change("restored")
 
-    def _change(self, change: RecordChange) -> None:
+    def _change(self, change: "RecordChange") -> None:
         from sar_tui.store.record_changes import change_status
 
         try:
