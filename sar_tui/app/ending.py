@@ -63,7 +63,7 @@ class EndingApp(BeginningApp):
         if self.live.trouble:
             self.note_trouble(self.live.trouble)
         self.check_database()
-        self._exercise_left(ended=self.live.run.session.ended)
+        self._exercise_left(ended=self.live.run.session.ended, is_mistake=self.live.is_mistake)
 
     def close_session(self) -> None:
         """Close the live session and its workers, if there is one, and stop sensors that are being checked."""

@@ -48,7 +48,9 @@ def exit_message(
         yield "Stopped with Ctrl-C."
     if live and live.rescued:
         yield f"{live.rescued} Bring it back into the database: {command('rescue')}"
-    if live and not live.run.session.ended and not live.run.session.broken:
+    if live and live.is_mistake and not live.trouble:
+        yield "The session does not count, as it was started by mistake. It is kept; F6 in sar-tui restores it."
+    elif live and not live.run.session.ended and not live.run.session.broken:
         yield f"The session is kept. Resume it: {command('resume', live.run.id)}"
     elif live and names_ended_session:
         yield f"The session is kept. Look at it: {command('show', live.run.id)}"

@@ -13,6 +13,7 @@ from sar_tui.app.exit_message import exit_message
 
 if TYPE_CHECKING:
     from sar_tui.app.live import LiveSession
+    from sar_tui.app.screens.leave import Leaving
 
 _UNNOTICED_SECONDS = 0.3
 """Longest wait for the disk at the end before the screen says so."""
@@ -40,7 +41,8 @@ class LeavingApp(EndingApp):
             in_trial = getattr(self.screen, "is_in_trial", False)
             answered = functools.partial(self._left_or_went_on, was_in_trial=in_trial)
             can_save = all(getattr(screen, "can_save", True) for screen in self.screen_stack)
-            question = LeaveScreen(can_save=can_save)
+            may_be_mistake = self._open is not None and self._open.in_first_attempt
+            question = LeaveScreen(can_save=can_save, may_be_mistake=may_be_mistake)
             await self.push_screen(question, answered)  # mounted: the next key of a burst is its own
 
     def action_interrupt(self) -> None:
@@ -50,12 +52,14 @@ class LeavingApp(EndingApp):
         else:
             super().action_interrupt()
 
-    def _left_or_went_on(self, leaves: bool | None, *, was_in_trial: bool) -> None:
+    def _left_or_went_on(self, how: "Leaving | None", *, was_in_trial: bool) -> None:
         """Exit; or go on with the trial that the question has paused."""
         from sar_tui.framework.messages import SessionCommand
         from sar_tui.framework.session_phase import LEFT
 
-        if leaves:
+        if how in ("leave", "mistake"):
+            if self._open:
+                self._open.is_mistake = how == "mistake"
             if was_in_trial and self._open:
                 self._open.operate(SessionCommand(command="pause", reason=LEFT))
             self.exit()

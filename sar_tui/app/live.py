@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -10,17 +11,17 @@ from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.messages import Fault, MarkersChanged, SessionCommand, SyncSignal, ToneBegan
+from sar_tui.framework.messages import Fault, MarkersChanged, Recall, SessionCommand, SyncSignal, ToneBegan
 from sar_tui.framework.node import Node
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, MARKERS, SYNC, TONE_BEGAN
+from sar_tui.framework.topics import COMMAND, MARKERS, RECALL, SYNC, TONE_BEGAN
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.outputs.prompt_tones import PromptTones
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Failed, Plan
 from sar_tui.runs.run import Progress, Run, output_nodes, resume, start
-from sar_tui.store.database import StoreError
+from sar_tui.store.database import StoreError, connect
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -75,6 +76,7 @@ class LiveSession:
         self._catalogue = catalogue
         self._stopping = False
         self._closed = False
+        self.is_mistake = False
 
     def open(self, stage: Stage, what: Plan | str, progress: Progress | None = None) -> None:
         """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
@@ -190,10 +192,17 @@ class LiveSession:
         return self._closed
 
     @property
+    def in_first_attempt(self) -> bool:
+        """True as long as no attempt is finished: until then the session may have been started by mistake."""
+        session = self.run.session
+        return not any(session.bus.call(RECALL, Recall(seat=seat)).attempts for seat in session.task.seats)
+
+    @property
     def asks_after(self) -> bool:
         """True if pain and tiredness are to be asked now: the session was ended, and is in the database."""
         session = self.run.session
-        return session.task.parameters.ask_wellbeing and session.ended and not (self.rescued or self.unsaved)
+        asks = session.task.parameters.ask_wellbeing and not self.is_mistake
+        return asks and session.ended and not (self.rescued or self.unsaved)
 
     @property
     def rescued(self) -> str:
@@ -243,4 +252,17 @@ class LiveSession:
         if not isinstance(self.clock, LiveClock):
             with contextlib.suppress(StoreError):
                 self.run.recorder.write()
+        is_stored = not (self.rescued or self.unsaved)
         self.run.close()
+        if self.is_mistake and is_stored:
+            self._discard()
+
+    def _discard(self) -> None:
+        """Mark the session as started by mistake, so that it does not count."""
+        from sar_tui.store.record_changes import BY_MISTAKE, change_status
+
+        try:
+            with closing(connect(self._folder)) as database:
+                change_status(database, self._folder, self.run.id, "discarded", actor="participant", reason=BY_MISTAKE)
+        except StoreError as error:
+            self.trouble = f"The session was started by mistake, but it could not be marked as such. {error}"

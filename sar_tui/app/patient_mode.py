@@ -142,9 +142,9 @@ class PatientModeApp(OpeningApp):
         if isinstance(self.screen, SessionScreen) and self.screen.check_action("pause", ()):
             self.screen.action_pause()
 
-    def _exercise_left(self, *, ended: bool) -> None:
+    def _exercise_left(self, *, ended: bool, is_mistake: bool) -> None:
         if self._patient_screen is not None and self.patient:
-            self._patient_screen.session_left(ended=ended)
+            self._patient_screen.session_left(ended=ended, is_mistake=is_mistake)
 
     def _exercise_cannot_begin(self, why: str, *, resumed: bool, is_enough: bool) -> None:
         self.note_trouble(why)

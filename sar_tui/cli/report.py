@@ -112,7 +112,7 @@ def intervention(
     home = Home.of(context, data, tasks)
     request = _request(list(sessions or ()), participant, everything, simulated, mixed)
     with home.database() as database, progress_bar() as bar:
-        selection = select(database, home.folder, request)
+        selection = select(database, home.folder, request, only_counted=True)
         line = bar.add_task("Reading", total=len(selection.sessions))
         found = make_report(read(database, home.folder, selection, lambda: bar.advance(line)))
     _put_out(found, sections(found), "Report on the intervention", html, as_json)
@@ -149,7 +149,7 @@ def _study(
     from sar_tui.store.database import StoreError
     from sar_tui.store.selection import select
 
-    selection = select(database, home.folder, request)
+    selection = select(database, home.folder, request, only_counted=True)
     by_hand = _excluded(selection.ids, exclude)
     excluded = [Exclusion(session, why) for session, why in by_hand.items()]
     read: list[OperatedSession] = []

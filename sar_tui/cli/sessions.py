@@ -114,7 +114,7 @@ def show(
         changes += skipped_attempts.lines(database, found["id"]) if not as_json else []
         changes += reported_changes.lines(store.rows(database, "actions", found["id"])) if not as_json else []
         events = adverse_events.listing(database, session=found["id"])
-        found["site"] = found["site"] or sites.own(database)
+        found |= {"site": found["site"] or sites.own(database), "discarded": _discarded(database, found["id"])}
     if as_json:
         known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs, "markers": markers}
         print_json({**known, "wellbeing": felt, "adverse_events": events, "answers": answers})
@@ -188,6 +188,7 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
     ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
     for name, value in (
         ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
+        *([("", _discarded_words(row["discarded"]))] if row["discarded"] else []),
         ("Participant", participant_codes(row)),
         *([("Site", row["site"])] if row["site"] else []),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
@@ -200,6 +201,21 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
         operators = f"{', '.join(row['operators'])}; `sar-tui report wizard {row['id']}` shows what they did"
         out.print(f"{'Operator':<12} {operators}", markup=False, soft_wrap=True)
     out.print()
+
+
+def _discarded(database: "sqlite3.Connection", session: str) -> Row | None:
+    """Return who discarded a session, when and why; None if it was not discarded."""
+    from sar_tui.store.record_changes import why_discarded
+
+    found = why_discarded(database, session)
+    return {"actor": found.actor, "at": found.at, "reason": found.reason} if found else None
+
+
+def _discarded_words(discarded: Row) -> str:
+    from sar_tui.store.sessions import local_time
+
+    who = f"{discarded['actor']}, {local_time(discarded['at'])}"
+    return f"It does not count: {discarded['reason']} ({who}). It can be restored in the app (F6)."
 
 
 def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Metric") -> None:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from sar_tui.export.passports import Passport
+from sar_tui.store.counted import is_set_aside
 
 FILE = "methods.md"
 Row = Mapping[str, Any]
@@ -17,9 +18,19 @@ def methods(rows: Sequence[Row], passports: Sequence[Passport]) -> str:
     Args:
         rows: sessions as `store.sessions.listing` returns them.
     """
+    set_aside = [row for row in rows if is_set_aside(row)]
+    rows = [row for row in rows if not is_set_aside(row)]
     tasks = dict.fromkeys(row["task"] for row in rows)
     parts = [_of_task([row for row in rows if row["task"] == task]) for task in tasks]
-    return "# Methods\n\n" + "\n\n".join([*parts, "## Timing\n\n" + _timing(rows, passports)]) + "\n"
+    if rows:
+        parts.append("## Timing\n\n" + _timing(rows, passports))
+    if set_aside:
+        parts.append(
+            f"{_count(len(set_aside), 'session')} of the data (`status` discarded or refused) "
+            f"{'does' if len(set_aside) == 1 else 'do'} not count, and {'is' if len(set_aside) == 1 else 'are'} left "
+            "out above: started by mistake, or not agreed to."
+        )
+    return "# Methods\n\n" + "\n\n".join(parts) + "\n"
 
 
 def _of_task(rows: Sequence[Row]) -> str:

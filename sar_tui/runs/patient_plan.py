@@ -9,6 +9,7 @@ from sar_tui.framework.declaration import ParameterError
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.store import programmes, sessions
+from sar_tui.store.counted import counts
 from sar_tui.store.database import StoreError
 
 _LOOKED_AT = 50
@@ -29,7 +30,7 @@ def exercises(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, 
     names = programmes.tasks(database, participant)
     if not names:
         rows = sessions.listing(database, folder, participant=participant, limit=_LOOKED_AT)
-        names = [row["task"] for row in rows if row["mode"] == "live"][:1]
+        names = [row["task"] for row in rows if counts(row)][:1]
     found = [name for name in names if _is_for_one(catalogue, name)]
     if not found:
         raise StoreError(
@@ -61,7 +62,7 @@ def unfinished(
 ) -> str | None:
     """Return the id of the participant's last session of a task if it was interrupted here not long ago; else None."""
     rows = sessions.listing(database, folder, participant=participant, limit=_LOOKED_AT)
-    last = next((row for row in rows if row["task"] == task and row["mode"] == "live"), None)
+    last = next((row for row in rows if row["task"] == task and counts(row)), None)
     if last is None or last["status"] != "interrupted" or last["partner"] or last["site"]:
         return None
     age = now() - datetime.fromisoformat(last["started_at"])

@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 
 import msgspec
 
+from sar_tui.store.counted import LIVE
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.participants import check_known, check_own
 
@@ -74,7 +75,7 @@ def session_at(db: sqlite3.Connection, participant: str, onset: str) -> str | No
     at = datetime.fromisoformat(checked).astimezone(UTC)
     row = db.execute(
         "SELECT sessions.id FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-        " WHERE participant=? AND mode='live' AND started_at < ? AND ended_at >= ?"
+        f" WHERE participant=? AND {LIVE} AND started_at < ? AND ended_at >= ?"
         " ORDER BY seats.rowid DESC LIMIT 1",
         (participant, (at + timedelta(minutes=1)).isoformat(), at.isoformat()),
     ).fetchone()

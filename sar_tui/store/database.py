@@ -23,7 +23,7 @@ RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
 """Beginnings of the names of rescue files: to be brought back, and those that were. See `store.rescue`."""
 SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
-VERSION = 20
+VERSION = 21
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."

@@ -6,11 +6,12 @@ from datetime import datetime, timedelta
 import msgspec
 
 from sar_tui.framework.policies.limits import Dose
+from sar_tui.store.counted import COUNTS
 
 _NS_PER_MINUTE = 60_000_000_000
 _ENDED = (
     "SELECT attempts.practice, attempts.trials, attempts.started_ns, attempts.ended_ns, runs.clock_anchor"
-    " FROM seats JOIN sessions ON sessions.id=seats.session AND sessions.task=? AND sessions.mode='live'"
+    f" FROM seats JOIN sessions ON sessions.id=seats.session AND sessions.task=? AND {COUNTS}"
     " JOIN attempts ON attempts.session=sessions.id AND attempts.seat=seats.seat"
     " JOIN runs ON runs.session=sessions.id AND runs.run=attempts.run"
     " WHERE seats.participant=? AND json_extract(runs.clock_anchor, '$.utc') >= ?"

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
 from sar_tui.store.database import explain
 from sar_tui.store.locks import is_held
@@ -12,8 +13,8 @@ from sar_tui.store.locks import is_held
 _MOST_FAULTS = 20
 """Largest number of damaged pages that are named."""
 _WITHOUT_PARTICIPANT = {
-    "seats": "mode='live'",  # simulated people are no participants
-    "wellbeing": "coalesce(mode, 'live')='live'",
+    "seats": LIVE,  # simulated people are no participants
+    "wellbeing": f"(mode IS NULL OR {LIVE})",
     "adverse_events": "1",
     "instrument_scores": "1",
 }

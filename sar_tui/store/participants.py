@@ -8,6 +8,7 @@ from pathlib import Path
 
 import msgspec
 
+from sar_tui.store.counted import COUNTS, LIVE
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 
@@ -108,7 +109,7 @@ _NEWEST_FIRST = f"""SELECT code, newest.id,
     (SELECT group_concat(sessions.id || ' ' || status) FROM
         (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT {_LOOKED_AT}) AS own
         CROSS JOIN sessions ON sessions.id=own.session
-        WHERE status IN ('running', 'interrupted') AND mode='live' AND site='')
+        WHERE status IN ('running', 'interrupted') AND {LIVE} AND sessions.site='')
 FROM participants LEFT JOIN sessions AS newest ON newest.id=
     (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT 1)
 WHERE participants.site=''
@@ -131,7 +132,7 @@ def last_task(db: sqlite3.Connection, participant: str) -> str | None:
     row = (
         db.execute(
             "SELECT task FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-            " WHERE participant=? AND mode='live' ORDER BY seats.rowid DESC LIMIT 1",
+            f" WHERE participant=? AND {COUNTS} ORDER BY seats.rowid DESC LIMIT 1",
             (participant,),
         ).fetchone()
         or db.execute(
@@ -145,7 +146,7 @@ def last_used(db: sqlite3.Connection) -> str | None:
     """Return the (first) participant of this site's live session that was begun or resumed last; None without one."""
     row = db.execute(
         "SELECT participant FROM runs JOIN sessions ON sessions.id = runs.session"
-        " JOIN seats ON seats.session = runs.session AND seat='A' WHERE mode='live' AND site=''"
+        f" JOIN seats ON seats.session = runs.session AND seat='A' WHERE {LIVE} AND site=''"
         " ORDER BY runs.rowid DESC LIMIT 1"
     ).fetchone()
     return row[0] if row else None

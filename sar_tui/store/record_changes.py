@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
+import msgspec
+
 from sar_tui.framework.messages import RecordChange, RecordChanged
 from sar_tui.framework.topics import RECORD_CHANGED, SESSION_ENDED
 from sar_tui.store import locks, messages
@@ -16,6 +18,8 @@ _FROM: dict[RecordChange, tuple[str, ...]] = {
     "restored": ("dismissed", "discarded"),
 }
 """The statuses of a session in which a change of its status is possible."""
+BY_MISTAKE = "started by mistake"
+"""Reason for which a session is discarded."""
 
 
 def change_status(
@@ -43,6 +47,19 @@ def change_status(
     finally:
         held.release()
     return True
+
+
+def why_discarded(db: sqlite3.Connection, session: str) -> RecordChanged | None:
+    """Return by whom and why a session was discarded; None if it is not."""
+    found: RecordChanged | None = None
+    texts = db.execute(
+        "SELECT message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, RECORD_CHANGED.name)
+    )
+    for (text,) in texts:
+        said = msgspec.json.decode(text, type=RecordChanged)
+        if said.change in ("discarded", "restored"):
+            found = said if said.change == "discarded" else None
+    return found
 
 
 def log(connection: sqlite3.Connection, session: str, message: RecordChanged) -> None:

@@ -11,12 +11,13 @@ import msgspec
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
+from sar_tui.store.counted import COUNTS, KEPT
 from sar_tui.store.sessions import FINITE_METRIC, status_now
 
 _SESSIONS = (
     "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
     " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-    " WHERE participant=:who AND json_type(software, '$.task.metric') IS NOT NULL {of_task} {among}"
+    f" WHERE participant=:who AND {KEPT} AND json_type(software, '$.task.metric') IS NOT NULL {{of_task}} {{among}}"
     " ORDER BY sessions.rowid"
 )
 _ATTEMPTS = (
@@ -34,7 +35,7 @@ _QUALITIES = (
 """``CROSS``: a participant's seats are looked up first, and only their attempts are read."""
 _NEWEST = (
     "SELECT session FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-    " WHERE participant=? AND sessions.task=? AND mode='live' ORDER BY seats.rowid DESC LIMIT ?"
+    f" WHERE participant=? AND sessions.task=? AND {COUNTS} ORDER BY seats.rowid DESC LIMIT ?"
 )
 _LONGEST_ATTEMPT_NS = 6 * 3600 * 1_000_000_000
 """An attempt that seems longer was begun before the computer was started again: its stamps cannot be compared."""
@@ -45,7 +46,7 @@ _Stored = tuple[AttemptResult, int, int | None, int]
 def newest_of(
     db: sqlite3.Connection, participant: str, task: str, most: int, *, folder: Path | None = None
 ) -> list[SessionResults]:
-    """Return the results of a participant's newest live sessions of a task, the oldest of them first.
+    """Return the results of a participant's newest live sessions of a task that count, the oldest of them first.
 
     ``folder`` is as in `sessions_of`.
     """
@@ -56,7 +57,7 @@ def newest_of(
 def sessions_of(
     db: sqlite3.Connection, participant: str, task: str | None = None, *, folder: Path | None = None
 ) -> Iterator[SessionResults]:
-    """Yield the results of a participant's sessions in the order in which they were stored.
+    """Yield the results of a participant's sessions that count, in the order in which they were stored.
 
     Args:
         db: the database.

@@ -318,6 +318,14 @@ def version_20(db: sqlite_utils.Database) -> None:
     db.execute("DROP TABLE IF EXISTS checkpoints")
 
 
+@migrations()
+def version_21(db: sqlite_utils.Database) -> None:
+    """The status of the session, beside each attempt and trial: some sessions do not count."""
+    for name, view in (("v_attempts", views.ATTEMPTS), ("v_trials", views.TRIALS), ("v_reaches", views.REACHES)):
+        db.execute(f"DROP VIEW {name}")
+        db.execute(view)
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

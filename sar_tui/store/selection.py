@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from sar_tui.store.counted import is_set_aside
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge.people import other_code
 from sar_tui.store.participants import check_code
@@ -60,10 +61,18 @@ class Selection(msgspec.Struct, frozen=True):
         return sorted({row["task"] for row in self.sessions})
 
 
-def select(database: sqlite3.Connection, folder: Path, request: Request, *, also_damaged: bool = False) -> Selection:
+def select(
+    database: sqlite3.Connection,
+    folder: Path,
+    request: Request,
+    *,
+    also_damaged: bool = False,
+    only_counted: bool = False,
+) -> Selection:
     """Return the sessions that are asked for. One that runs is left out.
 
-    ``also_damaged``: those with damaged JSON as well, as `store.sessions.listing` returns them.
+    ``also_damaged``: those with damaged JSON as well, as `store.sessions.listing` returns them. ``only_counted``: for a
+    report: sessions that were discarded or refused are left out, too.
 
     Raises:
         StoreError: there is none, all of them are running, or the request is not clear; a named session does not exist,
@@ -89,12 +98,18 @@ def select(database: sqlite3.Connection, folder: Path, request: Request, *, also
         chosen = [row for row in rows if _is_wanted(row, request)]
         if not chosen:
             raise StoreError(_none(database, rows, request, code), bad_input=True)
-    ended = [row for row in chosen if row["status"] != "running"]
     running = [row for row in chosen if row["status"] == "running"]
-    refused = tuple(f"Session {row['id']} is running. It is left out until it has ended." for row in running)
+    set_aside = [row for row in chosen if only_counted and is_set_aside(row)]
+    ended = [row for row in chosen if row not in running and row not in set_aside]
     if not ended:
-        raise StoreError(" ".join(f"Session {row['id']} is running: wait until it has ended." for row in running))
-    return Selection(tuple(ended), refused, code)
+        waits = [f"Session {row['id']} is running: wait until it has ended." for row in running]
+        raise StoreError(" ".join([*waits, *map(_set_aside_words, set_aside)]))
+    left_out = [f"Session {row['id']} is running. It is left out until it has ended." for row in running]
+    return Selection(tuple(ended), (*left_out, *map(_set_aside_words, set_aside)), code)
+
+
+def _set_aside_words(row: Row) -> str:
+    return f"Session {row['id']} was {row['status']}: it does not count, and is left out."
 
 
 def _named(database: sqlite3.Connection, folder: Path, request: Request, also_damaged: bool) -> list[Row]:

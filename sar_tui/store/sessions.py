@@ -21,6 +21,7 @@ from sar_tui.framework.parameters import TaskParameters, current_values, fields
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PRESENCE
 from sar_tui.store import imu, messages
+from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 from sar_tui.store.stored_json import read_json
@@ -105,7 +106,7 @@ def begin_run(
 
 
 def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
-    """Return a participant's best results in a task over all live sessions except ``without``, by `best_key`.
+    """Return a participant's best results in a task over live sessions that count, except ``without``, by `best_key`.
 
     Levels can be compared only between sessions with the same version of the task, and the same values of the
     parameters that the task itself declares. Practice attempts and attempts below the minimum accuracy do not count.
@@ -118,7 +119,7 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     live = _query(
         db,
         "SELECT sessions.id, parameters FROM sessions JOIN seats ON seats.session = sessions.id"
-        " WHERE participant=? AND task=? AND mode='live' AND sessions.id<>?"
+        f" WHERE participant=? AND task=? AND {COUNTS} AND sessions.id<>?"
         " AND json_extract(software, '$.task.version')=?",
         (participant, task.name, without, task.version),
     )
@@ -231,7 +232,7 @@ def listing(
 
 def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
     """Return the newest live session that can be resumed here, as `listing` does; None if there is none."""
-    unfinished = "mode='live' AND site='' AND status IN ('running', 'interrupted')"
+    unfinished = f"{COUNTS} AND site='' AND status IN ('running', 'interrupted')"
     rows = _query(db, f"{_LISTED} WHERE {unfinished}{_NEWEST_FIRST}", {"limit": -1})
     interrupted = (row for row in rows if _with_status(row, folder)["status"] == "interrupted")
     row = next(interrupted, None)

@@ -22,7 +22,7 @@ SITE = "coalesce(nullif({column}, ''), (SELECT code FROM site), '')"
 _WHO = (
     "(SELECT participant FROM seats WHERE seats.session={row}.session AND seats.seat={row}.seat) AS participant, "
     + SITE.format(column="sessions.site")
-    + " AS site, {row}.session, task, mode, {row}.attempt"
+    + " AS site, {row}.session, task, mode, sessions.status AS session_status, {row}.attempt"
 )
 _TIME = (
     "(SELECT strftime('%Y-%m-%dT%H:%M:%f+00:00', json_extract(clock_anchor, '$.utc'),"

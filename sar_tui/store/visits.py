@@ -3,10 +3,12 @@
 import sqlite3
 from datetime import date, datetime
 
-_PLANNED = """
+from sar_tui.store.counted import COUNTS
+
+_PLANNED = f"""
 SELECT participant, days, coalesce(
     (SELECT max(started_at) FROM seats JOIN sessions ON sessions.id=seats.session
-        WHERE seats.participant=planned.participant AND sessions.task=planned.task AND sessions.mode='live'),
+        WHERE seats.participant=planned.participant AND sessions.task=planned.task AND {COUNTS}),
     updated_at)
 FROM (SELECT participant, task, updated_at, json_extract(parameters, '$.days_between_visits') AS days FROM settings
     WHERE json_valid(parameters)) AS planned

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.framework.policies.wellbeing import PAIN_SESSIONS, TIRED_SESSIONS, Moment, PainLimits, SessionRatings
+from sar_tui.store.counted import LIVE
 from sar_tui.store.database import transaction
 
 Row = dict[str, Any]
@@ -86,7 +87,7 @@ def newest_without_session(db: sqlite3.Connection) -> dict[str, list[Row]]:
     """Return by participant what they said before a session that never began, since their newest session."""
     newest = (
         "SELECT started_at FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-        " WHERE seats.participant=wellbeing.participant AND mode='live' ORDER BY seats.rowid DESC LIMIT 1"
+        f" WHERE seats.participant=wellbeing.participant AND {LIVE} ORDER BY seats.rowid DESC LIMIT 1"
     )
     found: dict[str, list[Row]] = {}
     query = f"{_SELECT} WHERE session IS NULL AND at > coalesce(({newest}), '') {_IN_ORDER}"
@@ -183,7 +184,7 @@ _LIMITS = (
 )
 _LIVE_SESSIONS = (
     f"SELECT sessions.id, seats.seat, started_at, {_LIMITS} FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-    " WHERE participant=? AND mode='live'"
+    f" WHERE participant=? AND {LIVE}"
 )
 """Also of sessions that do not count: pain is pain, whatever became of the session."""
 _SELECT = f"SELECT {', '.join(_COLUMNS)} FROM wellbeing"

@@ -1,11 +1,14 @@
 """Ctrl-Q in a session asks first; everywhere else it leaves at once."""
 
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.store.database import connect
+from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
 
@@ -153,3 +156,54 @@ async def test_the_question_is_in_the_sessions_language(data: Path, catalogue: C
         assert driver.sees("¿Salir ahora?")
         assert driver.sees("Seguir")
         assert driver.sees("Sí, salir")
+
+
+async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_restored(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    known(data)
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.answer(await driver.to_first_prompt())
+        session = driver.session_id
+        await driver.press("ctrl+q")
+        assert driver.sees("It was started by mistake")
+        await driver.press("down", "down", "enter")
+        assert not driver.app.is_running
+        assert "The session does not count, as it was started by mistake." in driver.app.exit_lines(0)[0]
+    assert stored(data, "SELECT status FROM sessions") == [("discarded",)]
+    assert stored(data, "SELECT count(*) FROM trials") == [(1,)], "nothing is deleted"
+    with closing(connect(data)) as database:
+        why = why_discarded(database, session)
+        assert why is not None
+        assert (why.actor, why.reason) == ("participant", BY_MISTAKE)
+    async with open_app(data, catalogue) as driver:
+        assert driver.sees("No session yet. START begins the first one.")
+        assert driver.sees("started by mistake")
+        await driver.press("f6")
+        assert driver.sees("Take back")
+        await driver.press("delete")
+        assert driver.sees("interrupted: Enter resumes")
+    assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
+
+
+async def test_only_the_first_attempt_can_be_a_mistake(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=2)) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.press("ctrl+q")
+        assert driver.sees(QUESTION)
+        assert not driver.sees("It was started by mistake")
+
+
+async def test_a_mistake_can_be_said_at_the_end_that_is_chosen_in_a_pause(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.press("0", "1")
+        await driver.to_first_prompt()
+        await driver.press("escape", "down", "down", "down", "enter")
+        assert driver.sees("It was started by mistake")
+        await driver.press("down", "down", "enter")
+        await driver.wait(300)
+        await driver.press("enter")
+        assert driver.app.return_code == 0, "nothing more is asked"
+    assert stored(data, "SELECT status FROM sessions") == [("discarded",)]

@@ -113,6 +113,16 @@ async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, cat
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
 
 
+async def test_an_exercise_that_was_started_by_mistake_is_offered_again(data: Path, catalogue: Catalogue) -> None:
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "down", "enter")
+        await driver.wait(300)
+        await driver.press("enter")
+        assert driver.sees("Exercise 1 of 2")
+        assert not driver.sees("Please call your therapist")
+    assert stored(data, "SELECT status FROM sessions") == [("discarded",)]
+
+
 async def test_an_attempt_can_be_left_out_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
     programme(data, "P01", "keyboard", language="es")
     async with open_app(data, catalogue, patient="P01") as driver:

@@ -1,4 +1,4 @@
-"""The sessions of a participant, or of everyone, as results. An interrupted one can be dismissed."""
+"""The sessions of a participant, or of everyone, as results. One can be dismissed, or restored."""
 
 from datetime import date
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -120,7 +120,7 @@ class SessionList(Vertical):
         if action == "dismiss_session":
             return row is not None and can_resume(row)
         if action == "take_back":
-            return row is not None and row["status"] == "dismissed" and not row["site"]
+            return row is not None and row["status"] in ("dismissed", "discarded") and not row["site"]
         return super().check_action(action, parameters)
 
     def action_dismiss_session(self) -> None:
@@ -128,7 +128,7 @@ class SessionList(Vertical):
         self._change("dismissed")
 
     def action_take_back(self) -> None:
-        """Let the chosen session be resumed again."""
+        """Let the chosen session be resumed again, or count again."""
         self._change("restored")
 
     def _change(self, change: "RecordChange") -> None:

@@ -88,7 +88,7 @@ def last_words(last: "SessionResults", felt: str, today: date) -> str:
 
 def status_words(status: str) -> str:
     """Return a session's status if it is not the usual one."""
-    return {"completed": "", "aborted": "ended early"}.get(status, status)
+    return {"completed": "", "aborted": "ended early", "discarded": "started by mistake"}.get(status, status)
 
 
 def offer_words(day: date, done: int, planned: object, today: date) -> str:

@@ -1,6 +1,6 @@
 """Question before a session is left."""
 
-from typing import ClassVar
+from typing import ClassVar, Literal, cast
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -11,21 +11,25 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.option_list import OptionList
 
-_LEAVE = "leave"
+Leaving = Literal["go on", "leave", "mistake"]
+"""To go on; to leave the session for now; to leave it, as it was started by mistake."""
+BY_MISTAKE = "It was started by mistake"
 
 
-class LeaveScreen(DismissedOnce[bool], ModalScreen[bool]):
-    """Asks whether to leave the session; the result is True to leave. To go on is chosen at first.
+class LeaveScreen(DismissedOnce[Leaving], ModalScreen[Leaving]):
+    """Asks whether to leave the session; the result says how. To go on is chosen at first.
 
     Args:
         can_save: False if the disk cannot be written to.
+        may_be_mistake: True in the first attempt, when the session may have been started by mistake.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(False)", "Go on", id="go-on")]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss('go on')", "Go on", id="go-on")]
 
-    def __init__(self, *, can_save: bool = True) -> None:
+    def __init__(self, *, can_save: bool = True, may_be_mistake: bool = False) -> None:
         super().__init__()
         self._can_save = can_save
+        self._may_be_mistake = may_be_mistake
 
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
@@ -35,7 +39,8 @@ class LeaveScreen(DismissedOnce[bool], ModalScreen[bool]):
         menu = OptionList(
             Option(f"{kept}\n", disabled=True),
             Option(tr("Go on"), id="go on"),
-            Option(tr("Yes, leave"), id=_LEAVE),
+            Option(tr("Yes, leave"), id="leave"),
+            *([Option(tr(BY_MISTAKE), id="mistake")] if self._may_be_mistake and self._can_save else []),
             id="leave",
             markup=False,
         )
@@ -46,4 +51,4 @@ class LeaveScreen(DismissedOnce[bool], ModalScreen[bool]):
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         event.stop()
-        self.dismiss(event.option.id == _LEAVE)
+        self.dismiss(cast(Leaving, event.option.id))

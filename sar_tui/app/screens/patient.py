@@ -145,9 +145,9 @@ class PatientScreen(Screen[None]):
             session = None
         self.app.begin_session(session or self._plan)
 
-    def session_left(self, *, ended: bool) -> None:
-        """Go on to the next exercise after a session that ended; one that failed can be tried again."""
-        if ended:
+    def session_left(self, *, ended: bool, is_mistake: bool) -> None:
+        """Go on to the next exercise after a session that ended; one that failed or was a mistake can be done again."""
+        if ended and not is_mistake:
             self._at += 1
         self.show_exercise(trouble=not ended)
 

@@ -17,7 +17,7 @@ _CHOICES = {
     "": ("go on", "tired", "pain", "skip", "finished", "therapist"),
     "tired": ("go on", "pain", "skip", "finished", "therapist"),
     "pain": ("go on", "finished", "therapist"),
-    "finished": ("go on", "end"),
+    "finished": ("go on", "end", "mistake"),
 }
 _LABELS = {
     "go on": "Go on",
@@ -26,6 +26,7 @@ _LABELS = {
     "skip": "Skip this attempt",
     "finished": "I am finished",
     "end": "Yes, end the session",
+    "mistake": "It was started by mistake",
     "therapist": "For the therapist",
 }
 
@@ -43,15 +44,19 @@ class PauseMenu(OptionList):
     class TherapistAsked(Message):
         """The therapist wants to change something."""
 
-    def open(self, reason: str, *, can_skip: bool = False) -> None:
-        """Show the choices after a pause for ``reason``. ``can_skip``: the attempt may be left out."""
+    def open(self, reason: str, *, can_skip: bool = False, may_be_mistake: bool = False) -> None:
+        """Show the choices after a pause for ``reason``.
+
+        ``can_skip``: the attempt may be left out. ``may_be_mistake``: the session may have been started by mistake.
+        """
         tr = language_of(self.app)
         title, words = _WORDS.get(reason, _WORDS[""])
         self.border_title = tr(title)
         self.border_subtitle = tr("arrows to choose, Enter to confirm")
         self.clear_options()
         self.add_option(Option(f"{tr(words)}\n", disabled=True))
-        choices = [choice for choice in _CHOICES.get(reason, _CHOICES[""]) if choice != "skip" or can_skip]
+        offers = {"skip": can_skip, "mistake": may_be_mistake}
+        choices = [choice for choice in _CHOICES.get(reason, _CHOICES[""]) if offers.get(choice, True)]
         self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in choices])
         self.highlighted = 1
 
@@ -68,6 +73,8 @@ class PauseMenu(OptionList):
                 act = SessionCommand(command="skip", reason="attempt")
             case "end":
                 act = SessionCommand(command="end", reason="finished")
+            case "mistake":
+                act = SessionCommand(command="end", reason="mistake")
             case reason:
                 act = SessionCommand(command="pause", reason=reason or "")
         self.post_message(self.Chosen(act))

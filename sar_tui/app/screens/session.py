@@ -139,7 +139,8 @@ class SessionScreen(KeysScreen):
             self._show_position(waiting)
             self._show_trials(waiting.trial - 1)
             can_skip = bool(self.app.patient) and self._live.run.session.can_skip_attempt
-            self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip)
+            may_be_mistake = waiting.reason == "finished" and self._live.in_first_attempt
+            self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
             self._stage("menu")
 
     def _prepare_pictures(self, waiting: Waiting) -> None:

@@ -36,6 +36,7 @@ class PausingScreen(MessageScreen):
             self.action_pause()
 
     def on_pause_menu_chosen(self, event: PauseMenu.Chosen) -> None:
+        self._live.is_mistake = event.act.command == "end" and event.act.reason == "mistake"
         self._live.operate(event.act)
         if event.act.reason == "pain" and self._live.run.session.task.parameters.ask_wellbeing:
             from sar_tui.app.wellbeing import ask_after

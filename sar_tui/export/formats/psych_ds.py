@@ -30,6 +30,7 @@ _README = """\
 `dataset_description.json` describes every column; the JSON beside a file, the columns of that file. A missing value is
 an empty field, booleans are true or false. `mode` tells live sessions from simulated ones, and `practice` marks
 practice. Interrupted, dismissed and empty sessions are included; `status` in the table of sessions tells them apart.
+Sessions that are discarded (started by mistake) or refused belong into no analysis of training.
 
 `methods.md`, `timing.json` and `sar-tui-export.json` are the methods in words, the measured timing of the machine, and
 the SHA-256 of every file; they are named in `.psychdsignore`.

@@ -7,6 +7,7 @@ from typing import Any
 
 from sar_tui.export.columns import MODE, SESSION, TASK, Column, Reference, Table, Values, stored
 from sar_tui.export.damage import Damage
+from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
 from sar_tui.store.sites import resolved
 
 _SOFTWARE = {
@@ -69,9 +70,17 @@ _COLUMNS = (
         "sessions.status",
         "string",
         "The session had all its attempts (completed), was ended by a person (aborted), was cut off (interrupted), or "
-        "was cut off and given up (dismissed).",
-        levels=("completed", "aborted", "interrupted", "dismissed"),
+        "was cut off and given up (dismissed). It does not count, and belongs into no analysis of training, if it was "
+        "started by mistake (discarded), or a question that must be agreed to was not (refused).",
+        levels=("completed", "aborted", "interrupted", "dismissed", "discarded", "refused"),
         required=True,
+    ),
+    Column(
+        "discarded_because",
+        "Why it was discarded; missing: it was not.",
+        "string",
+        levels=(BY_MISTAKE,),
+        treatment="open",
     ),
     stored("sessions.started_at", "datetime", "When it began, UTC."),
     stored("sessions.ended_at", "datetime", "When it ended, UTC."),
@@ -116,7 +125,7 @@ def _rows(
     session: str,
 ) -> Iterator[Values]:
     for row in database.execute(
-        "SELECT id, mode, task, theme, NULL, started_at, ended_at, own.participant, other.participant, seed,"
+        "SELECT id, mode, task, theme, NULL, NULL, started_at, ended_at, own.participant, other.participant, seed,"
         f" nullif({resolved('sessions.site')}, ''), programme, software, machine FROM sessions"
         " LEFT JOIN seats AS own ON own.session=id AND own.seat='A'"
         " LEFT JOIN seats AS other ON other.session=id AND other.seat='B' WHERE id=?",
@@ -124,6 +133,8 @@ def _rows(
     ):
         *plain, software, machine = row
         plain[4] = statuses[session]
+        discarded = why_discarded(database, session) if plain[4] == "discarded" else None
+        plain[5] = discarded.reason if discarded else None
         yield (
             *plain,
             *_parts(damage.object_of("software", software), _SOFTWARE),

@@ -12,7 +12,7 @@ from sar_tui.store.merge.people import People
 
 _AT_ONCE = 20
 """Sessions that are compared or copied by one statement."""
-_RANKS = ("running", "interrupted", "dismissed", "aborted", "completed")
+_RANKS = ("running", "interrupted", "dismissed", "aborted", "completed", "refused", "discarded")
 """The status of a session whose record is the same in both databases: the later one of these is kept."""
 _RANK = "CASE {schema}.status " + " ".join(f"WHEN '{name}' THEN {rank}" for rank, name in enumerate(_RANKS)) + " END"
 

@@ -25,7 +25,8 @@ Exported by sar-tui {version} as a BIDS {bids} data set. {modes}
 - `*_events.tsv`: trials, attempts, the agent's actions, notes, and faults of sensors. In `beh/`, onsets count from
   `acq_time` in `_scans.tsv`; in `motion/`, from the first sample.
 - `sub-*/ses-*/motion/`: the samples of motion sensors. Where samples are missing, a row of n/a stands.
-- `sub-*/*_sessions.tsv`: each session with its status. Interrupted, dismissed and empty sessions are included.
+- `sub-*/*_sessions.tsv`: each session with its status. Interrupted, dismissed and empty sessions are included;
+  those that are discarded (started by mistake) or refused belong into no analysis of training.
 - `phenotype/`: scores of instruments, and answers about pain and tiredness.
 - `{source}/`: all tables that BIDS has no place for, as CSV with `datapackage.json`: parameters of the sessions,
   programmes, attempts, all actions with the decisions on them, adverse events, and others.
