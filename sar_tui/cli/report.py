@@ -216,8 +216,8 @@ def _put_out(found: object, sections: "Sequence[Section]", title: str, html: Pat
 
 
 def _tell_left_out(selection: "Selection") -> None:
-    """Name the sessions that are running. Raises Exit if there are any."""
-    for sentence in selection.refused:
+    """Name the sessions that do not count, and those that are running. Raises Exit if one is running."""
+    for sentence in (*selection.set_aside, *selection.refused):
         console(error=True).print(f"! {sentence}", soft_wrap=True)
     if selection.refused:
         raise typer.Exit(FAILED)

@@ -37,12 +37,14 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
 class Selection(msgspec.Struct, frozen=True):
     """Sessions in the order in which they were stored, and sentences on those that are left out.
 
-    ``of``: the participant whose sessions were asked for; empty if they were chosen otherwise.
+    ``refused``: on those that cannot be read yet. ``set_aside``: on those that do not count. ``of``: the participant
+    whose sessions were asked for; empty if they were chosen otherwise.
     """
 
     sessions: tuple[Row, ...]
     refused: tuple[str, ...] = ()
     of: str = ""
+    set_aside: tuple[str, ...] = ()
 
     @property
     def ids(self) -> list[str]:
@@ -104,8 +106,8 @@ def select(
     if not ended:
         waits = [f"Session {row['id']} is running: wait until it has ended." for row in running]
         raise StoreError(" ".join([*waits, *map(_set_aside_words, set_aside)]))
-    left_out = [f"Session {row['id']} is running. It is left out until it has ended." for row in running]
-    return Selection(tuple(ended), (*left_out, *map(_set_aside_words, set_aside)), code)
+    refused = tuple(f"Session {row['id']} is running. It is left out until it has ended." for row in running)
+    return Selection(tuple(ended), refused, code, tuple(map(_set_aside_words, set_aside)))
 
 
 def _set_aside_words(row: Row) -> str:

@@ -98,6 +98,20 @@ def test_a_report_names_sessions_that_do_not_count(played: str, open_database: s
     assert select(open_database, data, Request(names=(played,))).ids == [played], "an export has it"
 
 
+def test_a_report_without_a_session_that_does_not_count_is_whole(
+    played: str, open_database: sqlite3.Connection, data: Path
+) -> None:
+    names = [name for (name,) in open_database.execute("SELECT name FROM pragma_table_info('sessions')")]
+    others = ", ".join(name for name in names if name not in ("id", "status"))
+    open_database.execute(
+        f"INSERT INTO sessions (id, status, {others}) SELECT 'later', 'refused', {others} FROM sessions"
+    )
+    open_database.execute("INSERT INTO seats (session, seat, participant) VALUES ('later', 'A', 'P01')")
+    found = select(open_database, data, Request(everything=True), only_counted=True)
+    assert (found.ids, found.refused) == ([played], ())
+    assert found.set_aside == ("Session later was refused: it does not count, and is left out.",)
+
+
 def test_an_older_interrupted_session_goes_on_after_one_started_by_mistake(
     played: str, open_database: sqlite3.Connection, data: Path
 ) -> None:
