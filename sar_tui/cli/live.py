@@ -251,7 +251,7 @@ def _confirm(latest: "Row") -> None:
     from sar_tui.store.sessions import local_time, participant_codes
 
     done = f"{latest['attempts']} of {latest['parameters'].get('attempts', '?')} attempts done"
-    began = local_time(latest["started_at"])
+    began = local_time(latest["started_at"], latest["utc_offset_s"])
     print(
         f"The latest interrupted session is {latest['id']} of {participant_codes(latest)}: {latest['task']}, "
         f"began {began}, {done}.",

@@ -75,7 +75,7 @@ def sessions(
         status = row["status"] if row["mode"] == "live" else f"{row['status']}, {row['mode']}"
         status += ", operator" if row["operators"] else ""
         status += f", {felt}" if (felt := marks(row["wellbeing"])) else ""
-        began = local_time(row["started_at"])
+        began = local_time(row["started_at"], row["utc_offset_s"])
         return row["id"], began, participant_codes(row), row["task"], status, row["attempts"]
 
     columns = ("session", "began", "who", "task", "status", "attempts")
@@ -185,7 +185,7 @@ def _programme(database: "sqlite3.Connection", row: Row) -> str:
 def _print_facts(out: "Console", row: Row, programme: str) -> None:
     from sar_tui.store.sessions import local_time, participant_codes
 
-    ended = f", ended {local_time(row['ended_at'])}" if row["ended_at"] else ""
+    ended = f", ended {local_time(row['ended_at'], row['utc_offset_s'])}" if row["ended_at"] else ""
     for name, value in (
         ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
         *([("", _discarded_words(row["discarded"]))] if row["discarded"] else []),
@@ -193,7 +193,7 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
         *([("Site", row["site"])] if row["site"] else []),
         ("Task", f"{row['task']}, theme {row['theme']}, seed {row['seed']}"),
         *([("Programme", programme)] if programme else []),
-        ("Began", f"{local_time(row['started_at'])}{ended}"),
+        ("Began", f"{local_time(row['started_at'], row['utc_offset_s'])}{ended}"),
         ("Made by", f"sar-tui {row['software']['sar_tui']}, Python {row['software']['python']}"),
     ):
         out.print(f"{name:<12} {value}", markup=False)

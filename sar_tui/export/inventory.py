@@ -3,7 +3,7 @@
 from typing import Literal
 
 Treatment = Literal[
-    "open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "text",
+    "open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "zone", "text",
     "person", "device", "place", "parts", "inner",
 ]  # fmt: skip
 """
@@ -15,6 +15,7 @@ Treatment = Literal[
   session to session, so in a recoded export they count from the run's start, or from the first sample.
 - ``version``: changes when software or a machine is renewed, and so tells a time. It leaves in a recoded export only if
   all sessions have the same.
+- ``zone``: tells the season of a date, and a place. It never leaves in a recoded export.
 - ``text``: may hold words that a person typed. Leaves only if asked for.
 - ``person``, ``device``, ``place``: names a person who is not a participant, a device, or a place on a computer or
   network. Never leaves; another column may say which kind it is.
@@ -22,7 +23,7 @@ Treatment = Literal[
 - ``inner``: the program's own, of no use elsewhere, or the same in another form. Never leaves.
 """
 
-LEAVING = ("open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "text")
+LEAVING = ("open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "zone", "text")
 """Treatments of columns that may leave."""
 
 _INVENTORY: dict[str, dict[str, Treatment]] = {
@@ -70,6 +71,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
     "sessions.software": {
         "sar_tui": "version",
         "python": "version",
+        "packages.numpy": "version",
         "task.title": "open",
         "task.version": "version",
         "task.metric.name": "open",
@@ -102,7 +104,7 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "software": "parts",
         "machine": "parts",
     },
-    "runs.clock_anchor": {"clock_ns": "clock", "utc": "time"},
+    "runs.clock_anchor": {"clock_ns": "clock", "utc": "time", "utc_offset_s": "zone"},
     "attempts": {
         "session": "id",
         "attempt": "open",
@@ -328,10 +330,12 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "ended_ns": "clock",
         "outcome": "open",
     },
+    "started": {"rules": "version"},
     "sync": {"number": "open", "what": "open", "source": "open"},
     "sessions.parameters": {"name": "open", "value": "open", "text": "text", "unit": "open", "title": "open"},
 }
-"""By table, or JSON column, and by column, or part of the JSON; ``sensor``, ``output`` and ``sync`` are messages."""
+"""By table, or JSON column, and by column, or part of the JSON; ``sensor``, ``output``, ``started`` and ``sync`` are
+messages."""
 
 SOURCES = {f"{table}.{column}": found for table, columns in _INVENTORY.items() for column, found in columns.items()}
 """Every column and every part of a JSON column that is known, with its treatment."""

@@ -35,7 +35,7 @@ class SessionResults(msgspec.Struct, frozen=True):
     """The results of a participant in a session; practice attempts are left out.
 
     Args:
-        began: in local time.
+        began: in the local time of the place where it was played.
         ended: False if it was left before its end.
         task_version: version of the task that made them.
         title: of the task.

@@ -18,6 +18,7 @@ from sar_tui.progress.lines import SessionResults
 from sar_tui.reports.dose import planned_attempts
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.programmes import Programme
+from sar_tui.store.trained_at import trained_at
 
 _WEEK = 7
 _CHALLENGE = ("difficulty_policy", "start_from", "min_level", "max_level", "threshold", "min_accuracy")
@@ -247,7 +248,7 @@ def intervention(record: Record) -> InterventionReport:
 
 
 def _began(row: Mapping[str, Any]) -> datetime:
-    return datetime.fromisoformat(row["started_at"]).astimezone()
+    return trained_at(row["started_at"], row.get("utc_offset_s"))
 
 
 def _minutes(row: Mapping[str, Any]) -> float:

@@ -7,6 +7,7 @@ import msgspec
 
 from sar_tui.framework.policies.limits import Dose
 from sar_tui.store.counted import COUNTS
+from sar_tui.store.trained_at import zone
 
 _NS_PER_MINUTE = 60_000_000_000
 _ENDED = (
@@ -19,10 +20,10 @@ _ENDED = (
 
 
 def done_on_day(db: sqlite3.Connection, participant: str, task: str, now: datetime) -> Dose:
-    """Return what was done in live sessions of a task on the day of ``now``, in its time zone.
+    """Return what was done in live sessions of a task on the day of ``now``.
 
-    An attempt belongs to the day on which it ended. Of an interrupted one, the time before the interruption is not
-    counted.
+    An attempt belongs to the day on which it ended, where it was played. Of an interrupted one, the time before the
+    interruption is not counted.
     """
     found = Dose()
     since = (now - timedelta(days=2)).astimezone(tz=None).isoformat()
@@ -30,7 +31,7 @@ def done_on_day(db: sqlite3.Connection, participant: str, task: str, now: dateti
         anchor = msgspec.json.decode(text)
         run_began = anchor["clock_ns"]
         at = datetime.fromisoformat(anchor["utc"]) + timedelta(microseconds=(ended - run_began) / 1000)
-        if at.astimezone(now.tzinfo).date() == now.date():
+        if at.astimezone(zone(anchor.get("utc_offset_s")) or now.tzinfo).date() == now.date():
             began = started if run_began <= started <= ended else run_began
             found = found.plus(
                 minutes=max(ended - began, 0) / _NS_PER_MINUTE, repetitions=trials, is_practice=bool(practice)

@@ -16,7 +16,7 @@ from sar_tui.framework.task_pictures import pictures_in
 from sar_tui.framework.trial_types import NO_METRIC, Metric
 from sar_tui.store import connection
 
-_PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils")
+_PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils", "numpy")
 
 
 def software(task: type[Task], source: str, task_code: Path, theme_folder: Path) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 import sqlite3
 from collections.abc import Iterator, Sequence
-from datetime import datetime
 from itertools import chain
 from pathlib import Path
 
@@ -13,9 +12,11 @@ from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import provenance, wellbeing
 from sar_tui.store.counted import COUNTS, KEPT
 from sar_tui.store.sessions import FINITE_METRIC, status_now
+from sar_tui.store.trained_at import UTC_OFFSET, trained_at
 
 _SESSIONS = (
-    "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task')"
+    "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task'),"
+    f" {UTC_OFFSET}"
     " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
     f" WHERE participant=:who AND {KEPT} AND json_type(software, '$.task.metric') IS NOT NULL {{of_task}} {{among}}"
     " ORDER BY sessions.rowid"
@@ -90,12 +91,12 @@ def _results(
         felt.setdefault((said["session"], said["seat"]), []).append(said)
     query = _SESSIONS.format(of_task="AND sessions.task=:task" if task is not None else "", among=among)
     for row in db.execute(query, values):
-        found, began, of_task, mode, status, seat, parameters, software = row
+        found, began, of_task, mode, status, seat, parameters, software, offset = row
         attempts = stored.get((found, seat), [])
         made_by, stored_parameters = msgspec.json.decode(software), msgspec.json.decode(parameters)
         yield SessionResults(
             session=found,
-            began=datetime.fromisoformat(began).astimezone(),
+            began=trained_at(began, offset),
             task=of_task,
             title=made_by.get("title", of_task),
             task_version=str(made_by.get("version", "")),

@@ -25,6 +25,7 @@ from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
 from sar_tui.store.stored_json import read_json
+from sar_tui.store.trained_at import UTC_OFFSET, trained_at, utc_offset_s
 
 Mode = Literal["live", "simulated", "replayed"]
 Row = dict[str, Any]
@@ -94,7 +95,8 @@ def begin_run(
     Args:
         clock_ns: the present time of the session's clock; None if it is the host's.
     """
-    anchor = {"clock_ns": host_now() if clock_ns is None else clock_ns, "utc": _utc()}
+    at = host_now() if clock_ns is None else clock_ns
+    anchor = {"clock_ns": at, "utc": _utc(), "utc_offset_s": utc_offset_s()}
     with transaction(db) as connection:
         (run,) = connection.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
         connection.execute(
@@ -166,9 +168,9 @@ def _boot_id() -> str | None:
 # --- reading -------------------------------------------------------------------------------------------------
 
 
-def local_time(stamp: str | None) -> str:
-    """Return a UTC stamp of the database in local time, to the minute."""
-    return datetime.fromisoformat(stamp).astimezone().strftime("%Y-%m-%d %H:%M") if stamp else ""
+def local_time(stamp: str | None, utc_offset_s: int | None = None) -> str:
+    """Return a UTC stamp of the database to the minute: in local time, or at the offset of a session's place."""
+    return trained_at(stamp, utc_offset_s).strftime("%Y-%m-%d %H:%M") if stamp else ""
 
 
 def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[str, object]) -> Iterator[Row]:
@@ -197,7 +199,7 @@ def _object_or_empty(text: str) -> Any:
 
 
 _COLUMNS = (
-    "SELECT sessions.*, seats.participant, other.participant AS partner,"
+    f"SELECT sessions.*, {UTC_OFFSET} AS utc_offset_s, seats.participant, other.participant AS partner,"
     " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts FROM "
 )
 _SEATS = (
@@ -218,6 +220,8 @@ def listing(
     db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1, also_damaged: bool = False
 ) -> list[Row]:
     """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
+
+    ``utc_offset_s`` is that of the place where a session was played (see `trained_at`), None if it was not recorded.
 
     The order is that in which they were stored: the machine's clock may have been set back in between.
 

@@ -3,10 +3,12 @@
 import hashlib
 import json
 from contextlib import closing
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
+from sar_tui.framework.rules import RULES
 from sar_tui.store.database import connect
 from tests.export.exported import export_csv, read_csv
 from tests.program import Call
@@ -58,3 +60,26 @@ def test_a_record_without_parameters_has_methods_too(measured: str, tmp_path: Pa
         database.execute("UPDATE sessions SET parameters='{}', software='{}', machine='{}'")
     export_csv(tmp_path / "data", tmp_path / "out")
     assert "All that is random follows from the seed" in (tmp_path / "out" / "methods.md").read_text()
+
+
+def test_sessions_and_runs_say_by_which_rules_and_numpy_and_in_which_time_zone_they_were_made(
+    measured: str, tmp_path: Path
+) -> None:
+    with closing(connect(tmp_path / "data")) as database:
+        database.execute("UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc_offset_s', 20700)")
+    export_csv(tmp_path / "data", tmp_path / "out")
+    for row in read_csv(tmp_path / "out", "sessions"):
+        assert (row["loop_rules"], row["numpy"]) == (RULES, version("numpy"))
+    for row in read_csv(tmp_path / "out", "runs"):
+        assert (row["utc_offset_s"], row["numpy"]) == (20700, version("numpy"))
+    export_csv(tmp_path / "data", tmp_path / "recoded", recode=tmp_path / "map.csv")
+    assert {row["loop_rules"] for row in read_csv(tmp_path / "recoded", "sessions")} == {RULES}
+    assert all("utc_offset_s" not in file.read_text() for file in (tmp_path / "recoded").rglob("*.csv"))
+    assert "runs.utc_offset_s" in json.loads((tmp_path / "recoded" / "sar-tui-export.json").read_text())["left_out"]
+
+
+def test_a_session_recorded_without_offset_has_none(measured: str, tmp_path: Path) -> None:
+    with closing(connect(tmp_path / "data")) as database:
+        database.execute("UPDATE runs SET clock_anchor=json_remove(clock_anchor, '$.utc_offset_s')")
+    export_csv(tmp_path / "data", tmp_path / "out")
+    assert {row["utc_offset_s"] for row in read_csv(tmp_path / "out", "runs")} == {None}

@@ -121,7 +121,7 @@ def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite3.Co
     assert numbers == [1, 2, 1, 3]
     run = sessions.rows(database, "runs", session)[0]
     assert (run["software"], run["machine"]) == ({"python": "3"}, {"flags": ["ssh"]})
-    assert set(run["clock_anchor"]) == {"clock_ns", "utc"}
+    assert set(run["clock_anchor"]) == {"clock_ns", "utc", "utc_offset_s"}
     assert run["pid"] > 0
 
 

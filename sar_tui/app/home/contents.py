@@ -2,7 +2,7 @@
 
 import sqlite3
 from collections.abc import Sequence
-from datetime import date, datetime
+from datetime import date
 from pathlib import Path
 from statistics import fmean
 
@@ -26,6 +26,7 @@ from sar_tui.reports.wellbeing import advice, marks
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.start_level import LOOKED_AT, start_after
 from sar_tui.store import participants, programmes, provenance, results, sessions, visits, wellbeing
+from sar_tui.store.trained_at import trained_at
 
 _LISTED = 30
 
@@ -140,7 +141,7 @@ def read_sessions(database: sqlite3.Connection, folder: Path, catalogue: Catalog
     def line(row: sessions.Row) -> Line:
         seat = "B" if participant and row["partner"] == participant else "A"
         attempts = played.get((row["id"], seat), [])
-        began = datetime.fromisoformat(row["started_at"]).astimezone()
+        began = trained_at(row["started_at"], row["utc_offset_s"])
         means = [each.metric for each in attempts if each.metric is not None]
         judged = [each.reached for each in attempts if each.reached is not None]
         metric = _metric(row)

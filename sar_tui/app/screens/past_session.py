@@ -1,6 +1,5 @@
 """The summary of a past session."""
 
-from datetime import datetime
 from typing import Any, ClassVar
 
 from textual.app import ComposeResult
@@ -12,6 +11,7 @@ from sar_tui.app.screens.summary import Summary
 from sar_tui.plugins import PluginError
 from sar_tui.reports.wellbeing import session_lines
 from sar_tui.store import adverse_events, provenance, sessions, wellbeing
+from sar_tui.store.trained_at import trained_at
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.language import language_of
@@ -51,7 +51,7 @@ class PastSessionScreen(DismissedOnce[None]):
     def _title(self) -> str:
         """Return who, what and when: "P01 · Keyboard reaction · Tue 17 Nov, 15:04 · completed"."""
         row = self._row
-        began = datetime.fromisoformat(row["started_at"]).astimezone()
+        began = trained_at(row["started_at"], row["utc_offset_s"])
         title = row["software"].get("task", {}).get("title", row["task"])
         when = f"{day_words(began.date(), self.app.today())}, {began:%H:%M}"
         return " · ".join(
@@ -64,7 +64,7 @@ class PastSessionScreen(DismissedOnce[None]):
 
         row = self._row
         codes = list(sessions.codes(row))
-        form = AdverseEventScreen(codes, sessions.local_time(row["started_at"]), row["id"])
+        form = AdverseEventScreen(codes, sessions.local_time(row["started_at"], row["utc_offset_s"]), row["id"])
         self.app.push_screen(form, lambda _: self._show_wellbeing())
 
     def action_progress(self) -> None:

@@ -13,7 +13,12 @@ def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterato
         "SELECT run, clock_anchor, software FROM runs WHERE session=? ORDER BY run", (session,)
     ):
         at, made_by = damage.object_of("clock_anchor", anchor), damage.object_of("software", software)
-        yield session, run, at.get("clock_ns"), at.get("utc"), made_by.get("sar_tui"), made_by.get("python")
+        packages = made_by.get("packages")
+        numpy = packages.get("numpy") if isinstance(packages, dict) else None
+        yield (
+            *(session, run, at.get("clock_ns"), at.get("utc"), at.get("utc_offset_s")),
+            *(made_by.get("sar_tui"), made_by.get("python"), numpy),
+        )
 
 
 def runs(damage: Damage) -> Table:
@@ -33,8 +38,15 @@ def runs(damage: Damage) -> Table:
             stored(
                 "runs.clock_anchor.utc", "datetime", "The time of day at the moment of clock_ns, UTC.", name="clock_utc"
             ),
+            stored(
+                "runs.clock_anchor.utc_offset_s",
+                "integer",
+                "Local time minus UTC where the session was played; days of progress are counted by it.",
+                unit="s",
+            ),
             stored("sessions.software.sar_tui", "string", "Version of sar-tui."),
             stored("sessions.software.python", "string", "Version of Python."),
+            stored("sessions.software.packages.numpy", "string", "Version of numpy, by which movements are measured."),
         ),
         key=("session", "run"),
         rows=partial(_rows, damage),

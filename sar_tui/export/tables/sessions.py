@@ -7,12 +7,17 @@ from typing import Any
 
 from sar_tui.export.columns import MODE, SESSION, TASK, Column, Reference, Table, Values, stored
 from sar_tui.export.damage import Damage
+from sar_tui.export.messages_of_topic import messages_of_topic
+from sar_tui.framework.topics import SESSION as SESSION_STARTED
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
 from sar_tui.store.sites import resolved
 
 _SOFTWARE = {
     "sar_tui": stored("sessions.software.sar_tui", "string", "Version of sar-tui at the start of the session."),
     "python": stored("sessions.software.python", "string", "Version of Python."),
+    "packages.numpy": stored(
+        "sessions.software.packages.numpy", "string", "Version of numpy, by which movements are measured."
+    ),
     "task.title": stored("sessions.software.task.title", "string", "The task's name for people.", name="task_title"),
     "task.version": stored(
         "sessions.software.task.version",
@@ -97,6 +102,12 @@ _COLUMNS = (
         "The measured timing of the machine in timing.json; missing: not measured.",
         name="timing_sha256",
     ),
+    stored(
+        "started.rules",
+        "integer",
+        "Version of the loop's rules that the session was played by: of how it goes on with the same inputs.",
+        name="loop_rules",
+    ),
 )
 
 
@@ -140,7 +151,14 @@ def _rows(
             *_parts(damage.object_of("software", software), _SOFTWARE),
             *_parts(damage.object_of("machine", machine), _MACHINE),
             passports.get(session),
+            _rules(damage, database, session),
         )
+
+
+def _rules(damage: Damage, database: sqlite3.Connection, session: str) -> int | None:
+    """Return the rules that a session began with, and keeps; None if its start is not in the record."""
+    started = next(messages_of_topic(database, session, SESSION_STARTED.name, damage), None)
+    return None if started is None else started[2].get("rules", 1)
 
 
 def _parts(value: dict[str, Any], columns: Mapping[str, Column]) -> Iterator[Any]:
