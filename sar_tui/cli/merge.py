@@ -72,7 +72,7 @@ def merge(
         print_json(merged)
     else:
         _print(merged, other)
-    if merged.left_out or merged.rescue_files:
+    if merged.left_out or merged.refused or merged.rescue_files:
         raise typer.Exit(FAILED)
 
 
@@ -95,6 +95,8 @@ def _print(merged: "Merged", other: Path | None) -> None:
         print(f"! Another version of the {conflict.kind} {conflict.key} is kept aside ({conflict.digest[:8]}).")
     for session in merged.left_out:
         print(f"! Session {session} is running there. It is left out: merge again when it has ended.")
+    for sentence in merged.refused:
+        print(f"! {sentence}")
     for path in merged.rescue_files:
         print(f"! {path} holds data that is not in that database. Run `sar-tui rescue` there, and merge again.")
 

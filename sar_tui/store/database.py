@@ -145,7 +145,7 @@ def open_file(path: Path) -> StoreConnection:
         database = sqlite3.connect(
             path, timeout=10, isolation_level=None, check_same_thread=False, factory=StoreConnection
         )
-        if _version(database, path) == VERSION:
+        if version_of(database, path) == VERSION:
             database.execute("PRAGMA journal_mode=WAL")
         else:
             with _alone(path):
@@ -289,9 +289,9 @@ def _alone(path: Path) -> Iterator[None]:
         raise StoreError(f"Another program keeps {path} locked. Close it and try again.") from None
 
 
-def _version(database: sqlite3.Connection, path: Path) -> int:
-    """Return the number of migrations that the database has seen. Raises StoreError if there were more than VERSION."""
-    (version,) = database.execute("PRAGMA user_version").fetchone()
+def version_of(database: sqlite3.Connection, path: Path, schema: str = "main") -> int:
+    """Return the number of migrations that a database has seen. Raises StoreError if there were more than VERSION."""
+    (version,) = database.execute(f"PRAGMA {schema}.user_version").fetchone()
     if version > VERSION:
         raise StoreError(
             f"{path} was written by a newer sar-tui (data version {version}, and this one knows {VERSION}). "
@@ -303,29 +303,31 @@ def _version(database: sqlite3.Connection, path: Path) -> int:
 
 def _migrate(database: sqlite3.Connection, path: Path) -> None:
     """Migrate the database, unless another program has done so meanwhile."""
-    version = _version(database, path)
+    version = version_of(database, path)
     if version < VERSION:
         if version:
             _announce(path)
             _back_up(database, path, version)
-        _apply_migrations(database)
-        database.execute(f"PRAGMA user_version={VERSION}")
+        apply_migrations(database)
 
 
 def bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
     """Migrate a copy of the database at ``path``, without a backup. Raises StoreError if that one is newer."""
-    if _version(database, path) < VERSION:
-        _apply_migrations(database)
-        database.execute(f"PRAGMA user_version={VERSION}")
+    if version_of(database, path) < VERSION:
+        apply_migrations(database)
 
 
-def _apply_migrations(database: sqlite3.Connection) -> None:
-    """Apply the migrations that the database has not seen. Imported only here: sqlite-utils loads slowly."""
+def apply_migrations(database: sqlite3.Connection, version: int = VERSION) -> None:
+    """Apply the migrations that the database has not seen, up to a version.
+
+    sqlite-utils is imported only here, as it loads slowly.
+    """
     from sqlite_utils import Database
 
     from sar_tui.store.schema import migrations
 
-    migrations.apply(Database(database))
+    migrations.apply(Database(database), stop_before=f"version_{version + 1}")
+    database.execute(f"PRAGMA user_version={version}")
 
 
 def _announce(path: Path) -> None:

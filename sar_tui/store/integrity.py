@@ -74,10 +74,15 @@ def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
         raise explain(error) from error
 
 
-def damaged_pages(database: sqlite3.Connection) -> Iterator[Flaw]:
-    """Yield what is wrong with the pages of the file."""
+def damaged_pages(database: sqlite3.Connection, attached: str = "") -> Iterator[Flaw]:
+    """Yield what is wrong with the pages of the file.
+
+    Args:
+        attached: another database, of which only tables are looked at: its indexes may be anything.
+    """
+    check = f"{attached}.quick_check" if attached else "integrity_check"
     try:
-        for (text,) in database.execute(f"PRAGMA integrity_check({_MOST_FAULTS})"):
+        for (text,) in database.execute(f"PRAGMA {check}({_MOST_FAULTS})"):
             if text != "ok":
                 yield Flaw("file", "", f"The file is damaged: {text}.")
     except sqlite3.DatabaseError as error:

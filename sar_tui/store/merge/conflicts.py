@@ -19,6 +19,10 @@ Content = dict[str, list[dict[str, Any]]]
 """Rows of a record by table, in the order in which they were stored; codes and sites are in full."""
 
 
+_MOST_BYTES = 1 << 30
+"""Bytes of a version: more than those of a session of some hours with two sensors."""
+
+
 class Conflict(msgspec.Struct, frozen=True):
     """A version of a record that is kept aside.
 
@@ -54,11 +58,19 @@ def listing(db: sqlite3.Connection) -> list[Conflict]:
 def contents(db: sqlite3.Connection, schema: str, kind: Kind, key: str) -> list[Content]:
     """Return the versions of a record that are kept aside."""
     found = db.execute(f"SELECT content FROM {schema}.conflicts WHERE kind=? AND key=?", (kind, key)).fetchall()
-    return [_decoded(content) for (content,) in found]
+    return [decoded(content) for (content,) in found]
 
 
-def _decoded(packed: bytes) -> Content:
-    return msgspec.msgpack.decode(zlib.decompress(packed), type=Content)
+def decoded(packed: bytes) -> Content:
+    """Return a version from the bytes that are stored. Raises ValueError if they are none, or are too large."""
+    unpacking = zlib.decompressobj()
+    try:
+        unpacked = unpacking.decompress(packed, _MOST_BYTES)
+        if not unpacking.eof:
+            raise ValueError("It is cut off, or larger than any session.")
+        return msgspec.msgpack.decode(unpacked, type=Content)
+    except (zlib.error, TypeError, msgspec.MsgspecError) as error:
+        raise ValueError(str(error)) from error
 
 
 def keep(db: sqlite3.Connection, schema: str, kind: str, key: str, content: Content) -> None:
@@ -75,7 +87,7 @@ def drop(db: sqlite3.Connection, kind: Kind, key: str, digest: str) -> None:
 def rename(db: sqlite3.Connection, schema: str, people: People) -> None:
     """Give the versions that are kept aside the names of persons who are known as the same now."""
     for kind, key, old, packed in db.execute(f"SELECT kind, key, digest, content FROM {schema}.conflicts").fetchall():
-        named = _with_codes(_decoded(packed), lambda table, code: _in_words(people, table, code))
+        named = _with_codes(decoded(packed), lambda table, code: _in_words(people, table, code))
         new_key = key if kind == "session" else key_of(kind, named)
         if (digest(named), new_key) != (old, key):
             db.execute(f"DELETE FROM {schema}.conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, old))
@@ -88,6 +100,12 @@ _KEYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "adverse event": ("adverse_events", ("event", "version")),
     "instrument score": ("instrument_scores", ("participant", "instrument", "date", "recorded_at")),
 }
+
+
+def is_record(kind: str, content: Content) -> bool:
+    """Return True if a content is one row of the table of its kind, with the columns of its key."""
+    table, columns = _KEYS.get(kind, ("", ()))
+    return content.keys() == {table} and len(content[table]) == 1 and set(columns) <= content[table][0].keys()
 
 
 def key_of(kind: str, content: Content) -> str:

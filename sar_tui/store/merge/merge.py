@@ -15,7 +15,8 @@ from sar_tui.store.backup import FOLDER, back_up
 from sar_tui.store.database import FILE, StoreError, connect, transaction
 from sar_tui.store.locks import Held, hold, is_held
 from sar_tui.store.merge import conflicts
-from sar_tui.store.merge.columns import session_tables
+from sar_tui.store.merge.authors import leave_out, refuse, split_pairs
+from sar_tui.store.merge.comparison import number_topics
 from sar_tui.store.merge.conflicts import Conflict
 from sar_tui.store.merge.order import put_in_order
 from sar_tui.store.merge.people import Pair, People, parse_same, stored_pairs
@@ -36,6 +37,7 @@ class Merged(msgspec.Struct, frozen=True, kw_only=True):
         added, updated: ids of sessions that this database did not have, or less of.
         records: numbers of other rows that were added or changed, by table.
         left_out: sessions that run there now.
+        refused: a sentence on each record there that only this site, or another one, could have written.
         rescue_files: of the other data folder, which were not read.
         conflicts: all versions that are kept aside. ``new_conflicts``: the number of those that are new.
         same: codes in full that are the same person.
@@ -48,6 +50,7 @@ class Merged(msgspec.Struct, frozen=True, kw_only=True):
     updated: list[str] = []
     records: dict[str, int] = {}
     left_out: list[str] = []
+    refused: list[str] = []
     rescue_files: list[str] = []
     conflicts: list[Conflict] = []
     new_conflicts: int = 0
@@ -206,25 +209,29 @@ def _merge(
     progress: Callable[[int, int], None],
 ) -> Merged:
     before = set(conflicts.listing(db))
-    people, renamed = _same_people(db, own, pairs | stored_pairs(db, "other"))
-    _leave_out(db, running)
+    theirs, refused = stored_pairs(db, "other"), list[str]()
+    if site != own:
+        theirs, refused = split_pairs(People(own, stored_pairs(db) | pairs), theirs, site)
+    people, renamed = _same_people(db, own, pairs | theirs)
+    leave_out(db, running)
+    number_topics(db)
     rename_others(db, people, site)
     conflicts.rename(db, "other", people)
+    if site != own:
+        refused += refuse(db, people, site, has_other_names=bool(refused))
     sessions = merge_sessions(db, people, progress)
     records = {"same_people": renamed, **merge_records(db, people)}
     if sessions.added or sessions.updated:
         put_in_order(db)
     aside = conflicts.listing(db)
     return Merged(
-        site=own, other=site, added=sessions.added, updated=sessions.updated, records=records, conflicts=aside,
-        new_conflicts=len(set(aside) - before), same=sorted(people.same),
-    )  # fmt: skip
-
-
-def _leave_out(db: sqlite3.Connection, sessions: Iterable[str]) -> None:
-    """Remove sessions from the copy of the other database."""
-    for id in sessions:
-        db.execute("DELETE FROM other.sessions WHERE id=?", (id,))
-        db.execute("DELETE FROM other.conflicts WHERE kind='session' AND key=?", (id,))
-        for table in (*session_tables(db), "wellbeing", "adverse_events"):
-            db.execute(f"DELETE FROM other.{table} WHERE session=?", (id,))
+        site=own,
+        other=site,
+        added=sessions.added,
+        updated=sessions.updated,
+        records=records,
+        refused=refused,
+        conflicts=aside,
+        new_conflicts=len(set(aside) - before),
+        same=sorted(people.same),
+    )

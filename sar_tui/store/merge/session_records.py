@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.columns import columns, session_tables
-from sar_tui.store.merge.comparison import LOG, compare, number_topics
+from sar_tui.store.merge.comparison import LOG, compare
 from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.merge.people import People
 
@@ -26,7 +26,6 @@ class Changed(NamedTuple):
 
 def merge_sessions(db: sqlite3.Connection, people: People, progress: Callable[[int, int], None]) -> Changed:
     """Bring the sessions of ``other`` into the main database."""
-    number_topics(db)
     there = [id for (id,) in db.execute("SELECT id FROM other.sessions ORDER BY started_at, id")]
     here = {id for (id,) in db.execute("SELECT id FROM main.sessions")}
     contradicted = {

@@ -11,9 +11,11 @@ from typing import NamedTuple
 from urllib.parse import quote
 
 from sar_tui.drivers.private_folder import make_private
-from sar_tui.store.database import FILE, StoreError, bring_up_to_date, create_file, explain, sidecars
+from sar_tui.store.database import FILE, StoreError, create_file, explain, sidecars
 from sar_tui.store.integrity import flaws
 from sar_tui.store.locks import is_held
+from sar_tui.store.merge.foreign_rules import check_foreign
+from sar_tui.store.merge.tables_only import copy_tables
 from sar_tui.store.rescue import rescue_files
 
 _PAGES = 2000
@@ -53,10 +55,10 @@ def copied(other: Path, folder: Path, progress: Callable[[int, int], None]) -> I
     make_private(folder)
     beside = path.parent if path.name == FILE else None
     with tempfile.TemporaryDirectory(prefix=PREFIX, dir=folder) as place:
-        copy = Path(place) / FILE
+        original, copy = Path(place) / _ORIGINAL, Path(place) / FILE
         try:
-            _copy(path, copy, progress)
-            running = _prepare(path, copy, beside)
+            _copy(path, original, progress)
+            running = _prepare(path, original, copy, beside)
         except sqlite3.Error as error:
             raise _unusable(error, path, folder) from error
         except UnicodeDecodeError as error:
@@ -64,6 +66,7 @@ def copied(other: Path, folder: Path, progress: Callable[[int, int], None]) -> I
         yield Source(copy, running, tuple(rescue_files(beside)) if beside else ())
 
 
+_ORIGINAL = "original.db"
 PREFIX = ".merge-"
 """Beginning of the name of the folder with the copy. One that is there without a merge is of a program that ended."""
 
@@ -83,16 +86,19 @@ def _copy(path: Path, copy: Path, progress: Callable[[int, int], None]) -> None:
         source.backup(target, pages=_PAGES, progress=lambda _, remaining, total: progress(total - remaining, total))
 
 
-def _prepare(path: Path, copy: Path, beside: Path | None) -> tuple[str, ...]:
-    """Bring the copy up to date, and return its sessions that run now."""
+def _prepare(path: Path, original: Path, copy: Path, beside: Path | None) -> tuple[str, ...]:
+    """Copy the tables into a database of the present version, and return its sessions that run now."""
+    create_file(copy)
+    with closing(sqlite3.connect(original, isolation_level=None)) as database:
+        database.execute("PRAGMA trusted_schema=OFF")
+        database.execute("PRAGMA journal_mode=DELETE")  # what a log beside it holds is in the file then
+    copy_tables(original, copy, path)
+    original.unlink()
     with closing(sqlite3.connect(copy, isolation_level=None)) as database:
-        database.execute("PRAGMA journal_mode=DELETE")
-        if not database.execute("SELECT 1 FROM sqlite_master WHERE name='sessions'").fetchone():
-            raise StoreError(f"{path} is no database of sar-tui.", bad_input=True)
-        bring_up_to_date(database, path)
         for flaw in flaws(database, gaps=False):  # what is missing there is missing here, too
             where = f" ({flaw.where})" if flaw.where else ""
             raise StoreError(f"{path} is damaged{where}, and nothing was merged: {flaw.what}", bad_input=True)
+        check_foreign(database, path)
         stored = database.execute("SELECT id FROM sessions WHERE status='running'").fetchall()
     has_locks = beside is not None and (beside / "locks").is_dir()
     return tuple(id for (id,) in stored if has_locks and beside and is_held(beside, "session", id))

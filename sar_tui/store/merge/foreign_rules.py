@@ -1,0 +1,180 @@
+"""Rules for the codes, names and texts of a database from elsewhere: those that typed ones pass, too.
+
+An id becomes the name of a file, a code and a name stand in lists and are typed again, and a text is drawn.
+"""
+
+import re
+import sqlite3
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from sar_tui.framework.visible_text import obeyed, visible
+from sar_tui.store.database import StoreError
+from sar_tui.store.merge import conflicts
+from sar_tui.store.merge.columns import columns, keys, session_tables
+from sar_tui.store.merge.conflicts import Content
+from sar_tui.store.participants import check_code
+from sar_tui.store.sites import check_site
+
+Rule = Callable[[Any], bool]
+"""A function that returns True if a value, which is not missing, is allowed."""
+
+_LINES = "\n\r\t"
+"""Control characters that a text of several lines has."""
+_SHOWN = 40
+"""Characters of a value that is refused, in the message."""
+_NUMBERS = (int, float)
+_BY_TYPE: Mapping[str, tuple[type, ...]] = {"TEXT": (str,), "INTEGER": _NUMBERS, "FLOAT": _NUMBERS, "REAL": _NUMBERS,
+                                            "BLOB": (bytes, str)}  # fmt: skip
+_TYPE_NAMES = {int: "integer", float: "real", str: "text", bytes: "blob"}
+
+
+def _text(longest: int) -> Rule:
+    return lambda value: len(value) <= longest and not obeyed(value, _LINES)
+
+
+def _form(pattern: str) -> Rule:
+    compiled = re.compile(pattern)
+    return lambda value: compiled.fullmatch(value) is not None
+
+
+def _checked(check: Callable[[str], str]) -> Rule:
+    """Return the rule that a value is as a check of what is typed returns it."""
+
+    def is_stored_form(value: str) -> bool:
+        try:
+            return check(value) == value
+        except StoreError:
+            return False
+
+    return is_stored_form
+
+
+_CODE, _SITE = _checked(check_code), _checked(check_site)
+_ID = _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+_EVENT = _form(r"[A-Za-z0-9]{1,32}(@[A-Z0-9][A-Z0-9-]{0,15})?")
+_NAME = _form(r"(?:[^\W\d][\w-]{0,63})?")
+_WORD = _form(r"[a-z]{0,32}")
+_SEAT = _form("[AB]")
+_DATE = _form(r"[0-9T:.+Z -]{0,40}")
+_LINE, _NOTE, _REMARK, _REASON = _text(1000), _text(4000), _text(2000), _text(500)
+
+_RULES: dict[str, dict[str, Rule]] = {
+    "site": {"code": _SITE},
+    "same_people": {"code": _CODE, "same_as": _CODE},
+    "participants": {"code": _CODE, "created_at": _DATE},
+    "sessions": {"id": _ID, "task": _NAME, "theme": _NAME, "status": _WORD, "started_at": _DATE, "ended_at": _DATE,
+                 "mode": _WORD},
+    "session_numbers": {"id": _ID},
+    "seats": {"seat": _SEAT, "participant": _CODE},
+    "runs": {"boot_id": _LINE},
+    "attempts": {"seat": _SEAT, "metric_unit": _LINE, "outcome": _WORD, "feedback": _WORD, "condition": _LINE},
+    "trials": {"seat": _SEAT, "stimulus": _NOTE, "response": _NOTE},
+    "actions": {"id": _LINE, "kind": _LINE, "decision": _WORD, "actor": _LINE, "mode": _WORD, "ground": _LINE,
+                "reason": _LINE},
+    "notes": {"author": _LINE, "text": _NOTE, "label": _LINE},
+    "answers": {"seat": _SEAT, "step": _LINE, "kind": _WORD, "text": _NOTE, "status": _WORD},
+    "imu_streams": {"source": _LINE, "model": _LINE, "serial": _LINE, "part": _WORD},
+    "programmes": {"participant": _CODE, "task": _NAME, "theme": _NAME, "created_at": _DATE, "author": _REASON,
+                   "reason": _REASON},
+    "wellbeing": {"session": _ID, "seat": _SEAT, "participant": _CODE, "moment": _WORD, "question": _WORD,
+                  "answer": _LINE, "at": _DATE},
+    "adverse_events": {"event": _EVENT, "participant": _CODE, "session": _ID, "onset": _DATE, "what": _REMARK,
+                       "severity": _WORD, "action": _REMARK, "outcome": _REMARK, "recorded_at": _DATE,
+                       "recorded_by": _LINE},
+    "instrument_scores": {"participant": _CODE, "instrument": _form("[A-Za-z0-9-]{1,32}"), "date": _DATE,
+                          "note": _REMARK, "recorded_at": _DATE, "recorded_by": _LINE},
+    "exports": {"exported_at": _DATE, "exported_by": _LINE, "recipient": _LINE, "format": _LINE, "manifest": _LINE},
+    "topics": {"name": _form("[a-z_/]{1,100}")},
+}  # fmt: skip
+_OF_SITE: Rule = lambda value: not value or _SITE(value)  # noqa: E731
+
+
+def check_foreign(db: sqlite3.Connection, path: Path) -> None:
+    """Check a copy of another database.
+
+    Args:
+        path: of the other database, for messages.
+
+    Raises:
+        StoreError: a value breaks a rule.
+    """
+    for table in _tables(db):
+        rules = _rules(db, table)
+        for name, types in _types(db, table).items():
+            allowed = ", ".join(f"'{_TYPE_NAMES[kind]}'" for kind in types)
+            wrong = f'SELECT "{name}" FROM "{table}" WHERE typeof("{name}") NOT IN (\'null\', {allowed}) LIMIT 1'
+            for (value,) in db.execute(wrong):
+                raise _refused(path, table, name, value)
+        for name, rule in rules.items():
+            for (value,) in db.execute(f'SELECT DISTINCT "{name}" FROM "{table}"'):
+                if value is not None and not rule(value):
+                    raise _refused(path, table, name, value)
+    for kind, key, digest, packed in db.execute("SELECT kind, key, digest, content FROM conflicts"):
+        if not _is_version(db, kind, key, digest, packed):
+            raise _refused(path, "conflicts", "content", key)
+
+
+def _tables(db: sqlite3.Connection) -> list[str]:
+    found = db.execute("SELECT name FROM sqlite_master WHERE type='table'").fetchall()
+    return [name for (name,) in found if not name.startswith(("_", "sqlite_"))]
+
+
+def _rules(db: sqlite3.Connection, table: str) -> dict[str, Rule]:
+    has_site = table != "site" and "site" in columns(db, table)
+    return {**_RULES.get(table, {}), **({"site": _OF_SITE} if has_site else {})}
+
+
+def _types(db: sqlite3.Connection, table: str) -> dict[str, tuple[type, ...]]:
+    """Return the types of the columns that declare one."""
+    declared = db.execute(f'PRAGMA table_info("{table}")').fetchall()
+    return {name: _BY_TYPE[kind.upper()] for _, name, kind, *_ in declared if kind.upper() in _BY_TYPE}
+
+
+def _refused(path: Path, table: str, column: str, value: object) -> StoreError:
+    shown = visible(str(value))
+    shown = f"{shown[:_SHOWN]}…" if len(shown) > _SHOWN else shown
+    return StoreError(
+        f"{path} cannot be merged: {table}.{column} is “{shown}” somewhere, which this program does not store.",
+        bad_input=True,
+    )
+
+
+def _is_version(db: sqlite3.Connection, kind: str, key: str, digest: str, packed: bytes) -> bool:
+    """Return True if a version of a record that is kept aside is one, and passes the same rules."""
+    try:
+        content = conflicts.decoded(packed)
+    except ValueError:
+        return False
+    if conflicts.digest(content) != digest or not all(_passes(db, *each) for each in _each_row(content)):
+        return False
+    if kind != "session":
+        return conflicts.is_record(kind, content) and conflicts.key_of(kind, content) == key
+    known = {"sessions", "messages", *session_tables(db)}
+    rows = [row for table, rows in content.items() if table not in ("sessions", "messages") for row in rows]
+    ids = {row["id"] for row in content.get("sessions", ())} | {row["session"] for row in rows}
+    return known == content.keys() and len(content["sessions"]) == 1 and ids == {key}
+
+
+def _each_row(content: Content) -> Iterator[tuple[str, dict[str, Any]]]:
+    return ((table, row) for table, rows in content.items() for row in rows)
+
+
+_MESSAGE = {"seq", "run", "at_ns", "name", "fields", "message"}
+
+
+def _passes(db: sqlite3.Connection, table: str, row: dict[str, Any]) -> bool:
+    if table == "messages":
+        is_named = row.keys() == _MESSAGE and isinstance(row["name"], str) and _RULES["topics"]["name"](row["name"])
+        return is_named and all(isinstance(row[name], int) for name in ("seq", "run", "at_ns"))
+    if table not in _tables(db):
+        return False
+    types, rules = _types(db, table), _rules(db, table)
+    if row.keys() - columns(db, table) or set(keys(db, table)) - row.keys():
+        return False
+    return all(
+        value is None
+        or (isinstance(value, types.get(name, (int, float, str, bytes))) and (name not in rules or rules[name](value)))
+        for name, value in row.items()
+    )

@@ -1,0 +1,306 @@
+"""A database from another site adds what is its own, and changes nothing of this site's people, whatever it holds."""
+
+import sqlite3
+import zlib
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.store import programmes, sessions
+from sar_tui.store.database import FILE, StoreError, connect
+from sar_tui.store.merge import conflicts
+from tests.store.merge.sites import change, copy, go_on, holds, merge, play, save_programme, site
+
+
+@pytest.fixture
+def zurich(tmp_path: Path) -> Path:
+    folder = site(tmp_path / "zurich", "ZURICH")
+    play(folder, "a1")
+    play(folder, "a2", status="interrupted")
+    save_programme(folder, "P01", 1, '{"attempts":5}')
+    return folder
+
+
+@pytest.fixture
+def bern(tmp_path: Path, zurich: Path) -> Path:
+    """A database that holds what Zurich recorded before, and a session of its own."""
+    folder = site(tmp_path / "bern", "BERN")
+    play(folder, "b1")
+    merge(folder, zurich)
+    return folder
+
+
+_ROWS: dict[str, tuple[str, tuple[object, ...]]] = {
+    "version 2 of the programme of P01 for keyboard": (
+        "INSERT INTO programmes VALUES ('P01@ZURICH','keyboard',2,'2026-01-01','','','{\"attempts\":99}','calm',?)",
+        ("ZURICH",),
+    ),
+    "answer of P01 on pain of 2026-03-09": (
+        "INSERT INTO wellbeing VALUES (NULL,'A','P01@ZURICH','before','pain','0','2026-03-09',?)",
+        ("ZURICH",),
+    ),
+    "version 1 of the adverse event abc": (
+        "INSERT INTO adverse_events VALUES ('abc@ZURICH',1,'P01@ZURICH',NULL,'2026-03-09','','mild','','','','',?)",
+        ("ZURICH",),
+    ),
+    "score of P01 in ARAT of 2026-03-09": (
+        "INSERT INTO instrument_scores VALUES ('P01@ZURICH','ARAT','2026-03-09',57,'','','',0,?)",
+        ("ZURICH",),
+    ),
+    "export of 2026-03-09": (
+        "INSERT INTO exports VALUES (NULL,'2026-03-09','','','csv','[]','{}','',?)",
+        ("ZURICH",),
+    ),
+    "participant P77": ("INSERT INTO participants VALUES ('P77@ZURICH','2026-03-09',?)", ("ZURICH",)),
+}
+
+
+@pytest.mark.parametrize("what", _ROWS)
+def test_a_row_that_names_this_site_and_is_unknown_here_is_refused(zurich: Path, bern: Path, what: str) -> None:
+    before = holds(zurich)
+    statement, values = _ROWS[what]
+    change(bern, statement, *values)
+    merged = merge(zurich, bern)
+    assert merged.refused == [f"The {what} is ZURICH's by what BERN has, and is not so here. It is left out."]
+    assert merged.added == ["b1"]
+    assert [table for table, rows in holds(zurich).items() if before[table] - rows] == []
+    with closing(connect(zurich)) as database:
+        assert programmes.newest(database, "P01", "keyboard").parameters == {"attempts": 5}
+
+
+def test_a_changed_version_of_ones_own_programme_is_refused(zurich: Path, bern: Path) -> None:
+    """The earlier version of two counts, so that an early date would make it the one in the table."""
+    change(bern, "UPDATE programmes SET parameters='{\"attempts\":99}', created_at='2020-01-01'")
+    merged = merge(zurich, bern)
+    assert [said.partition(" is ")[0] for said in merged.refused] == [
+        "The version 1 of the programme of P01 for keyboard"
+    ]
+    assert merged.conflicts == []
+    with closing(connect(zurich)) as database:
+        assert programmes.newest(database, "P01", "keyboard").parameters == {"attempts": 5}
+
+
+def new_session(bern: Path) -> None:
+    play(bern, "a9", "P01@ZURICH")
+    change(bern, "UPDATE sessions SET site='ZURICH' WHERE id='a9'")
+
+
+def longer_session(bern: Path) -> None:
+    go_on(bern, "a2", trials=9)
+
+
+def other_results(bern: Path) -> None:
+    change(bern, "UPDATE trials SET response='q', correct=0 WHERE session='a2'")
+
+
+def other_settings(bern: Path) -> None:
+    change(bern, "UPDATE sessions SET parameters='{\"attempts\":99}' WHERE id='a2'")
+
+
+def other_author(bern: Path) -> None:
+    go_on(bern, "a2", trials=9)
+    change(bern, "UPDATE sessions SET site='' WHERE id='a2'")
+
+
+@pytest.mark.parametrize(
+    ("alter", "id"),
+    [(new_session, "a9"), (longer_session, "a2"), (other_results, "a2"), (other_settings, "a2"), (other_author, "a2")],
+)
+def test_ones_own_session_is_never_added_or_changed_by_another_site(
+    zurich: Path, bern: Path, alter: Callable[[Path], None], id: str
+) -> None:
+    before = holds(zurich)
+    alter(bern)
+    merged = merge(zurich, bern)
+    assert merged.refused == [f"The session {id} is ZURICH's by what BERN has, and is not so here. It is left out."]
+    assert (merged.added, merged.updated, merged.conflicts) == (["b1"], [], [])
+    for table in ("sessions", "trials", "messages"):
+        assert before[table] <= holds(zurich)[table]
+        assert {row[0] for row in holds(zurich)[table] - before[table]} == {"b1"}
+
+
+def test_the_status_of_ones_own_session_is_never_changed_by_another_site(zurich: Path, bern: Path) -> None:
+    change(bern, "UPDATE sessions SET status='completed' WHERE id='a2'")
+    assert merge(zurich, bern).updated == []
+    with closing(connect(zurich)) as database:
+        assert sessions.find(database, zurich, "a2")["status"] == "interrupted"
+
+
+def test_an_older_copy_of_ones_own_records_is_nothing_to_tell(zurich: Path, bern: Path) -> None:
+    go_on(zurich, "a2")
+    change(zurich, "UPDATE participants SET created_at='2020-01-01'")
+    assert merge(zurich, bern).refused == []
+
+
+def test_a_session_of_another_site_is_not_one_of_ones_own_people(zurich: Path, bern: Path) -> None:
+    play(bern, "b2", "P01@ZURICH")
+    save_programme(bern, "P01@ZURICH", 7, "{}")
+    merged = merge(zurich, bern)
+    assert merged.refused == [
+        "The session b2 is BERN's by what BERN has, but P01 is of ZURICH. It is left out.",
+        "The version 7 of the programme of P01 for keyboard is BERN's by what BERN has, but P01 is of ZURICH. It is "
+        "left out.",
+    ]
+    assert merged.added == ["b1"]
+    with closing(connect(zurich)) as database:
+        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01")] == ["a2", "a1"]
+
+
+def test_only_this_site_says_who_of_its_people_is_somebody_elses(zurich: Path, bern: Path) -> None:
+    merge(bern, None, same=("P01=P01@ZURICH",))
+    merged = merge(zurich, bern)
+    assert merged.refused[0] == (
+        "BERN says that P01@BERN and P01@ZURICH are one person. If they are: sar-tui merge --same P01@BERN=P01@ZURICH"
+    )
+    assert merged.same == []
+    with closing(connect(zurich)) as database:
+        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01")] == ["a2", "a1"]
+    merged = merge(zurich, bern, same=("P01@BERN=P01@ZURICH",))
+    assert merged.refused == []
+    assert {row[2] for row in holds(zurich)["seats"]} == {"P01@BERN"}
+
+
+def kept_aside(bern: Path, content: Any, kind: str = "session", key: str = "a2", digest: str = "") -> None:
+    row = (kind, key, digest or conflicts.digest(content), zlib.compress(conflicts.encoded(content)))
+    change(bern, "INSERT INTO conflicts VALUES (?,?,?,?)", *row)
+
+
+def test_a_version_of_ones_own_record_that_is_kept_aside_there_does_not_come_here(zurich: Path, bern: Path) -> None:
+    row = {"participant": "P01@ZURICH", "task": "keyboard", "version": 1, "created_at": "2020-01-01", "author": "",
+           "reason": "", "parameters": "{}", "theme": "calm", "site": "ZURICH"}  # fmt: skip
+    kept_aside(bern, {"programmes": [row]}, "programme", "P01@ZURICH keyboard 1")
+    merged = merge(zurich, bern)
+    assert len(merged.refused) == 1
+    assert "other version of the programme P01@ZURICH keyboard 1" in merged.refused[0]
+    assert merged.conflicts == []
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"trials (session) SELECT 'x' --": [{"session": "b1"}]},
+        {"programmes": [{"participant) VALUES ('x') --": 1}]},
+        {"programmes": []},
+        {},
+        [],
+        {"sessions": [{"id": "b1"}, {"id": "b2"}]},
+    ],
+)
+def test_a_version_kept_aside_that_is_none_is_refused(zurich: Path, bern: Path, content: Any) -> None:
+    before = holds(zurich)
+    for kind in ("session", "programme", "odd"):
+        digest = conflicts.digest(content) if isinstance(content, dict) else "x"
+        kept_aside(bern, content, kind, "b1", digest)
+        with pytest.raises(StoreError, match=r"cannot be merged: conflicts\.content"):
+            merge(zurich, bern)
+        change(bern, "DELETE FROM conflicts")
+    assert holds(zurich) == before
+
+
+def test_a_version_kept_aside_is_not_unpacked_beyond_all_bounds(
+    zurich: Path, bern: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(conflicts, "_MOST_BYTES", 10_000)
+    change(bern, "INSERT INTO conflicts VALUES ('session','b1','x',?)", zlib.compress(bytes(10_000_000)))
+    with pytest.raises(StoreError, match=r"conflicts\.content"):
+        merge(zurich, bern)
+
+
+_VALUES = {
+    "UPDATE seats SET participant=? WHERE session='b1'": ["P01; DROP", "p01", "P" * 40, "", "=1+1", "P01\x1b[2J", "-P"],
+    "UPDATE participants SET code=? WHERE code='P01'": ["../P01", "Anna Muster", "P01\n"],
+    "UPDATE sessions SET id=? WHERE id='b1'": ["../../evil", "/tmp/evil", "b 1", "", "=b1", "b" * 99],
+    "UPDATE sessions SET site=? WHERE id='b1'": ["=ZURICH", "Z\x07", "z"],
+    "UPDATE sessions SET task=? WHERE id='b1'": ["../keyboard", "key board", "key\x1bboard", "=cmd"],
+    "UPDATE sessions SET theme=? WHERE id='b1'": ["../../calm", "calm\n"],
+    "UPDATE sessions SET started_at=? WHERE id='b1'": ["<b>now</b>", "x" * 99],
+    "UPDATE seats SET seat=? WHERE session='b1'": ["C", "A\x00"],
+    "UPDATE notes SET text=? WHERE session='b1'": ["\x1b]0;title\x07", "n" * 4001],
+    "UPDATE notes SET author=? WHERE session='b1'": ["op\u202eana"],
+    "UPDATE attempts SET level=? WHERE session='b1'": ["high", b"1"],
+    "UPDATE topics SET name=?||name WHERE id>1": ["\x1b", "="],
+    "INSERT INTO programmes VALUES ('P01','keyboard',3,'','',?,'{}','calm','')": ["r" * 501, "\x9b2J"],
+    "INSERT INTO same_people VALUES ('P01@BERN',?)": ["P01@", "=P01@GENF", "p01@genf"],
+    "UPDATE site SET code=?": ["../BERN", "bern", "B" * 17],
+}
+
+
+@pytest.mark.parametrize("statement", _VALUES)
+def test_codes_names_and_texts_pass_the_rules_of_typed_ones(
+    zurich: Path, bern: Path, tmp_path: Path, statement: str
+) -> None:
+    before = holds(zurich)
+    for number, value in enumerate(_VALUES[statement]):
+        altered = copy(bern, tmp_path / f"altered-{number}")
+        with closing(sqlite3.connect(altered / FILE)) as database, database:
+            database.execute(statement, (value,))
+            if "sessions SET id" in statement:
+                for table in ("seats", "runs", "attempts", "trials", "notes"):
+                    database.execute(f"UPDATE {table} SET session=? WHERE session='b1'", (value,))
+                database.execute("UPDATE session_numbers SET id=? WHERE id='b1'", (value,))
+        with pytest.raises(StoreError, match=r"cannot be merged|There are seats without") as refused:
+            merge(zurich, altered)
+        assert str(refused.value).isprintable(), value
+    assert holds(zurich) == before
+
+
+_ENDLESS = "WITH RECURSIVE n (x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n"
+_SCHEMAS = {
+    "a view stands in place of the table same_people": (
+        "DROP TABLE same_people",
+        f"CREATE VIEW same_people AS SELECT x AS code, x AS same_as FROM ({_ENDLESS})",
+    ),
+    "a view stands in place of the table site": (
+        "DROP TABLE site",
+        f"CREATE VIEW site AS SELECT 1 AS number, x AS code FROM ({_ENDLESS})",
+    ),
+    "a virtual table stands in place of the table notes": (
+        "DROP TABLE notes",
+        "CREATE VIRTUAL TABLE notes USING fts5 (session, at_ns, author, text, label)",
+    ),
+    "it lacks the table conflicts": ("DROP TABLE conflicts",),
+    "in the table notes, label is computed": (
+        "DROP TABLE notes",
+        "CREATE TABLE notes (session TEXT, at_ns INTEGER, author TEXT, text TEXT, label TEXT AS (zeroblob(9)))",
+    ),
+    "in the table notes, label is missing": (
+        "DROP TABLE notes",
+        "CREATE TABLE notes (session TEXT, at_ns INTEGER, author TEXT, text TEXT)",
+    ),
+}
+
+
+@pytest.mark.parametrize("said", _SCHEMAS)
+def test_what_stands_in_place_of_a_table_is_refused(zurich: Path, bern: Path, said: str) -> None:
+    """The views are endless: a merge that read one would not return."""
+    before = holds(zurich)
+    alter_schema(bern, *_SCHEMAS[said])
+    with pytest.raises(StoreError, match=f"cannot be merged: {said}"):
+        merge(zurich, bern)
+    assert holds(zurich) == before
+
+
+def test_triggers_views_indexes_and_conditions_of_another_database_are_never_run(zurich: Path, bern: Path) -> None:
+    alter_schema(
+        bern,
+        f"CREATE TRIGGER named AFTER UPDATE ON seats BEGIN INSERT INTO same_people SELECT x, x FROM ({_ENDLESS}); END",
+        "CREATE TRIGGER left_out AFTER DELETE ON programmes BEGIN UPDATE sessions SET site='ZURICH'; END",
+        "CREATE INDEX costly ON notes (hex(zeroblob(1000000)))",
+        f"CREATE VIEW v_mine AS {_ENDLESS}",
+        "DROP VIEW settings",
+        f"CREATE VIEW settings AS {_ENDLESS}",
+        "DROP TABLE exports",
+        "CREATE TABLE exports (number INTEGER PRIMARY KEY, exported_at TEXT, exported_by TEXT, recipient TEXT, format"
+        " TEXT, sessions TEXT, options TEXT, manifest TEXT CHECK (length(hex(zeroblob(100000000))) > 0), site TEXT)",
+    )
+    merged = merge(zurich, bern)
+    assert (merged.added, merged.refused) == (["b1"], [])
+
+
+def alter_schema(folder: Path, *statements: str) -> None:
+    with closing(sqlite3.connect(folder / FILE)) as database, database:
+        for statement in statements:
+            database.execute(statement)
