@@ -1,7 +1,7 @@
 """``sar-tui programme``: shows, exports, imports participants' programmes, and lists their versions and presets."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -167,7 +167,7 @@ def export_programme(
     import msgspec
 
     from sar_tui.framework.parameters import build, usable
-    from sar_tui.runs.programme_file import write
+    from sar_tui.runs.programme_file import write, write_preset
     from sar_tui.store import programmes
 
     home = Home.of(context, data, tasks)
@@ -184,6 +184,7 @@ def export_programme(
     text = write(kind, code, saved)
     if preset is not None:
         to = _preset_file(home, kind, preset)
+        text = write_preset(kind, saved)
     if to is None:
         print(text, end="")
         return
@@ -209,8 +210,9 @@ def import_programme(
             "--preset",
             metavar="NAME",
             show_default=False,
-            help="Instead of a file: mild, moderate, severe, or one of your own. All that it does not set stays as it "
-            "is.",
+            help="Instead of a file: mild, moderate, severe, or one of your own. Settings of the person and the place, "
+            "such as hand, language and limits, stay as they are; all others are as the preset says, else at their "
+            "default.",
         ),
     ] = None,
     reason: Annotated[
@@ -228,11 +230,13 @@ def import_programme(
     tasks: Tasks = None,
 ) -> None:
     """Save a file or a preset as the next version of a programme."""
+    import msgspec
+
     from sar_tui.cli.common import checked_settings
     from sar_tui.drivers.login_name import login_name
     from sar_tui.framework.parameters import build, changed, usable
     from sar_tui.runs.plan import make_plan
-    from sar_tui.runs.presets import find
+    from sar_tui.runs.presets import applied, find, not_applied
     from sar_tui.store import participants, programmes
 
     if (file is None) == (preset is None):
@@ -251,9 +255,12 @@ def import_programme(
         after = last.version
         if file is not None and given.participant.upper() == code and given.version and not anyway:
             after = given.version
-        kept = usable(kind.Parameters, last.parameters)[0] if preset is not None else {}
+        values: Mapping[str, Any] = given.parameters
+        if preset is not None:
+            values = applied(kind, given, usable(kind.Parameters, last.parameters)[0])
+            given = msgspec.structs.replace(given, theme="")
         with checked_settings(kind):
-            parameters = build(kind.Parameters, {**kept, **given.parameters})
+            parameters = build(kind.Parameters, values)
             wanted = programmes.Programme(changed(parameters), given.theme or last.theme)
             make_plan(catalogue, kind, [code], saved=wanted, mode="simulated")
         try:
@@ -267,6 +274,9 @@ def import_programme(
     if as_json:
         print_json({"programme": {**_facts(kind, code, saved), "parameters": saved.parameters}})
         return
+    if preset is not None and (stay := not_applied(kind, given)):
+        names = ", ".join(field.title for field in stay)
+        print(f"! The preset also names what belongs to the person or the place, and stays: {names}.", file=sys.stderr)
     is_new = saved.version != last.version
     done = f"Saved version {saved.version}" if is_new else f"Nothing differs from version {saved.version}"
     console().print(f"{done} of the programme of {code} for {kind.title}.", soft_wrap=True)

@@ -20,6 +20,7 @@ def meta(
     takes: str = "",
     group: str = "",
     renamed: Mapping[str, str] = MappingProxyType({}),
+    personal: bool = False,
     **bounds: Any,
 ) -> Meta:
     """Describe a parameter for the people who set it.
@@ -33,10 +34,12 @@ def meta(
             keeps its heading.
         renamed: former spellings of a choice, each with its present one: ``{"thesis": "one-up-one-down"}``. Stored
             settings and `--set` may still use them; ``current_values`` translates.
+        personal: True if it belongs to the person or the place (hand, language, sensor, limits), not to the exercise,
+            so that no preset changes it (see `runs.presets`).
         bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``. Those of a tuple's
             items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)], ...]``.
     """
-    extra = {"unit": unit, "takes": takes, "group": group, "renamed": dict(renamed)}
+    extra = {"unit": unit, "takes": takes, "group": group, "renamed": dict(renamed), "personal": personal}
     return Meta(title=title, description=help or None, extra=extra, **bounds)
 
 
@@ -79,6 +82,7 @@ class Field(msgspec.Struct, frozen=True):
     group: str = ""
     renamed: dict[str, str] = {}
     labels: dict[str, str] = {}
+    personal: bool = False
 
     @property
     def bounds(self) -> str:
@@ -131,6 +135,7 @@ def declared_field(field: inspect.Field) -> Field:
     kind = field.type
     title, help, unit, takes, group = field.name.replace("_", " ").capitalize(), "", "", "", ""
     renamed: dict[str, str] = {}
+    personal = False
     while isinstance(kind, inspect.Metadata):
         schema = kind.extra_json_schema or {}
         title = schema.get("title", title)
@@ -139,9 +144,11 @@ def declared_field(field: inspect.Field) -> Field:
         takes = (kind.extra or {}).get("takes", takes)
         group = (kind.extra or {}).get("group", group)
         renamed = (kind.extra or {}).get("renamed", renamed)
+        personal = (kind.extra or {}).get("personal", personal)
         kind = kind.type
     declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help, "group": group}
     declared["renamed"] = renamed
+    declared["personal"] = personal
     declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
     match kind:
         case inspect.IntType(ge=ge, le=le):

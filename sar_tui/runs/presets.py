@@ -1,7 +1,15 @@
-"""Presets: named sets of a task's settings, shipped with the task or saved by a therapist."""
+"""Presets: named exercises, shipped with a task or saved by a therapist.
 
+The scope of a preset is every setting of its task, common ones included, but those that belong to the person or the
+place (``personal`` in `declaration.meta`). It states all of them: what its file does not name is at its default.
+"""
+
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from sar_tui.framework.declaration import Field
+from sar_tui.framework.parameters import current_values, fields
 from sar_tui.framework.task import Task
 from sar_tui.plugins import task_folder
 from sar_tui.runs.programme_file import ProgrammeFile, read
@@ -10,6 +18,26 @@ from sar_tui.store.database import StoreError
 FOLDER = "presets"
 """Folder of presets, in a task's folder and in the data folder; there it has a folder for each task."""
 _ORDER = ("mild", "moderate", "severe")
+
+
+def applied(task: type[Task], preset: ProgrammeFile, current: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the value of every setting after a preset: nothing of an earlier preset is left.
+
+    Personal settings keep their ``current`` values. Names in the preset that are no settings stay, for `build` to
+    refuse.
+    """
+    personal = {field.name for field in fields(task.Parameters) if field.personal}
+    named = current_values(task.Parameters, preset.parameters)
+    return {
+        **{field.name: field.default for field in fields(task.Parameters)},
+        **{name: value for name, value in named.items() if name not in personal},
+        **{name: value for name, value in current.items() if name in personal},
+    }
+
+
+def not_applied(task: type[Task], preset: ProgrammeFile) -> list[Field]:
+    """Return the personal settings that a preset's file names, although no preset changes them."""
+    return [field for field in fields(task.Parameters) if field.personal and field.name in preset.parameters]
 
 
 def own_folder(data: Path, task: type[Task]) -> Path:

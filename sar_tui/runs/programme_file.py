@@ -97,6 +97,18 @@ def write(task: type[Task], participant: str, programme: Programme) -> str:
     return "\n".join(lines) + "\n"
 
 
+def write_preset(task: type[Task], programme: Programme) -> str:
+    """Return the settings of a programme that a preset states (see `runs.presets`) as TOML, each with its value."""
+    lines = [f"# Preset for {task.title}", *_assignments({"task": task.name}), "", "[parameters]"]
+    for heading, declared in grouped(task.Parameters).items():
+        stated = [field for field in declared if not field.personal]
+        lines += ["", f"# --- {heading or task.title} ---"] if stated else []
+        for field in stated:
+            value = programme.parameters.get(field.name, msgspec.to_builtins(field.default))
+            lines += ["", *_comments(_about(field)), f"{field.name} = {_value(value)}"]
+    return "\n".join(lines) + "\n"
+
+
 def _assignments(values: Mapping[str, Any]) -> Iterator[str]:
     return (f"{name} = {_value(value)}" for name, value in values.items() if value not in ("", 0))
 

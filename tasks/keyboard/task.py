@@ -38,11 +38,11 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 10.0
     choice_set: Annotated[
         Literal["both hands", "left hand", "right hand", "arrow keys"],
-        meta("Keys", help="The keys that prompts are drawn from. One hand never needs Shift."),
+        meta("Keys", help="The keys that prompts are drawn from. One hand never needs Shift.", personal=True),
     ] = "both hands"
     layout: Annotated[
         Literal["qwerty", "azerty", "qwertz"],
-        meta("Keyboard layout", help="The six letters at the top left of the keyboard."),
+        meta("Keyboard layout", help="The six letters at the top left of the keyboard.", personal=True),
     ] = "qwerty"
     levels: Annotated[
         tuple[str, ...],

@@ -21,7 +21,11 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = "alternate"  # fmt: skip
     respond_with: Annotated[
         Literal["keys", "reaches"],
-        meta("Respond with", help="keys: a half of the keyboard each. reaches: out and back, a sensor on a hand each."),
+        meta(
+            "Respond with",
+            help="keys: a half of the keyboard each. reaches: out and back, a sensor on a hand each.",
+            personal=True,
+        ),
     ] = "keys"
     prompts_per_attempt: Annotated[
         int, meta("Prompts per attempt", help="Number of prompts in an attempt, for both together.", ge=2, le=200)
@@ -39,7 +43,7 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 10.0
     layout: Annotated[
         Literal["qwerty", "azerty", "qwertz"],
-        meta("Keyboard layout", help="The six letters at the top left of the keyboard."),
+        meta("Keyboard layout", help="The six letters at the top left of the keyboard.", personal=True),
     ] = "qwerty"
     window_ms: Annotated[
         int,
@@ -65,18 +69,35 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     imu: Annotated[
         str,
         meta("Sensor on the left", help="phidget:SERIAL, phidget://host:port, simulated, recorded:FILE, or session:ID.",
-             min_length=1, group="Reaches"),
+             min_length=1, group="Reaches", personal=True),
     ] = "phidget"  # fmt: skip
     imu_b: Annotated[
-        str, meta("Sensor on the right", help="As on the left, but another sensor.", min_length=1, group="Reaches")
+        str,
+        meta(
+            "Sensor on the right",
+            help="As on the left, but another sensor.",
+            min_length=1,
+            group="Reaches",
+            personal=True,
+        ),
     ] = "phidget"
     hand: Annotated[
         Literal["right", "left"],
-        meta("Hand, left participant", help="The hand that reaches, with the sensor on it.", group="Reaches"),
+        meta(
+            "Hand, left participant",
+            help="The hand that reaches, with the sensor on it.",
+            group="Reaches",
+            personal=True,
+        ),
     ] = "right"
     hand_b: Annotated[
         Literal["right", "left"],
-        meta("Hand, right participant", help="The hand that reaches, with the sensor on it.", group="Reaches"),
+        meta(
+            "Hand, right participant",
+            help="The hand that reaches, with the sensor on it.",
+            group="Reaches",
+            personal=True,
+        ),
     ] = "right"
 
     def problems(self) -> dict[str, str]:

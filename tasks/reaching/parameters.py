@@ -20,24 +20,36 @@ class ReachingParameters(TaskParameters, frozen=True, kw_only=True):
     imu: Annotated[
         str,
         meta(
-            "Motion sensor", help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.", min_length=1
+            "Motion sensor",
+            help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            min_length=1,
+            personal=True,
         ),
     ] = "phidget"
     imu_trunk: Annotated[
         str,
-        meta("Trunk sensor", help="A second sensor, on the breastbone: named like the motion sensor. Empty: none."),
+        meta(
+            "Trunk sensor",
+            help="A second sensor, on the breastbone: named like the motion sensor. Empty: none.",
+            personal=True,
+        ),
     ] = ""
     trunk_limit_deg: Annotated[
         float,
         meta("Trunk limit", "deg", "A reach in which the trunk turns farther is marked as compensated. 0: never.",
              ge=0, le=90),
     ] = 0.0  # fmt: skip
-    hand: Annotated[Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.")] = (
-        "right"
-    )
+    hand: Annotated[
+        Literal["right", "left"], meta("Hand", help="The hand that reaches, with the sensor on it.", personal=True)
+    ] = "right"
     marker_distances_cm: Annotated[
         tuple[float, ...],
-        meta("Markers", "cm", "Distance of each marker from the start, nearest first. Each marker is a level."),
+        meta(
+            "Markers",
+            "cm",
+            "Distance of each marker from the start, nearest first. Each marker is a level.",
+            personal=True,
+        ),
     ] = (15.0, 20.0, 25.0, 30.0, 35.0, 40.0)
     threshold: Annotated[
         float,

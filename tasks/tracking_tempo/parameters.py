@@ -13,7 +13,10 @@ class TrackingTempoParameters(TaskParameters, frozen=True, kw_only=True):
     imu: Annotated[
         str,
         meta(
-            "Motion sensor", help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.", min_length=1
+            "Motion sensor",
+            help="phidget, phidget://host:port, simulated, recorded:FILE, or session:ID.",
+            min_length=1,
+            personal=True,
         ),
     ] = "phidget"
     beats: Annotated[

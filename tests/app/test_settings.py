@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import msgspec
 import pytest
-from textual.widgets import Static
+from textual.widgets import Button, Static
 
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.framework.declaration import meta, show
@@ -543,6 +543,23 @@ async def test_a_preset_fills_in_its_values_and_saves_nothing(data: Path, catalo
         assert stored_settings(data)["attempts"] == 20
         await save(driver)
     assert stored_settings(data)["threshold"] == 1500
+
+
+async def test_a_preset_leaves_nothing_of_the_one_before(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P01", choice_set="left hand")
+    folder = data / "presets" / "keyboard"
+    folder.mkdir(parents=True)
+    (folder / "a.toml").write_text('task = "keyboard"\n[parameters]\nfeedback_every = 3\nlanguage = "es"\n')
+    (folder / "b.toml").write_text('task = "keyboard"\n[parameters]\nthreshold = 700.0\n')
+    async with open_app(data, catalogue) as driver:
+        await driver.press("f2")
+        for downs in (3, 4):  # a, then b, after those of the task
+            driver.app.screen.query_one("#preset", Button).press()
+            await driver.settle()
+            await driver.press(*["down"] * downs, "enter")
+        assert driver.sees("and stays: Language.")
+        await save(driver)
+    assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
 
 
 async def test_settings_that_do_not_exist_any_more_are_told(data: Path, catalogue: Catalogue) -> None:

@@ -11,12 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import build, fields
+from sar_tui.framework.parameters import build, changed, fields
+from sar_tui.framework.settings.limits import LimitSettings
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from sar_tui.runs.presets import files
-from sar_tui.runs.programme_file import parse, read, write
-from sar_tui.store import participants, programmes
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.presets import applied, files, find, not_applied
+from sar_tui.runs.programme_file import ProgrammeFile, parse, read, write
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store import participants, programmes, sessions
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from tests.examples import examples
@@ -211,32 +215,82 @@ def test_each_task_ships_presets_that_fit_and_set_the_same_settings(
     found = {name: read(path) for name, path in files(tmp_path, kind).items()}
     assert list(found) == ["mild", "moderate", "severe"]
     assert len({frozenset(preset.parameters) for preset in found.values()}) == 1
+    assert not any(not_applied(kind, preset) for preset in found.values())
     built = [build(kind.Parameters, preset.parameters) for preset in found.values()]
     assert all(preset.task == task and preset.summary for preset in found.values())
     goals = [parameters.threshold for parameters in built]
     assert goals == sorted(set(goals))
 
 
-def test_a_preset_changes_what_it_sets_and_leaves_the_rest(call: Call, data: Path) -> None:
-    save(data, 0, choice_set="left hand", attempts=3)
+def test_a_preset_states_the_exercise_and_leaves_what_is_the_persons(call: Call, data: Path) -> None:
+    save(data, 0, choice_set="left hand", attempts=3, feedback_every=4, minutes_a_day=20)
     assert call("programme", "import", "P07", "keyboard", "--preset", "severe", *WHY).code == 0
     severe = newest(data).parameters
     assert (severe["choice_set"], severe["attempts"], severe["threshold"]) == ("left hand", 6, 3000.0)
     assert call("programme", "import", "P07", "keyboard", "--preset", "mild", *WHY).code == 0
-    assert newest(data).parameters == {"choice_set": "left hand", "practice_attempts": 1}
+    assert newest(data).parameters == {"choice_set": "left hand", "minutes_a_day": 20, "practice_attempts": 1}
     unknown = call("programme", "import", "P07", "keyboard", "--preset", "light", *WHY)
     assert unknown.err == "The task keyboard has no preset light. It has: mild, moderate, severe.\n"
+
+
+def own_preset(data: Path, name: str, text: str) -> None:
+    folder = data / "presets" / "keyboard"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.toml").write_text(f'task = "keyboard"\n{text}')
+
+
+def test_nothing_is_left_of_the_preset_before(call: Call, data: Path) -> None:
+    """Whichever two follow each other, and whatever they name."""
+    own_preset(data, "slow", '[parameters]\nfeedback_every = 3\nlevels = ["fj", "dfjk"]\noperator_feedback = "veto"')
+    own_preset(data, "quick", "[parameters]\nthreshold = 700.0")
+    assert call("programme", "import", "P07", "keyboard", "--preset", "quick", *WHY).code == 0
+    alone = newest(data).parameters
+    assert alone == {"threshold": 700.0}
+    for before in ("slow", "severe", "mild"):
+        assert call("programme", "import", "P07", "keyboard", "--preset", before, *WHY).code == 0
+        assert call("programme", "import", "P07", "keyboard", "--preset", "quick", *WHY).code == 0
+        assert newest(data).parameters == alone
+
+
+def test_what_a_preset_names_of_the_person_stays_and_is_told(call: Call, data: Path) -> None:
+    save(data, 0, choice_set="left hand", language="es")
+    own_preset(
+        data, "mine", 'theme = "playful"\n[parameters]\nchoice_set = "right hand"\nlanguage = "en"\nattempts = 7'
+    )
+    called = call("programme", "import", "P07", "keyboard", "--preset", "mine", *WHY)
+    assert called.err == "! The preset also names what belongs to the person or the place, and stays: Keys, Language.\n"
+    assert newest(data).parameters == {"choice_set": "left hand", "language": "es", "attempts": 7}
+    assert newest(data).theme == "calm"
+
+
+@pytest.mark.parametrize("task", Catalogue().task_names())
+def test_the_scope_of_a_preset_is_each_setting_but_the_persons(catalogue: Catalogue, task: str) -> None:
+    """A new setting is the exercise's unless it is declared as personal: those are listed here, and in the docs."""
+    kind = catalogue.task(task)
+    personal = {field.name for field in fields(kind.Parameters) if field.personal}
+    common = {"language", "outputs", "speech", "operator_joins", "ask_wellbeing", "pain_limit", "pain_rise"}
+    limits = set(LimitSettings.__struct_fields__)
+    own = {"imu", "imu_b", "imu_trunk", "hand", "hand_b", "layout", "choice_set", "marker_distances_cm", "respond_with"}
+    assert common | limits <= personal <= common | limits | own
+    assert own & {field.name for field in fields(kind.Parameters)} <= personal
+    changed = {field.name: "another" for field in fields(kind.Parameters)}
+    after = applied(kind, ProgrammeFile(task), changed)
+    assert {name for name, value in after.items() if value == "another"} == personal
 
 
 def test_a_programme_is_kept_as_a_preset_of_ones_own(call: Call, data: Path) -> None:
     save(data, 0, choice_set="left hand", attempts=3)
     assert call("programme", "export", "P07", "keyboard", "--preset", "left-arm").code == 0
+    kind = Catalogue().task("keyboard")
+    kept = find(data, kind, "left-arm")
+    assert kept.parameters.keys() == {field.name for field in fields(kind.Parameters) if not field.personal}
+    assert (kept.participant, kept.theme) == ("", "")
     assert call("programme", "export", "P07", "keyboard", "--preset", "../x").code == 2
     names = [row["name"] for row in call("programme", "presets", "keyboard", "--json").json["presets"]]
     assert names == ["mild", "moderate", "severe", "left-arm"]
     assert call("programme", "import", "P08", "keyboard", "--preset", "left-arm", *WHY).code == 0
     (row,) = call("programme", "show", "P08", "--json").json["programmes"]
-    assert row["parameters"] == {"choice_set": "left hand", "attempts": 3}
+    assert row["parameters"] == {"attempts": 3}
 
 
 def test_a_preset_that_cannot_be_read_is_listed_with_the_reason(call: Call, data: Path) -> None:
@@ -247,3 +301,26 @@ def test_a_preset_that_cannot_be_read_is_listed_with_the_reason(call: Call, data
     assert called.code == 0
     assert "mild" in called.out
     assert "is not valid TOML" in called.out
+
+
+# --- the record ---------------------------------------------------------------------------------------------
+
+
+def test_a_session_is_stored_with_all_its_settings_and_none_of_the_session_before(
+    data: Path, catalogue: Catalogue
+) -> None:
+    save(data, 0, prompts_per_attempt=2, feedback_every=2, attempts=1)
+    kind = catalogue.task("keyboard")
+    conditions: list[dict[str, Any]] = [
+        {"feedback_schedule": "faded", "feedback_fade": 5, "start_level": 3, "start_from": "fixed"},
+        {"threshold": 700.0},
+        {},
+    ]
+    for condition in conditions:
+        plan = make_plan(catalogue, kind, ["P07"], condition, saved=newest(data), mode="simulated")
+        session = simulate(plan, PEOPLE["poor"], data, catalogue)
+        with closing(connect(data)) as database:
+            stored = sessions.find(database, data, session)["parameters"]
+        assert stored.keys() == {field.name for field in fields(kind.Parameters)}
+        programme = {"prompts_per_attempt": 2, "feedback_every": 2, "attempts": 1}
+        assert changed(build(kind.Parameters, stored)) == {**programme, **condition}

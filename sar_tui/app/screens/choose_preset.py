@@ -35,7 +35,10 @@ class ChoosePresetScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog"):
             yield Static(self.tr("Which preset?"), classes="headline")
-            yield Static(self.tr("It fills in the settings that it sets. Nothing is saved yet."), markup=False)
+            yield Static(
+                self.tr("It sets all but what is of the person or the place. Nothing is saved yet."),
+                markup=False,
+            )
             options = [Option(Content(f"{name}\n  {text}"), id=name) for name, text in self._summaries.items()]
             yield OptionList(*options, id="presets", markup=False)
             yield Static(self.tr("Arrows and Enter to choose, Esc to cancel."), classes="muted")

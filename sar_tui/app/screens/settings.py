@@ -331,7 +331,7 @@ class SettingsScreen(DismissedOnce[None]):
     def _choose_preset(self) -> None:
         """Fill in the values of a preset. Nothing is saved."""
         from sar_tui.app.screens.choose_preset import ChoosePresetScreen
-        from sar_tui.runs.presets import files, find
+        from sar_tui.runs.presets import applied, files, find, not_applied
         from sar_tui.runs.programme_file import ProgrammeFile
 
         presets: dict[str, ProgrammeFile] = {}
@@ -343,11 +343,17 @@ class SettingsScreen(DismissedOnce[None]):
 
         async def chosen(name: str | None) -> None:
             if name:
-                values = current_values(self._motor_task.Parameters, presets[name].parameters)
+                values = applied(self._motor_task, presets[name], self._values())
                 for widget in self._fields:
-                    if widget.field.name in values:
-                        widget.set_value(values[widget.field.name])
+                    widget.set_value(values[widget.field.name])
                 await self._check()
+                if stay := not_applied(self._motor_task, presets[name]):
+                    names = ", ".join(translated(field, self.tr).title for field in stay)
+                    told = self.tr(
+                        "The preset also names what belongs to the person or the place, and stays: {names}.",
+                        names=names,
+                    )
+                    self.notify(told, severity="warning", timeout=15)
 
         if presets:
             summaries = {name: preset.summary or self.tr("one of your own") for name, preset in presets.items()}

@@ -21,6 +21,7 @@ class AgentSettings(Settings, frozen=True, kw_only=True):
             help="Where the agent appears, speaks and moves: screen, speech, tones, servo, ros://HOST.",
             max_length=8,
             group="Agent",
+            personal=True,
         ),
     ] = ("screen",)
     speech: Annotated[
@@ -30,5 +31,6 @@ class AgentSettings(Settings, frozen=True, kw_only=True):
             help="sound: the loudspeaker. file:FOLDER: a WAV file for each utterance.",
             max_length=500,
             group="Agent",
+            personal=True,
         ),
     ] = "sound"

@@ -17,6 +17,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=480,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     minutes_a_day: Annotated[
@@ -28,6 +29,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=480,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     attempts_a_day: Annotated[
@@ -38,6 +40,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=1000,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     repetitions_a_day: Annotated[
@@ -48,6 +51,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=10_000,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     planned_attempts_a_day: Annotated[
@@ -59,6 +63,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=1000,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     days_between_visits: Annotated[
@@ -70,6 +75,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=365,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     rest_after_attempts: Annotated[
@@ -81,6 +87,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=200,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     rest_after_minutes: Annotated[
@@ -92,6 +99,7 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=0,
             le=480,
             group="Limits",
+            personal=True,
         ),
     ] = 0
     rest_seconds: Annotated[
@@ -103,5 +111,6 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
             ge=5,
             le=3600,
             group="Limits",
+            personal=True,
         ),
     ] = 60

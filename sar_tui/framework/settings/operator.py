@@ -22,6 +22,7 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
             "Operators can join",
             help="On this computer, with `sar-tui wizard`, from the beginning of a session to its end.",
             group="Operator",
+            personal=True,
         ),
     ] = False
     operator_feedback: Annotated[

@@ -33,5 +33,6 @@ class SessionSettings(Settings, frozen=True, kw_only=True):
             takes="a code in lower case, such as en, es or es-mx",
             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$",
             group="Session",
+            personal=True,
         ),
     ] = "en"

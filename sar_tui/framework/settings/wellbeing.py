@@ -17,6 +17,7 @@ class WellbeingSettings(Settings, frozen=True, kw_only=True):
             "Ask about pain",
             help="Before and after a session, ask how much pain there is, where, and how tired the participant is.",
             group="Session",
+            personal=True,
         ),
     ] = False
     pain_limit: Annotated[
@@ -27,6 +28,7 @@ class WellbeingSettings(Settings, frozen=True, kw_only=True):
             le=HIGHEST,
             help="With more pain than this, of 10, the participant is advised not to train, and you are told.",
             group="Session",
+            personal=True,
         ),
     ] = _DEFAULT.highest
     pain_rise: Annotated[
@@ -37,6 +39,7 @@ class WellbeingSettings(Settings, frozen=True, kw_only=True):
             le=HIGHEST,
             help="So much more pain than before the session counts as too much, too.",
             group="Session",
+            personal=True,
         ),
     ] = _DEFAULT.rise
 
