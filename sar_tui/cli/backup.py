@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json, warn_of_git
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 
@@ -33,10 +34,12 @@ def backup(
     from sar_tui.store.rescue import rescue_files
 
     home = Home.of(context, data, tasks)
-    made = back_up(home.folder, to)
+    with progress_line("Copying") as show:
+        made = back_up(home.folder, to, lambda done, of: show("Copying", done, of))
     warn_of_git(made.path if to is None or to == made.path else to)
     left_out = rescue_files(home.folder)
-    found = rehearse(made.path) if verify else []
+    with progress_line("Trying the copy"):
+        found = rehearse(made.path) if verify else []
     if as_json:
         whole = {"verified": verify and not found, "flaws": [flaw._asdict() for flaw in found]} if verify else {}
         rescue = [str(path) for path in left_out]

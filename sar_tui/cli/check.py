@@ -7,6 +7,7 @@ import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -41,8 +42,9 @@ def check(
     home = Home.of(context, data, tasks)
     if not ((home.folder / FILE).exists() or may_have_any(home.folder)):
         raise Refused(f"There is no data in {home.folder} yet.")
-    done = repair(home.folder) if mend else None
-    with home.database() as database:
+    with progress_line("Repairing"):
+        done = repair(home.folder) if mend else None
+    with home.database() as database, progress_line("Checking"):
         found = list(flaws(database)) if done is None else done.flaws
         waiting = troubles(database, home.folder)
         is_readable = not any(flaw.kind == "file" for flaw in found)

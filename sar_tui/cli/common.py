@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     import sqlite3
 
     from rich.console import Console
-    from rich.progress import Progress
 
     from sar_tui.framework.steps.step import Step
     from sar_tui.framework.task import Task
@@ -199,23 +198,6 @@ def console(*, error: bool = False) -> "Console":
     from sar_tui.cli.visible_console import VisibleConsole
 
     return VisibleConsole(stderr=error, highlight=False, soft_wrap=False, markup=False, emoji=False)
-
-
-def progress_bar(**options: Any) -> "Progress":
-    """Return a progress bar on stderr, which shows nothing if that is no terminal."""
-    from rich.progress import Progress
-
-    error = console(error=True)
-    error.quiet = not error.is_terminal  # rich 14.0 prints an empty line even if the bar is disabled
-    # If rich put streams of its own before those of `visible_output`, its commands would be shown instead of obeyed.
-    return Progress(
-        console=error,
-        transient=True,
-        disable=not error.is_terminal,
-        redirect_stdout=False,
-        redirect_stderr=False,
-        **options,
-    )
 
 
 def warn_of_git(path: Path) -> None:

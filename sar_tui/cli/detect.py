@@ -11,6 +11,7 @@ import typer
 
 from sar_tui.cli.common import AsJson, Data, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import Show, progress_line
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
 if TYPE_CHECKING:
@@ -139,7 +140,9 @@ def detect(
             _report_repetitions(file, units, as_json)
             return
         speed = _Speed()
-        found = detect_long(speed.watch(_blocks(file, units)), detector, hand.value, one_way=one_way)
+        with progress_line("Finding reaches") as show:
+            blocks = speed.watch(_told(_blocks(file, units), show))
+            found = detect_long(blocks, detector, hand.value, one_way=one_way)
     except (SourceError, ValueError) as error:
         raise Refused(str(error)) from error
     _refuse_mostly_missing(file, found.lasts_s, found.samples / found.rate_hz)
@@ -179,6 +182,16 @@ def _blocks(file: Path, units: "Units") -> "Iterator[Samples]":
         yield block
 
 
+def _told(blocks: "Iterable[Samples]", show: Show) -> "Iterator[Samples]":
+    """Yield the samples, and tell how much of the recording they are."""
+    first = None
+    for block in blocks:
+        first = int(block["at"][0]) if first is None else first
+        yield block
+        minutes = (int(block["at"][-1]) - first) / 60e9
+        show(f"Finding reaches, {minutes:.0f} min of the recording", 0, 0)
+
+
 def _refuse_mostly_missing(file: Path, lasts_s: float, measured_s: float) -> None:
     if lasts_s > (_MOST_MISSING + 1) * measured_s:
         raise Refused(
@@ -193,12 +206,13 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
     from sar_tui.motion.repetitions import find_repetitions
     from sar_tui.motion.samples import recording as as_recording
 
-    samples = read_recording(file, units)
-    refuse_degrees(file, samples)
-    recording = as_recording(samples, int(samples["at"][0]))
-    begin_s, lasts_s = int(samples["at"][0]) / 1e9, float(recording.time_s[-1])
-    _refuse_mostly_missing(file, lasts_s, len(samples) / recording.rate_hz)
-    found = find_repetitions(recording)
+    with progress_line("Counting repetitions"):
+        samples = read_recording(file, units)
+        refuse_degrees(file, samples)
+        recording = as_recording(samples, int(samples["at"][0]))
+        begin_s, lasts_s = int(samples["at"][0]) / 1e9, float(recording.time_s[-1])
+        _refuse_mostly_missing(file, lasts_s, len(samples) / recording.rate_hz)
+        found = find_repetitions(recording)
     if as_json:
         turns_s = [round(turn + begin_s, 3) for turn in found.turns_s]
         rate_hz = round(recording.rate_hz, 3)

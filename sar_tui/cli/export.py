@@ -1,6 +1,7 @@
 """``sar-tui export``: sessions as files that other programs read."""
 
 from collections.abc import Callable
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
@@ -14,10 +15,10 @@ from sar_tui.cli.common import (
     console,
     named_path,
     print_json,
-    progress_bar,
     warn_of_git,
     watch_plugins,
 )
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.export.registry import names
 from sar_tui.tui.exit_codes import FAILED
 
@@ -97,11 +98,11 @@ def export(
     options = Options(
         with_notes=with_notes, with_events=with_events, recode=recode, recipient=recipient.strip(), author=login_name()
     )
-    with home.database() as database, progress_bar() as bar:
+    with home.database() as database, progress_line("Exporting") as show:
 
         def start(steps: int) -> Callable[[], None]:
-            shown = bar.add_task("Exporting", total=steps)
-            return lambda: bar.advance(shown)
+            done = count(1)
+            return lambda: show("Exporting", next(done), steps)
 
         form = load(format)
         to = to or new_folder(home.folder, form, options)
@@ -111,8 +112,8 @@ def export(
     if as_json:
         print_json(exported)
     else:
-        count = len(exported.sessions)
-        console().print(f"{count} session{'' if count == 1 else 's'} in {to}", soft_wrap=True)
+        number = len(exported.sessions)
+        console().print(f"{number} session{'' if number == 1 else 's'} in {to}", soft_wrap=True)
     for sentence in exported.problems:
         console(error=True).print(f"! {sentence}", soft_wrap=True)
     if exported.problems:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json, progress_bar
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, named_path, print_json
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -61,11 +62,11 @@ def merge(
     if other is None and (site or one_site):
         raise Refused("--site and --one-site are about another database: name it, such as sar-tui merge bern.db.")
     home = Home.of(context, data, tasks)
-    with progress_bar() as bar:
+    with progress_line("Merging") as show:
 
         def start(step: str) -> Callable[[int, int], None]:
-            shown = bar.add_task(step, total=None)
-            return lambda done, total: bar.update(shown, completed=done, total=total)
+            show(step, 0, 0)
+            return lambda done, total: show(step, done, total)
 
         merged = merge_databases(home.folder, other, same or (), site=site, one_site=one_site, start=start)
     if as_json:

@@ -9,6 +9,7 @@ import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git, watch_plugins
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -72,7 +73,7 @@ def progress(
     watch_plugins(context)
     home = Home.of(context, data, tasks)
     find = _finder(home)
-    with home.database() as database:
+    with home.database() as database, progress_line("Computing"):
         code = check_known(database, participant)
         found = make_progress(
             code,
@@ -112,7 +113,8 @@ def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> N
     if path.exists():
         raise Refused(f"{path} exists already, and is not overwritten. Name another file.")
     try:
-        text = page(found, find, language)
+        with progress_line("Drawing"):
+            text = page(found, find, language)
     except ChartsMissing as error:
         raise Refused(str(error)) from error
     write_private(path, text)

@@ -8,6 +8,7 @@ import typer
 from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json
 from sar_tui.cli.detect import detector_option, explain_flags
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName, current_name
 
 if TYPE_CHECKING:
@@ -114,7 +115,11 @@ def reanalyse(
                 "none of its trials has samples of a motion sensor."
             )
         measured = _StoredSamples.of(database, found["id"])
-    rows = [_reanalyse(measured, _trial(row, detector)) for row in stored_trials]
+    rows: list[Row] = []
+    with progress_line("Analysing") as show:
+        for row in stored_trials:
+            show("Analysing", len(rows), len(stored_trials))
+            rows.append(_reanalyse(measured, _trial(row, detector)))
     if as_json:
         names = dict.fromkeys(current_name(row["details"]["detector"]) for row in rows)
         print_json({"session": found["id"], "detector": ", ".join(names), "trials": rows})

@@ -14,10 +14,10 @@ from sar_tui.cli.common import (
     console,
     need_screen,
     print_json,
-    progress_bar,
     watch_plugins,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -101,10 +101,14 @@ def replay(
             print_json(forked) if as_json else _print_forked(forked, home.catalogue().task(found["task"]).metric)
             return
         if changed:
-            rescored = rescore(database, home.folder, home.catalogue(), found, changed)
+            with progress_line("Scoring"):
+                rescored = rescore(database, home.folder, home.catalogue(), found, changed)
             print_json(rescored) if as_json else _print(rescored)
             return
-        replayed = run_again(database, home.folder, home.catalogue(), found)
+        with progress_line("Replaying") as show:
+            replayed = run_again(
+                database, home.folder, home.catalogue(), found, lambda done, of: show("Replaying", done, of)
+            )
     if as_json:
         print_json(replayed)
     else:
@@ -149,8 +153,7 @@ def _fork(
     from sar_tui.replay.fork import fork as fork_session
 
     count = runs or RUNS
-    with progress_bar() as bar:
-        line = bar.add_task("runs", total=count)
+    with progress_line("Simulating") as show:
         return fork_session(
             database,
             home.folder,
@@ -158,7 +161,7 @@ def _fork(
             row,
             changed,
             count,
-            lambda done: bar.update(line, completed=done),
+            lambda done: show("Simulating", done, count),
         )
 
 

@@ -1,13 +1,15 @@
 """``sar-tui report``: statistics of sessions for a paper."""
 
 from collections.abc import Sequence
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar, warn_of_git
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -111,10 +113,10 @@ def intervention(
 
     home = Home.of(context, data, tasks)
     request = _request(list(sessions or ()), participant, everything, simulated, mixed)
-    with home.database() as database, progress_bar() as bar:
+    with home.database() as database, progress_line("Reading") as show:
         selection = select(database, home.folder, request, only_counted=True)
-        line = bar.add_task("Reading", total=len(selection.sessions))
-        found = make_report(read(database, home.folder, selection, lambda: bar.advance(line)))
+        done, of = count(1), len(selection.sessions)
+        found = make_report(read(database, home.folder, selection, lambda: show("Reading", next(done), of)))
     _put_out(found, sections(found), "Report on the intervention", html, as_json)
     _tell_left_out(selection)
 
@@ -153,15 +155,14 @@ def _study(
     by_hand = _excluded(selection.ids, exclude)
     excluded = [Exclusion(session, why) for session, why in by_hand.items()]
     read: list[OperatedSession] = []
-    with progress_bar() as bar:
-        line = bar.add_task("Reading", total=len(selection.sessions))
-        for row in selection.sessions:
+    with progress_line("Reading") as show:
+        for number, row in enumerate(selection.sessions):
+            show("Reading", number, len(selection.sessions))
             if row["id"] not in by_hand:
                 try:
                     read.append(read_session(row, logged_messages.read(database, row["id"])))
                 except StoreError as error:
                     excluded.append(Exclusion(row["id"], str(error)))
-            bar.advance(line)
     return study(read, excluded), selection
 
 

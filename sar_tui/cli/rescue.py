@@ -3,6 +3,7 @@
 import typer
 
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 _LISTED = 5
@@ -18,7 +19,8 @@ def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, t
 
     home = Home.of(context, data, tasks)
     files = rescue_files(home.folder)
-    sessions = bring_back(home.folder) if files else []
+    with progress_line("Bringing back"):
+        sessions = bring_back(home.folder) if files else []
     if as_json:
         print_json({"sessions": [each._asdict() | {"file": str(each.file)} for each in sessions]})
     elif not files:

@@ -21,12 +21,12 @@ from sar_tui.cli.common import (
     checked_settings,
     console,
     print_json,
-    progress_bar,
     read_settings,
     steps_of,
     watch_plugins,
 )
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 
 if TYPE_CHECKING:
     from sar_tui.simulation.participant_model import Person
@@ -147,11 +147,11 @@ def simulate(
         )
     people = [_person(each, practice_effect, fatigue) for each in user]
     profile = None if operator is None else PROFILES[operator.value]
-    with progress_bar() as bar:
-        attempts_line = bar.add_task("attempts", total=plan.parameters.practice_attempts + plan.parameters.attempts)
+    of = plan.parameters.practice_attempts + plan.parameters.attempts
+    with progress_line("Simulating") as show:
 
         def advance(attempt: int) -> None:
-            bar.update(attempts_line, completed=attempt)
+            show("Simulating", attempt, of)
 
         session = run_session(plan, people[0], home.folder, catalogue, advance, profile, people[-1])
     with home.database() as database:

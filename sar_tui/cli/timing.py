@@ -23,11 +23,13 @@ import tempfile
 import time
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
 
 import msgspec
 
-from sar_tui.cli.common import console, print_json, progress_bar
+from sar_tui.cli.common import console, print_json
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.cli.tables import add, table
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store import provenance
@@ -76,11 +78,11 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     make_private(folder)
     load = os.getloadavg()[0]
     try:
-        with progress_bar(auto_refresh=False) as bar:
-            line = bar.add_task("measuring", total=2 * trials)
+        with progress_line("Measuring", still=True) as show:
+            done = count(1)
 
             def on_press(name: str) -> None:
-                bar.update(line, advance=1, description=f"measuring {name}", refresh=True)
+                show(f"Measuring {name}", next(done), 2 * trials)
 
             measured = take_turns(
                 (SAR_TUI, BASELINE), trials, max(4, math.ceil(trials / MAX_PROMPTS)), folder, on_press

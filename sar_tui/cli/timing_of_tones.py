@@ -1,8 +1,10 @@
 """``sar-tui timing --sound``: the delays of tones of prompts."""
 
+import itertools
 import sys
 
-from sar_tui.cli.common import console, print_json, progress_bar
+from sar_tui.cli.common import console, print_json
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.cli.tables import add, table
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.timing.tones import AHEAD_MS, ToneDelays, measure_tones
@@ -12,9 +14,9 @@ from sar_tui.tui.exit_codes import FAILED
 def run(count: int, as_json: bool) -> int:
     """Measure, print, and return the exit code."""
     try:
-        with progress_bar(auto_refresh=False) as bar:
-            line = bar.add_task("playing tones", total=2 * count)
-            found = measure_tones(count, on_tone=lambda: bar.update(line, advance=1, refresh=True))
+        with progress_line("Playing tones", still=True) as show:
+            done = itertools.count(1)
+            found = measure_tones(count, on_tone=lambda: show("Playing tones", next(done), 2 * count))
     except (SoundError, OSError) as error:
         print(f"The delays of tones could not be measured. {error}", file=sys.stderr)
         return FAILED

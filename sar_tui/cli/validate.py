@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, progress_bar
+from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json
 from sar_tui.cli.errors import Refused
+from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
 _PAGE = 120
 """Line length of stored text."""
 _WHOLE = "validation.html"
-_QUICK_SEEDS, _QUICK_REACHES = 3, 20
+_QUICK_SEEDS = 3
+_REACHES = {False: 20, True: 200}
+"""Reaches for each difficulty, in the quick form and in the full one."""
 
 
 def validate(
@@ -45,9 +48,18 @@ def validate(
         ),
     ] = None,
     reaches: Annotated[
-        int, typer.Option(metavar="N", min=1, max=100_000, help="Number of reaches for each difficulty.")
-    ] = 200,
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions: within a minute of computing.")] = False,
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            max=100_000,
+            show_default=False,
+            help="Number of reaches for each difficulty. Default: 20, and 200 with --full.",
+        ),
+    ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="With all repetitions, as for a paper: a quarter of an hour of computing.")
+    ] = False,
     session: Annotated[
         str | None,
         typer.Option(
@@ -67,8 +79,8 @@ def validate(
     """
     home = Home.of(context, data, tasks)
     if session is not None:
-        if only is not None or quick:
-            raise Refused("--session makes the figures that the session has: leave out --only and --quick.")
+        if only is not None or full:
+            raise Refused("--session makes the figures that the session has: leave out --only and --full.")
         _show_session(home, session, to, as_json)
         return
     from sar_tui.validation.registry import VALIDATIONS
@@ -79,17 +91,18 @@ def validate(
     if to is not None:
         _prepare_folder(to, names)
     reports = {}
-    with progress_bar() as bar:
-        line = bar.add_task("", total=None)
+    with progress_line("Validating", piped=True) as show:
+        whole, before = sum(VALIDATIONS[name].seconds for name in names), 0.0
 
         def progress(what: str, done: int, of: int) -> None:
-            bar.update(line, description=what, completed=done, total=of)
+            show(what, before + VALIDATIONS[name].seconds * done / max(1, of), whole)
 
-        number = min(reaches, _QUICK_REACHES) if quick else reaches
-        given = Conditions(catalogue, number, quick, progress=progress, known={})
-        conditions = given._replace(seeds=given.seeds[:_QUICK_SEEDS]) if quick else given
+        given = Conditions(catalogue, reaches or _REACHES[full], not full, progress=progress, known={})
+        conditions = given if full else given._replace(seeds=given.seeds[:_QUICK_SEEDS])
         for name in names:
+            show(name, before, whole)
             reports[name] = VALIDATIONS[name].run(conditions)
+            before += VALIDATIONS[name].seconds
             if to is not None:
                 _store(to, name, VALIDATIONS[name].title, reports[name])
     titled = {name: (VALIDATIONS[name].title, report) for name, report in reports.items()}

@@ -16,6 +16,7 @@ from sar_tui.framework.session import Session
 from sar_tui.plugins import DEFAULT_THEME, Catalogue
 from sar_tui.replay.versions import RecordedVersions, Versions, present, recorded
 from sar_tui.runs.plan import without_outputs
+from sar_tui.runs.run import Progress, told_history
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.rescue import rescue_files
@@ -46,7 +47,13 @@ class Replayed(msgspec.Struct, frozen=True):
     replayed_with: Versions
 
 
-def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row: sessions.Row) -> Replayed:
+def replay(
+    database: sqlite3.Connection,
+    folder: Path,
+    catalogue: Catalogue,
+    row: sessions.Row,
+    progress: Progress = lambda done, of: None,
+) -> Replayed:
     """Feed the recorded inputs of a session through the nodes, and compare what follows with the record.
 
     What a session knew of its participants at its beginning (best results, what was done that day) is in its record,
@@ -57,6 +64,7 @@ def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row
         folder: the data folder.
         catalogue: where the task is found.
         row: of the session, from `store.sessions.find`.
+        progress: called with the number of messages that are done, and of all.
 
     Raises:
         StoreError: the session is running, part of it is in a rescue file, or its record cannot be read.
@@ -68,7 +76,7 @@ def replay(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, row
     versions = present(row, catalogue)
     session = new_session(row, catalogue, {})
     runs: list[SessionStarted] = []
-    compared = session.compare(_noting_runs(sessions.history(database, row["id"]), runs))
+    compared = session.compare(_noting_runs(told_history(database, row["id"], progress), runs))
     rules = {started.run: started.rules for started in runs}
     themes = {started.run: started.theme for started in runs}
     return Replayed(

@@ -207,7 +207,7 @@ def resume(
             nodes = make_nodes(task, theme, row["seed"])
             provenance = _provenance(kind, theme.name, folder, catalogue)
             session = Session(task, theme, clock, row["seed"], nodes, **facts)
-            session.replay(_history(database, row["id"], progress or (lambda done, of: None)))
+            session.replay(told_history(database, row["id"], progress or (lambda done, of: None)))
         except (ParameterError, ReplayError) as error:
             raise Failed(f"The session {row['id']} cannot be resumed. {error}") from error
         number = sessions.begin_run(database, row["id"], clock_ns=clock.now(), **provenance)
@@ -228,7 +228,7 @@ def _theme_of(row: sessions.Row, catalogue: Catalogue, language: str) -> Theme:
         return catalogue.theme(DEFAULT_THEME, language)
 
 
-def _history(database: sqlite3.Connection, session_id: str, progress: Progress) -> Iterator[Record]:
+def told_history(database: sqlite3.Connection, session_id: str, progress: Progress) -> Iterator[Record]:
     """Yield the messages of a session, and tell the progress."""
     _, last = messages.extent(database, session_id)
     for count, record in enumerate(sessions.history(database, session_id)):

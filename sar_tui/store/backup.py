@@ -6,7 +6,7 @@ import shutil
 import sqlite3
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +20,8 @@ from sar_tui.store.locks import Held, hold
 
 _KEPT = ("participants", "sessions", "seats", "runs", "attempts", "trials", "messages", "imu_chunks", "programmes")
 """Tables whose rows are never deleted: a copy has at least those that there were before."""
+_TOLD_EVERY = 10_000
+"""Steps of SQLite from one report of the progress to the next: some milliseconds."""
 FOLDER = "backups"
 """Folder of the backups, in the data folder, unless another is named."""
 
@@ -32,7 +34,11 @@ class Backup(NamedTuple):
     bytes: int
 
 
-def back_up(folder: Path, to: Path | None = None) -> Backup:
+Progress = Callable[[int, int], None]
+"""Called with what is done and what there is."""
+
+
+def back_up(folder: Path, to: Path | None = None, progress: Progress = lambda done, of: None) -> Backup:
     """Copy the database of a data folder, also while sessions are written to it.
 
     The copy has its final name only when it is complete, on the disk, and was found to be whole.
@@ -40,6 +46,7 @@ def back_up(folder: Path, to: Path | None = None) -> Backup:
     Args:
         folder: the data folder.
         to: a folder, or the file to make.
+        progress: called with the bytes that are copied, and all.
 
     Raises:
         StoreError: there is no database; it or the copy is damaged; the copy cannot be written, or its file exists.
@@ -48,10 +55,12 @@ def back_up(folder: Path, to: Path | None = None) -> Backup:
         raise StoreError(f"There is no data in {folder} yet.", bad_input=True)
     path = _path(to or folder / FOLDER)
     with closing(connect_to_read(folder)) as database:
-        return copy_database(database, folder, path)
+        return copy_database(database, folder, path, progress)
 
 
-def copy_database(database: sqlite3.Connection, folder: Path, path: Path) -> Backup:
+def copy_database(
+    database: sqlite3.Connection, folder: Path, path: Path, progress: Progress = lambda done, of: None
+) -> Backup:
     """Copy an open database of a data folder into a file, as `back_up` does.
 
     Raises:
@@ -60,13 +69,39 @@ def copy_database(database: sqlite3.Connection, folder: Path, path: Path) -> Bac
     with _one_at_a_time(folder), _unfinished(path, folder) as copy:
         version, before = _version(database), counts(database)
         try:
-            database.execute("VACUUM INTO ?", (str(copy),))
+            with _told(database, copy, progress):
+                database.execute("VACUUM INTO ?", (str(copy),))
         except sqlite3.Error as error:
             raise explain(error, copy) from error
         sessions = _examine(copy, before, is_all=version == _version(database))
         _sync(copy)
         _give_name(copy, path)
     return Backup(path, sessions, path.stat().st_size)
+
+
+@contextmanager
+def _told(database: sqlite3.Connection, copy: Path, progress: Progress) -> Iterator[None]:
+    """Tell the progress of a copy while SQLite makes it. A Ctrl-C meanwhile stops it, and is raised as such."""
+    (pages,), (bytes_each,) = (database.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    stopped = False
+
+    def tell() -> int:
+        nonlocal stopped
+        try:
+            progress(copy.stat().st_size, pages * bytes_each)
+        except KeyboardInterrupt:
+            stopped = True
+        return int(stopped)
+
+    database.set_progress_handler(tell, _TOLD_EVERY)
+    try:
+        yield
+    except sqlite3.Error:
+        if stopped:
+            raise KeyboardInterrupt from None
+        raise
+    finally:
+        database.set_progress_handler(None, 0)
 
 
 def _version(database: sqlite3.Connection) -> int:

@@ -9,6 +9,7 @@ import pytest
 
 from sar_tui.validation import policies, reach, table_4_1
 from sar_tui.validation.registry import VALIDATIONS
+from sar_tui.validation.report import Conditions, Report
 from tests.program import Call
 
 pytestmark = pytest.mark.usefixtures("simulated_once")
@@ -71,11 +72,11 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
 
 @pytest.mark.slow
 def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) -> None:
-    called = call("validate", "--quick", "--only", "figure-4.14")
+    called = call("validate", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")
     assert called.out.count("reaction time (ms)") == 2
     assert "✓ With feedback after every three, the attempts 3, 6, 9 … have it, and no others." in called.out
-    rows = call("validate", "--quick", "--only", "figure-4.14", "--json").json["figure-4.14"]
+    rows = call("validate", "--only", "figure-4.14", "--json").json["figure-4.14"]
     assert {(row["every"], row["attempt"]) for row in rows if row["feedback"] == "none"} == {
         (3, attempt) for attempt in range(1, 21) if attempt % 3
     }
@@ -83,9 +84,9 @@ def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) ->
 
 @pytest.mark.slow
 def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) -> None:
-    rows = call("validate", "--quick", "--only", "figure-4.13", "--json").json["figure-4.13"]
+    rows = call("validate", "--only", "figure-4.13", "--json").json["figure-4.13"]
     assert len(rows) == 120
-    printed = call("validate", "--quick", "--only", "figure-4.13").out
+    printed = call("validate", "--only", "figure-4.13").out
     kinds = {(row["form"], row["feedback"], row["degree"]) for row in rows}
     lines = [line for line in printed.splitlines() if line.startswith(("qualitative ", "quantitative "))]
     assert len(lines) == len(kinds)
@@ -186,7 +187,7 @@ def test_help_names_every_validation(call: Call) -> None:
 @pytest.mark.slow
 def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> None:
     folder = tmp_path / "report"
-    called = call("validate", "--quick", "--only", "figure-4.4,figure-4.15,table-4.1", "--to", folder)
+    called = call("validate", "--only", "figure-4.4,figure-4.15,table-4.1", "--to", folder)
     assert (called.code, called.err) == (0, "")
     names = {path.name for path in folder.iterdir()}
     assert names == {
@@ -198,7 +199,7 @@ def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> 
     assert page.count("<table") == page.count('<div class="wide"><table') > 0, "wide tables scroll by themselves"
     assert "claims hold." in page
     assert not re.search("<script|src=|href=", page)
-    again = call("validate", "--quick", "--only", "table-4.1", "--to", folder)
+    again = call("validate", "--only", "table-4.1", "--to", folder)
     assert (again.code, "not overwritten" in again.err) == (2, True)
 
 
@@ -236,5 +237,31 @@ def test_a_recorded_session_has_the_figures_that_its_data_allow(call: Call, tmp_
     drawn = {path.stem for path in (tmp_path / "mine").glob("*.csv")}
     assert {name for name in VALIDATIONS if name.startswith(("figure", "table"))} <= named | drawn
     assert (tmp_path / "mine" / "figure-4.4.svg").exists()
-    refused = call("validate", "--session", "last", "--quick")
+    refused = call("validate", "--session", "last", "--full")
     assert (refused.code, "leave out" in refused.err) == (2, True)
+
+
+def test_the_quick_form_is_the_default_and_the_full_one_is_asked_for(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Conditions] = []
+
+    def run(conditions: Conditions) -> Report:
+        asked.append(conditions)
+        return Report([], [], [])
+
+    monkeypatch.setitem(VALIDATIONS, "reach", VALIDATIONS["reach"]._replace(run=run))
+    for words in ((), ("--full",), ("--reaches", 7)):
+        assert call("validate", "--only", "reach", *words).code == 0
+    assert [(each.is_quick, each.reaches, len(each.seeds)) for each in asked] == [
+        (True, 20, 3),
+        (False, 200, 10),
+        (True, 7, 3),
+    ]
+
+
+def test_the_time_left_is_told_where_output_is_piped(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sar_tui.cli.progress_line._PIPED_S", 0.0)
+    called = call("validate", "--only", "figure-4.8,table-4.1", "--json")
+    assert called.json.keys() == {"figure-4.8", "table-4.1"}
+    assert re.search(r"table-4.1 … 50 %, about \d+ s left\n", called.err)

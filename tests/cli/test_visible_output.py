@@ -13,7 +13,6 @@ import pytest
 from rich.table import Table
 from rich.text import Text
 
-from sar_tui.cli.common import progress_bar
 from sar_tui.cli.theme_scaffold import make
 from sar_tui.cli.visible_console import VisibleConsole
 from sar_tui.cli.visible_output import VisibleStream
@@ -168,16 +167,3 @@ def test_a_console_sends_its_own_commands_and_nobody_elses() -> None:
 def test_output_shows_names_in_brackets_and_colons_as_they_are(call: Call) -> None:
     called = call("simulate", "keyboard", "--user", "poor", "--theme", "[red]:warning:[/x]")
     assert "There is no theme [red]:warning:[/x]." in called.err
-
-
-def test_a_progress_bar_sends_its_commands_to_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TERM", "xterm-256color")
-    terminal = io.StringIO()
-    terminal.isatty = lambda: True  # type: ignore[method-assign]
-    monkeypatch.setattr(sys, "stderr", VisibleStream(terminal))
-    with progress_bar() as bar:
-        bar.advance(bar.add_task("Exporting", total=2))
-        bar.refresh()
-    assert "Exporting" in terminal.getvalue()
-    assert "\x1b[" in terminal.getvalue()
-    assert "␛" not in terminal.getvalue()

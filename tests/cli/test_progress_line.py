@@ -1,0 +1,175 @@
+"""The line that tells how far a command is."""
+
+import io
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from threading import Event
+
+import pytest
+
+from sar_tui.cli.progress_line import in_words, progress_line
+from sar_tui.cli.visible_output import VisibleStream
+from tests.program import Call
+
+
+class Clock:
+    """A clock that stands still until it is told the time."""
+
+    at = 0.0
+
+    def __call__(self) -> float:
+        return self.at
+
+
+RECORDING = Path(__file__).parents[2] / "data" / "table-4.1.csv"
+Patched = Callable[[bool], io.StringIO]
+
+
+@pytest.fixture
+def stderr_to(monkeypatch: pytest.MonkeyPatch) -> Patched:
+    """``stderr_to(True)``: from here on standard error is a terminal; returns what is written to it."""
+
+    def patch(is_terminal: bool) -> io.StringIO:
+        stream = io.StringIO()
+        stream.isatty = lambda: is_terminal  # type: ignore[method-assign]
+        monkeypatch.setattr(sys, "stderr", VisibleStream(stream))
+        return stream
+
+    return patch
+
+
+def count(seconds: int, *, piped: bool = False) -> None:
+    """Do one of a hundred things a second, for some seconds."""
+    clock = Clock()
+    with progress_line("Counting", piped=piped, still=True, now=clock) as show:
+        for done in range(seconds + 1):
+            clock.at = float(done)
+            show("Counting", done, 100)
+
+
+def test_a_command_that_takes_long_tells_the_share_and_the_time_left_and_leaves_no_line(stderr_to: Patched) -> None:
+    terminal = stderr_to(True)
+    count(40)
+    lines = terminal.getvalue().split("\r")
+    assert lines[1] == "Counting … 1 %, about 2 min left", "nothing in the first second"
+    assert lines[40].rstrip() == "Counting … 40 %, about 1 min left"
+    assert [line.strip() for line in lines[-2:]] == ["", ""], "it is erased"
+
+
+def test_a_short_command_shows_nothing(stderr_to: Patched) -> None:
+    terminal = stderr_to(True)
+    clock = Clock()
+    with progress_line("Counting", still=True, now=clock) as show:
+        for done in range(100):
+            clock.at = done * 0.009
+            show("Counting", done, 100)
+    assert terminal.getvalue() == ""
+
+
+def test_nothing_is_written_where_output_is_piped_unless_the_command_takes_minutes(stderr_to: Patched) -> None:
+    stderr = stderr_to(False)
+    count(40)
+    assert stderr.getvalue() == ""
+    count(25, piped=True)
+    assert stderr.getvalue().splitlines() == ["Counting … 10 %, about 2 min left", "Counting … 20 %, about 1 min left"]
+
+
+def test_the_time_left_is_that_of_the_step_that_goes_on(stderr_to: Patched) -> None:
+    terminal = stderr_to(True)
+    clock = Clock()
+    with progress_line("Counting", still=True, now=clock) as show:
+        show("Copying", 0, 10)
+        clock.at = 100
+        show("Copying", 10, 10)
+        show("Reading\x1b[2J", 0, 4)
+        clock.at = 110
+        show("Reading\x1b[2J", 1, 4)
+    assert "about 30 s left" in terminal.getvalue()
+    assert "\x1b" not in terminal.getvalue()
+
+
+def test_an_error_leaves_no_line(stderr_to: Patched) -> None:
+    terminal = stderr_to(True)
+    clock = Clock()
+
+    def stopped() -> None:
+        with progress_line("Counting", still=True, now=clock) as show:
+            clock.at = 2
+            show("Counting", 0, 0)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert terminal.getvalue().split("\r")[1:] == ["Counting … 2 s", " " * 14, ""]
+
+
+def test_a_step_that_tells_nothing_shows_that_time_goes_on(stderr_to: Patched) -> None:
+    terminal = stderr_to(True)
+    clock = Clock()
+    with progress_line("Checking", now=clock):
+        clock.at = 7
+        deadline = time.monotonic() + 60
+        while "Checking … 7 s" not in terminal.getvalue() and time.monotonic() < deadline:
+            Event().wait(0.01)
+    assert terminal.getvalue().startswith("\rChecking … 7 s")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(0.2, "about 1 s"), (59, "about 59 s"), (119, "about 2 min"), (7200, "about 2.0 h")]
+)
+def test_times_are_told_as_people_say_them(seconds: float, words: str) -> None:
+    assert in_words(seconds) == words
+
+
+@pytest.fixture
+def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every command count as one that takes long."""
+    monkeypatch.setattr("sar_tui.cli.progress_line._FROM_S", 0.0)
+    monkeypatch.setattr("sar_tui.cli.progress_line._ON_TERMINAL_S", 0.0)
+
+
+SIMULATE = ("simulate", "keyboard", "--user", "average", "--attempts", 1, "--seed", 1, "-p", "P01")
+REACH = ("simulate", "reaching", *SIMULATE[2:], "--set", "reaches_per_attempt=1")
+COMMON: Sequence[tuple[object, ...]] = (
+    ("Simulating …", *SIMULATE),
+    ("Copying …", "backup"),
+    ("Checking …", "check"),
+    ("Exporting …", "export", "--all", "--simulated"),
+    ("Replaying …", "replay", "last"),
+    ("table-4.1 …", "validate", "--only", "table-4.1"),
+)
+OTHERS: Sequence[tuple[object, ...]] = (
+    ("Trying the copy …", "backup", "--verify"),
+    ("Repairing …", "check", "--repair"),
+    ("Scoring …", "replay", "last", "--what-if", "threshold=900"),
+    ("Simulating …", "replay", "last", "--what-if", "threshold=900", "--fork", "--runs", 20),
+    ("Reading …", "report", "wizard", "--all", "--simulated"),
+    ("Reading …", "report", "intervention", "--all", "--simulated"),
+    ("Simulating …", *REACH),
+    ("Analysing …", "reanalyse", "last"),
+    ("Merging …", "merge", "other"),
+    ("Finding reaches", "detect", RECORDING),
+    ("Counting repetitions …", "detect", RECORDING, "--repetitions"),
+)
+
+
+@pytest.mark.usefixtures("at_once")
+@pytest.mark.parametrize("commands", [COMMON, pytest.param(OTHERS, marks=pytest.mark.slow)], ids=["common", "others"])
+def test_each_command_that_may_take_long_tells_it(
+    call: Call,
+    tmp_path: Path,
+    stderr_to: Patched,
+    monkeypatch: pytest.MonkeyPatch,
+    commands: Sequence[Sequence[object]],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    call(*SIMULATE, "--data", "other")
+    call(*SIMULATE)
+    for said, *words in commands:
+        terminal = stderr_to(True)
+        call(*words)
+        assert str(said) in terminal.getvalue(), words
+        shown = terminal.getvalue().rpartition("\r")[0].rpartition("\r")[2]
+        assert not shown.strip(), f"{words}: the line is gone"
