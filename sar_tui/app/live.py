@@ -201,7 +201,7 @@ class LiveSession:
     def asks_after(self) -> bool:
         """True if pain and tiredness are to be asked now: the session was ended, and is in the database."""
         session = self.run.session
-        asks = session.task.parameters.ask_wellbeing and not self.is_mistake
+        asks = session.task.parameters.ask_wellbeing and not (self.is_mistake or session.awaits_agreement)
         return asks and session.ended and not (self.rescued or self.unsaved)
 
     @property

@@ -110,6 +110,11 @@ class Session:
         return self._event_handler.can_skip_attempt
 
     @property
+    def awaits_agreement(self) -> bool:
+        """True until all required answers are given; also if one was refused."""
+        return self._event_handler.awaits_agreement
+
+    @property
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
         return next((fault for fault in self.faults if fault.node in self._vital), None) if self.faults else None

@@ -332,13 +332,17 @@ def _with_recorder(
     held: Sequence[BaseFileLock],
 ) -> Run:
     """Return the run of a session with a recorder. In a live session it has its own database connection and thread."""
+
+    def withholds() -> bool:
+        return session.awaits_agreement
+
     if isinstance(session.clock, VirtualClock):
-        recorder = Recorder(database, session_id, number, session.bus, inline=True)
+        recorder = Recorder(database, session_id, number, session.bus, withholds=withholds, inline=True)
     else:
         own = connect(folder)
         own.execute(f"PRAGMA busy_timeout={_LAST_WAIT_MS}")
         safeguard = Safeguard(folder, session_id, own)
-        recorder = Recorder(own, session_id, number, session.bus, safeguard=safeguard)
+        recorder = Recorder(own, session_id, number, session.bus, withholds=withholds, safeguard=safeguard)
     return Run(session_id, number, session, recorder, database, held, folder)
 
 

@@ -12,10 +12,12 @@ _WORDS = ("fine", "ok", "it went well", "my arm is tired")
 def answer_keys(step: Step, streams: RandomStreams) -> tuple[str, ...]:
     """Return the keys with which a participant answers a step; none for one that ends by itself.
 
-    Each option is equally likely; ratings lie near the middle.
+    Each option is equally likely; ratings lie near the middle. They agree to what is required.
     """
     if step.kind in TIMED:
         return ()
+    if step.required:
+        return (next(point.typed for point in points(step) if point.label == step.required), "enter")
     if step.is_question and streams.uniform("declines") < DECLINES:
         return (DECLINE_KEY,)
     return (*_chosen(step, streams), "enter")

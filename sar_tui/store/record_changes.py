@@ -84,11 +84,11 @@ def log(connection: sqlite3.Connection, session: str, message: RecordChanged) ->
 
 
 def status_after(ends_and_changes: Iterable[str]) -> str:
-    """Return the status of a session that nobody runs from its ends (``completed``, ``aborted``) and later changes."""
+    """Return the status of a session that nobody runs from its ends (see `SessionEnded`) and later changes."""
     ended, status = "interrupted", ""
     for each in ends_and_changes:
         match each:
-            case "completed" | "aborted":
+            case "completed" | "aborted" | "refused":
                 ended = each
             case "dismissed" | "discarded":
                 status = each

@@ -41,6 +41,7 @@ class Recorder:
         session, run: the session and the run that the rows belong to.
         bus: the bus to tap; acknowledgements are posted to it.
         inline: on a virtual clock: write on the bus's own thread, ``GROUP`` messages at a time and at the end.
+        withholds: returns True as long as no samples of sensors may be stored.
         safeguard: where the session goes on if the database is removed, or still locked at the end.
     """
 
@@ -54,6 +55,7 @@ class Recorder:
         run: int,
         bus: Bus,
         *,
+        withholds: Callable[[], bool] = lambda: False,
         inline: bool = False,
         safeguard: Safeguard | None = None,
     ) -> None:
@@ -62,6 +64,7 @@ class Recorder:
         self._run = run
         self._bus = bus
         self._inline = inline
+        self._withholds = withholds
         self._queue: deque[list[Record]] = deque()
         self._queued = 0
         self._wake = threading.Event()
@@ -78,6 +81,8 @@ class Recorder:
 
     def __call__(self, cascade: list[Record]) -> None:
         """Queue a cascade of the bus."""
+        if any(record.topic.stream for record in cascade) and self._withholds():
+            cascade = [record for record in cascade if not record.topic.stream]
         self._queue.append(cascade)
         if self._inline:
             self._group(cascade)

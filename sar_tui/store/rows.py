@@ -57,6 +57,7 @@ SQL = {
     "starts": "UPDATE actions SET started_ns=MIN(?, COALESCE(started_ns, 9e18)) WHERE session=? AND id=?",
     "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
     "pauses": wellbeing.PAUSES,
+    "refusals": "DELETE FROM wellbeing WHERE session=?",
     "session_ends": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
 }
 """The statements for the rows of a batch, in order of execution."""
@@ -104,6 +105,8 @@ def _add_to_session(rows: Rows, session: str, at: int, message: m.Message) -> No
             rows["pauses"].append((session, c.seat, _SAID_IN_PAUSES[c.reason], wellbeing.now()))
         case m.SessionEnded() as e:
             rows["session_ends"].append((e.status, datetime.now(UTC).isoformat(), session))
+            if e.status == "refused":  # nothing is kept of those who did not agree, but their answer
+                rows["refusals"].append((session,))
 
 
 def _add_attempts(rows: Rows, session: str, run: int, message: m.Message) -> None:

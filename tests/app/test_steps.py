@@ -1,8 +1,10 @@
 """A question between attempts on the participant's screen."""
 
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from sar_tui.app.screens.step_text import decline_text, step_text
 from sar_tui.framework.language import Language
@@ -12,7 +14,12 @@ from sar_tui.framework.steps.questions import QUESTIONS
 from sar_tui.framework.steps.step import Step
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.replay.replay import replay
+from sar_tui.runs.plan import make_plan
+from sar_tui.store import sessions
+from sar_tui.store.database import connect
 from tests.app.app_driver import open_app, plan, stored
+from tests.app.test_reaching import reach, to_start
 
 ENGLISH = Language()
 EMPTY = Entry()
@@ -48,6 +55,76 @@ async def test_a_question_is_answered_on_the_screen(data: Path, catalogue: Catal
         ("effort", "declined", None),
         ("remark", "answered", '"ok"'),
     ]
+
+
+CONSENT = Step(name="consent", kind="choice", text="Do you agree?", labels=("yes", "no"), before=True, required="yes")
+
+
+async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
+    data: Path, catalogue: Catalogue
+) -> None:
+    settings = {"attempts": 1, "imu": "simulated", "ask_wellbeing": True}
+    asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
+    async with open_app(data, catalogue, asked) as driver:
+        await driver.press("0", "1")
+        await driver.wait(300)
+        await driver.press("enter")
+        await driver.wait(2000)
+        await driver.press("enter")
+        assert driver.sees("Do you agree?")
+        assert stored(data, "SELECT count(*) FROM wellbeing") == [(2,)]
+        await driver.wait(500)
+        await driver.press("2", "enter")
+        await driver.wait(500)
+        assert driver.sees("That is all right. The session does not begin")
+        await driver.press("enter")
+        assert driver.app.return_code == 0, "nothing more is asked"
+        session = driver.session_id
+    assert stored(data, "SELECT status FROM sessions") == [("refused",)]
+    assert stored(data, "SELECT step, status, answer FROM answers") == [("consent", "answered", '"no"')]
+    for table in ("wellbeing", "imu_chunks", "trials", "attempts"):
+        assert stored(data, f"SELECT count(*) FROM {table}") == [(0,)], table
+    with closing(connect(data)) as database:
+        assert replay(database, data, catalogue, sessions.find(database, data, session)).identical
+
+
+async def test_samples_are_stored_from_the_agreement_on(data: Path, catalogue: Catalogue) -> None:
+    settings = {"attempts": 1, "imu": "simulated"}
+    asked = make_plan(catalogue, "reaching", ["P01"], settings, seed=7, steps=(CONSENT,))
+    async with open_app(data, catalogue, asked) as driver:
+        await driver.wait(300)
+        await driver.press("enter")
+        await driver.wait(2000)
+        await driver.press("enter")
+        await driver.wait(500)
+        await driver.press("1", "enter")
+        await to_start(driver)
+        await reach(driver)
+        await driver.see_the_summary()
+        session = driver.session_id
+    assert stored(data, "SELECT status, correct FROM sessions JOIN trials ON session=id") == [("completed", 1)]
+    assert stored(data, "SELECT sum(n) > 1000 FROM imu_chunks") == [(1,)]
+    with closing(connect(data)) as database:
+        assert replay(database, data, catalogue, sessions.find(database, data, session)).identical
+
+
+async def test_a_consent_that_was_interrupted_is_asked_again(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    planned = replace(plan(catalogue, keyboard), steps=(CONSENT,))
+    async with open_app(data, catalogue, planned) as driver:
+        await driver.press("enter")
+        assert driver.sees("Do you agree?")
+        session = driver.session_id
+    async with open_app(data, catalogue, session) as driver:
+        await driver.press("enter")
+        assert driver.sees("Do you agree?")
+        await driver.wait(500)
+        await driver.press("tab")
+        await driver.wait(500)
+        assert driver.sees("That is all right.")
+    assert stored(data, "SELECT status FROM sessions") == [("refused",)]
+    assert stored(data, "SELECT step, status FROM answers") == [("consent", "declined")]
 
 
 def test_the_numbers_of_a_scale_stand_above_the_words_at_its_ends() -> None:

@@ -96,6 +96,19 @@ def test_answers_are_shown_with_the_session(call: Call, asked: Path) -> None:
     assert rows[1]["labels"] == ["very bad", "very good"]
 
 
+def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) -> None:
+    file = tmp_path / "steps.toml"
+    consent = 'name="consent"\nkind="choice"\ntext="Do you agree?"\nlabels=["no", "yes"]\nrequired="yes"\nbefore=true'
+    file.write_text(f"{STEPS}\n[[steps]]\n{consent}\n")
+    done = call(*KEYBOARD, *SHORT, "--steps", file, "--set", "language=es", "--json").json
+    answers = call("show", done["session"], "--json").json["answers"]
+    assert [(row["step"], row["answer"]) for row in answers[:2]] == [("consent", "yes"), ("read", None)]
+    assert call("replay", done["session"]).code == 0
+    file.write_text(f"[[steps]]\n{consent.replace('before=true', 'every=1')}\n")
+    refused = call(*KEYBOARD, "--steps", file)
+    assert (refused.code, "it comes before the first attempt only" in refused.err) == (2, True)
+
+
 def test_answers_are_told_in_words() -> None:
     row = {"attempt": 0, "seat": "A", "status": "answered", "text": "Fun?", "kind": "likert", "labels": ["no", "yes"]}
     rows = [

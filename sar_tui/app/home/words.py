@@ -86,9 +86,17 @@ def last_words(last: "SessionResults", felt: str, today: date) -> str:
     return f"{when[0].upper()}{when[1:]}: {', '.join(said)}"
 
 
+_STATUSES = {
+    "completed": "",
+    "aborted": "ended early",
+    "discarded": "started by mistake",
+    "refused": "not agreed to",
+}
+
+
 def status_words(status: str) -> str:
     """Return a session's status if it is not the usual one."""
-    return {"completed": "", "aborted": "ended early", "discarded": "started by mistake"}.get(status, status)
+    return _STATUSES.get(status, status)
 
 
 def offer_words(day: date, done: int, planned: object, today: date) -> str:

@@ -16,6 +16,7 @@ __all__ = [
     "AttemptEnded",
     "AttemptStarted",
     "CueGiven",
+    "EndStatus",
     "Fault",
     "Feedback",
     "FeedbackChoice",
@@ -516,10 +517,16 @@ class StepEnded(Message, frozen=True, kw_only=True):
     ended: int
 
 
-class SessionEnded(Message, frozen=True, kw_only=True):
-    """The session is over: ``completed`` (every attempt done) or ``aborted`` (ended by a person)."""
+EndStatus = Literal["completed", "aborted", "refused"]
 
-    status: Literal["completed", "aborted"]
+
+class SessionEnded(Message, frozen=True, kw_only=True):
+    """The session is over.
+
+    ``completed``: every attempt is done. ``aborted``: a person ended it. ``refused``: a required answer was not given.
+    """
+
+    status: EndStatus
 
 
 class Fault(Message, frozen=True, kw_only=True):

@@ -84,7 +84,9 @@ class ActionCenter(Node):
 
     @on(SESSION_ENDED)
     def say_goodbye(self, ended: SessionEnded) -> None:
-        """Say goodbye; don't wave if the session was aborted."""
+        """Say goodbye; don't wave if the session was aborted, and thank nobody for work who did not agree to begin."""
+        if ended.status == "refused":
+            return
         how = "goodbye" if ended.status == "completed" else "goodbye_early"
         self._propose("goodbye", self._to_all(how), how)
 

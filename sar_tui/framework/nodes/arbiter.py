@@ -164,7 +164,7 @@ class Arbiter(Approvals):
             for action in self._queue.remove(lambda one: one.kind == "feedback"):
                 self._queue.add(replace(action, due=0))
         feedback = [action.id for action in self._queue.waiting if action.kind == "feedback"]
-        self._drop("late", lambda one: ended.status == "aborted" or one.id not in feedback)
+        self._drop("late", lambda one: ended.status != "completed" or one.id not in feedback)
         self._publish_state()
 
     # --- proposals ---------------------------------------------------------------------------------------------

@@ -1,7 +1,6 @@
 """The Event Handler: runs the session, from the instructions to the last attempt (thesis 3.2.3)."""
 
 from collections.abc import Collection
-from typing import Literal
 
 from msgspec.structs import replace
 
@@ -91,7 +90,7 @@ class EventHandler(StepFlow):
         self.vital = vital
         self._pause_reason = ""
         self._blockers = Blockers(task.sensor_seats(task.parameters))
-        self._status: Literal["completed", "aborted"] = "completed"
+        self._status: m.EndStatus = "completed"
 
     @property
     def is_recording_over(self) -> bool:
@@ -175,7 +174,8 @@ class EventHandler(StepFlow):
         elif self.is_resting:
             self._end_rest()
         elif self._phase is Phase.STEP:
-            self._end_step("skipped", None, self.now)
+            if self._asked and not self._asked.step.required:  # nobody else can agree
+                self._end_step("skipped", None, self.now)
         elif self._phase in IN_TRIAL:
             self._finish(Result(correct=False, flags=("skipped",)))
 
@@ -276,13 +276,16 @@ class EventHandler(StepFlow):
         is_between = phase in (Phase.FEEDBACK, Phase.STEP)
         return phase is Phase.REVIEW or (is_between and self._after_feedback is Phase.REVIEW)
 
-    def _close(self, status: Literal["completed", "aborted"]) -> None:
+    def _close(self, status: m.EndStatus) -> None:
         """End the session as soon as its last trial is on disk."""
         self._status = status
         if self._stored == self._last_trial:
             self._end()
         else:
             self._wait(Phase.CLOSING)
+
+    def _refuse(self) -> None:
+        self._close("refused")
 
     def _end(self) -> None:
         self._wait(Phase.ENDED)

@@ -1,5 +1,7 @@
 """Runs the steps between attempts: questions, screens to read, rests and calibrations."""
 
+from abc import abstractmethod
+
 from msgspec.structs import replace
 
 from sar_tui.framework import messages as m
@@ -20,8 +22,8 @@ TOO_SOON = 400 * MS
 class StepFlow(AttemptFlow):
     """Asks what is due before the first attempt and after each other, before a rest and before the next.
 
-    The steps are the task's, then those that the therapist chose, then those that the session was begun with. In a task
-    for several, each participant answers the questions in turn.
+    The steps are the task's, then those that the therapist chose, then those that the session was begun with; before
+    all of them those that require an answer. In a task for several, each participant answers the questions in turn.
     """
 
     def __init__(self, task: Task, seed: int) -> None:
@@ -31,11 +33,21 @@ class StepFlow(AttemptFlow):
         self._asked: m.AskedStep | None = None
         self._asked_after: int | None = None
         self._done = self._number = 0
+        self._is_agreed = False
 
     @property
     def _steps(self) -> tuple[Step, ...]:
         own = chosen(self.parameters.questions, self.parameters.questions_every, self._rules)
         return (*self.task.steps, *own, *self._given)
+
+    @property
+    def awaits_agreement(self) -> bool:
+        """True until each participant has given the answers that are required, if there are any."""
+        return not self._is_agreed and any(step.required for step in self._steps)
+
+    @abstractmethod
+    def _refuse(self) -> None:
+        """End the session, as a required answer was not given."""
 
     # --- what is due ----------------------------------------------------------------------------------------
 
@@ -58,7 +70,7 @@ class StepFlow(AttemptFlow):
             total = self._done if is_over else self.parameters.attempts
             self._due = tuple(
                 (step, seat)
-                for step in self._steps
+                for step in sorted(self._steps, key=lambda step: not step.required)
                 if step.is_due(self._done, total)
                 for seat in (self.task.seats if step.is_question else self.task.seats[:1])
             )
@@ -128,6 +140,10 @@ class StepFlow(AttemptFlow):
             ended=at,
         )
         self.emit(STEP_ENDED, ended)
+        if step.required and answer != step.required:
+            self._refuse()
+            return
+        self._is_agreed = self._is_agreed or not any(step.required for step, _ in self._due)
         if self._due:
             self._ask()
         elif self._done:

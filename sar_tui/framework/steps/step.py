@@ -45,6 +45,8 @@ class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid
         every: come after each so many attempts.
         after: come after these attempts; practice is not counted.
         at_end: True to come after the last attempt as well.
+        required: of a ``choice`` before the first attempt, such as consent: the label that must be chosen. Any other
+            answer ends the session, which is kept as ``refused``. Such a question comes before all others.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid
     every: int = 0
     after: tuple[int, ...] = ()
     at_end: bool = False
+    required: str = ""
 
     def is_due(self, done: int, total: int) -> bool:
         """Return True if it comes after ``done`` of ``total`` attempts (without practice); 0: before the first."""
@@ -98,7 +101,10 @@ def translated(step: Step, tr: Callable[[str], str]) -> Step:
     """Return a step with its texts in the session's language; also with the words of Borg's scale."""
     labels = [point.label for point in points(step)] if step.kind == "borg" else step.labels
     return msgspec.structs.replace(
-        step, text=tr(step.text), labels=tuple(tr(label) if label else "" for label in labels)
+        step,
+        text=tr(step.text),
+        labels=tuple(tr(label) if label else "" for label in labels),
+        required=tr(step.required) if step.required else "",
     )
 
 
@@ -132,6 +138,14 @@ def _contents_problem(step: Step) -> str:
         return f"{name} lasts seconds = 1 to {LONGEST_S:g}, not {step.seconds:g}."
     if step.kind not in TIMED and step.seconds:
         return f"{name} is of the kind {step.kind}, which has no seconds."
+    return _required_problem(step, name) if step.required else ""
+
+
+def _required_problem(step: Step, name: str) -> str:
+    if step.kind != "choice" or step.required not in step.labels:
+        return f"{name} requires {step.required!r}: it must be one of the labels, and the kind choice."
+    if not step.before or step.every or step.after or step.at_end:
+        return f"{name} requires an answer: it comes before the first attempt only (before = true)."
     return ""
 
 

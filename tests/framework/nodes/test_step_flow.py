@@ -1,10 +1,11 @@
 """Steps stand between attempts until they are answered, declined, skipped or over; nothing of them is lost."""
 
 import pytest
+from msgspec.structs import replace
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.steps.entry import Entry
-from sar_tui.framework.steps.step import Step, points
+from sar_tui.framework.steps.step import Step, points, problem
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PROPOSED, SESSION_ENDED, STEP_ENDED
 from sar_tui.plugins import Catalogue
@@ -225,3 +226,67 @@ def test_questions_are_in_the_language_of_the_session(keyboard: type[Task]) -> N
     shown = asked(driver)
     assert shown is not None
     assert points(shown.step)[0].label == "nada"
+
+
+CONSENT = Step(name="consent", kind="choice", text="Do you agree?", labels=("yes", "no"), before=True, required="yes")
+FEELING = Step(name="feeling", kind="number", text="How do you feel?", before=True)
+
+
+def test_the_required_answer_lets_the_session_begin(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, FEELING, CONSENT)
+    driver.enter()
+    assert driver.session.awaits_agreement
+    assert answer(driver, "1").name == "consent", "it comes before all others"
+    assert not driver.session.awaits_agreement
+    answer(driver, "5")
+    assert (driver.waiting.stage, driver.waiting.attempt) == ("attempt", 1)
+
+
+@pytest.mark.parametrize("keys", [("2", "enter"), ("tab",)])
+def test_any_other_answer_ends_the_session_before_the_first_attempt(
+    keyboard: type[Task], keys: tuple[str, ...]
+) -> None:
+    driver = questioned(keyboard, FEELING, CONSENT)
+    driver.enter()
+    settle(driver)
+    for key in keys:
+        driver.press(key)
+    settle(driver)
+    assert driver.last(SESSION_ENDED).status == "refused"
+    assert [ended.name for ended in driver.all(STEP_ENDED)] == ["consent"]
+    assert driver.session.awaits_agreement
+    assert not [each for each in driver.all(PROPOSED) if getattr(each, "kind", "") == "goodbye"]
+
+
+def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, CONSENT)
+    driver.enter()
+    settle(driver)
+    driver.press("enter")
+    driver.operate("skip")
+    shown = asked(driver)
+    assert shown is not None
+    assert shown.step.name == "consent"
+    assert driver.all(STEP_ENDED) == []
+
+
+def test_in_a_task_for_two_one_refusal_ends_the_session(catalogue: Catalogue) -> None:
+    driver = questioned(catalogue.task("pairs"), CONSENT, prompts_per_attempt=2)
+    driver.enter()
+    answer(driver, "1")
+    assert driver.session.awaits_agreement
+    answer(driver, "2")
+    assert driver.last(SESSION_ENDED).status == "refused"
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"required": "perhaps"}, "must be one of the labels"),
+        ({"kind": "number", "labels": ("yes", "no")}, "the kind choice"),
+        ({"before": False}, "before the first attempt only"),
+        ({"every": 2}, "before the first attempt only"),
+    ],
+)
+def test_a_step_that_cannot_require_an_answer_is_refused_with_a_sentence(changes: dict[str, object], why: str) -> None:
+    assert why in problem(replace(CONSENT, **changes))
