@@ -114,7 +114,7 @@ def export(
     else:
         number = len(exported.sessions)
         console().print(f"{number} session{'' if number == 1 else 's'} in {to}", soft_wrap=True)
-    for sentence in exported.problems:
+    for sentence in (*exported.notices, *exported.problems):
         console(error=True).print(f"! {sentence}", soft_wrap=True)
     if exported.problems:
         raise typer.Exit(FAILED)

@@ -30,6 +30,7 @@ from sar_tui.export.tables.sessions import sessions
 from sar_tui.export.tables.sync_signals import sync_signals
 from sar_tui.export.tables.trials import trials
 from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
+from sar_tui.framework.parameters import TaskParameters
 from sar_tui.framework.parameters import fields as declared_fields
 from sar_tui.plugins import PluginError
 from sar_tui.store.selection import Selection
@@ -49,6 +50,7 @@ class Contents:
         tables: with the columns that leave.
         problems: sentences on what could not be read; complete when all rows were read.
         left_out: columns that the sessions have and that do not leave, as "trials.details_remark".
+        notices: a sentence on each task that cannot be loaded, so that its details are not described.
     """
 
     def __init__(
@@ -65,7 +67,8 @@ class Contents:
         self._sessions = {privacy.id(session): session for session in selection.ids}
         self.problems: list[str] = []
         self._damage = damage = Damage(database, self._report)
-        fields = _fields(catalogue)
+        declared, not_loaded = _declared(catalogue, selection.tasks)
+        fields = _fields(catalogue, not_loaded)
         whole = (
             PARTICIPANTS,
             PROGRAMMES,
@@ -83,7 +86,7 @@ class Contents:
             wellbeing(selection.sessions),
             attempts(database, selection.ids, damage),
             answers(damage),
-            trials(database, selection.ids, _declared(catalogue, selection.tasks), damage),
+            trials(database, selection.ids, declared, damage, not_loaded),
             actions(damage),
             outputs(damage),
             notes(damage),
@@ -103,6 +106,7 @@ class Contents:
             for column in table.columns
             if not privacy.leaves(column)
         ]  # fmt: skip
+        self.notices = [_not_loaded(task, self._whole["trials"], privacy) for task in not_loaded]
         self._codes = {privacy.code(code): code for code in selection.participants}
         self._persons = {row["id"]: row["participant"] for row in selection.sessions}
         moments = (
@@ -211,13 +215,28 @@ def _picker(kept: list[int]) -> Any:
     return itemgetter(*kept) if len(kept) > 1 else lambda row: tuple(row[index] for index in kept)
 
 
-def _declared(catalogue: "Catalogue", tasks: list[str]) -> Mapping[str, Declared]:
-    """Return the details that tasks declare; a task that is not installed declares none."""
+def _not_loaded(task: str, trials: Table, privacy: Privacy) -> str:
+    """Return a sentence on a task that cannot be loaded, and on what that means for the export."""
+    said = f"The task {task} cannot be loaded, so nothing says what its details are: they leave as they are stored"
+    own = [column for column in trials.columns if column.name.startswith("details_") and task in (column.tasks or ())]
+    if withheld := [column.name for column in own if not privacy.leaves(column)]:
+        return (
+            f"{said}, except for texts of several words, which somebody may have typed ({', '.join(withheld)}). Give "
+            "the folder that the task is in with --tasks DIR to have all of them, each with its meaning, or add "
+            "--with-notes."
+        )
+    return f"{said}. Give the folder that the task is in with --tasks DIR to have each with its meaning."
+
+
+def _declared(catalogue: "Catalogue", tasks: list[str]) -> tuple[Mapping[str, Declared], list[str]]:
+    """Return the details that tasks declare, and the tasks that cannot be loaded."""
     found: dict[str, Declared] = {}
+    not_loaded = []
     for name in tasks:
         try:
             details = declared_keys(catalogue.task(name).Details)
         except PluginError:
+            not_loaded.append(name)
             continue
         for key, declared in details.items():
             known = found.get(key)
@@ -229,12 +248,13 @@ def _declared(catalogue: "Catalogue", tasks: list[str]) -> Mapping[str, Declared
                     known.meaning if same else f"{known.meaning} {declared.meaning}", known.types | declared.types
                 )
             )
-    return found
+    return found, not_loaded
 
 
-def _fields(catalogue: "Catalogue") -> Fields:
-    """Return the parameters that tasks declare; a task that is not installed declares none."""
-    found = {}
+def _fields(catalogue: "Catalogue", not_loaded: Collection[str]) -> Fields:
+    """Return the parameters that tasks declare; of a task that cannot be loaded, those that all tasks have."""
+    common = {field.name: field for field in declared_fields(TaskParameters)}
+    found = dict.fromkeys(not_loaded, common)
     for name in catalogue.task_names():
         try:
             found[name] = {field.name: field for field in declared_fields(catalogue.task(name).Parameters)}

@@ -40,6 +40,7 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
         sessions: the ids of those that it holds.
         left_out: columns that did not leave.
         problems: a sentence on each session, or part of one, that it lacks.
+        notices: a sentence on each task that cannot be loaded, so that its details are not described.
         manifest: SHA-256 of the manifest; of each site's, with spaces between them, in a format for many sites.
     """
 
@@ -48,6 +49,7 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
     sessions: list[str]
     left_out: list[str]
     problems: list[str]
+    notices: list[str]
     manifest: str
 
 
@@ -160,6 +162,7 @@ def export(
             *dict.fromkeys(each.contents.here(problem) for each in written for problem in each.contents.problems),
             *_unrecorded(database),
         ],
+        notices=list(dict.fromkeys(notice for each in written for notice in each.contents.notices)),
         manifest=" ".join(manifests),
     )
 
@@ -187,6 +190,7 @@ def _finish(
         options=options.facts,
         sessions=written.contents.sessions,
         left_out=written.contents.left_out,
+        notices=written.contents.notices,
         problems=[*running, *dict.fromkeys(written.contents.problems), *_unrecorded(database)],
         **({"replaces": written.part.replaces} if written.part.replaces else {}),
     )

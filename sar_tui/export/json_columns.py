@@ -2,7 +2,7 @@
 
 import re
 import sqlite3
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, get_type_hints
 
 import msgspec
@@ -18,7 +18,10 @@ _OF_PYTHON: dict[type, Type] = {
 }
 _UNITS = {"_ms": "ms", "_ns": "ns", "_cm": "cm", "_hz": "Hz", "_rad_s": "rad/s", "_deg": "deg"}
 """Units, by the ending of a name that has one."""
-_UNKNOWN = "Not described: its task is not installed, or no longer declares it."
+_UNKNOWN = "Not described: its task no longer declares it."
+_NOT_LOADED = "Not described: the task {} cannot be loaded."
+_LONGEST_WORD = 32
+"""Characters of a text that is a name, such as that of a side or a condition, rather than typed words."""
 
 
 class Declared(msgspec.Struct, frozen=True):
@@ -53,6 +56,13 @@ def _declared(kind: msgspec.inspect.Type, meaning: str) -> Declared:
     return Declared(meaning, frozenset(types))
 
 
+_IS_WORDS = (
+    "part.value GLOB '*[' || char(32, 9, 10, 13, 160) || ']*'"
+    f" OR (part.type='text' AND length(part.value) > {_LONGEST_WORD})"
+)
+"""SQL that is true for a value that may be words that somebody typed: it has blanks, or is long."""
+
+
 def columns(
     database: sqlite3.Connection,
     sessions: Sequence[str],
@@ -60,34 +70,44 @@ def columns(
     column: str,
     declared: Mapping[str, Declared],
     other: str = "",
+    not_loaded: Collection[str] = (),
 ) -> dict[str, Column]:
     """Return the columns for the keys of a JSON column, by key: those declared, and others that the sessions hold.
 
     What nobody declares may be anything: its texts leave only if texts are asked for, unless the program knows where
-    all of it comes from, and says so in ``other``.
+    all of it comes from, and says so in ``other``. Of tasks that cannot be loaded, texts leave that are all names.
+
+    Args:
+        not_loaded: tasks that cannot be loaded, so that what they declare is not known.
     """
     found: dict[str, set[Type]] = {key: set(one.types) for key, one in declared.items()}
     tasks: dict[str, set[str]] = {}
     # A damaged value has no keys; reading its row reports it.
     value = f"CASE WHEN json_valid({table}.{column}) THEN {table}.{column} ELSE '{{}}' END"
     rows = database.execute(
-        f"SELECT DISTINCT part.key, part.type, sessions.task FROM {table} JOIN sessions ON sessions.id=session,"
+        f"SELECT part.key, part.type, sessions.task, max({_IS_WORDS})"
+        f" FROM {table} JOIN sessions ON sessions.id=session,"
         f" json_each({value}) AS part"
-        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({value})='object' ORDER BY part.key",
+        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({value})='object' GROUP BY 1, 2, 3"
+        " ORDER BY part.key",
         (msgspec.json.encode(list(sessions)).decode(),),
     )
-    for key, kind, task in rows:
+    words: set[str] = set()
+    for key, kind, task, has_words in rows:
         found.setdefault(key, set())
+        words.update([key] if has_words else [])
         tasks.setdefault(key, set()).add(task)
         if kind != "null":
             found[key].add(_TYPES.get(kind, "string"))
     made: dict[str, Column] = {}
     for key, types in found.items():
         type = _common(types)
-        is_open = key in declared or bool(other) or type != "string"
+        is_not_loaded = bool(tasks.get(key)) and tasks[key] <= set(not_loaded)
+        is_open = key in declared or bool(other) or type != "string" or (is_not_loaded and key not in words)
+        unknown = _NOT_LOADED.format(" or ".join(sorted(tasks[key]))) if is_not_loaded else _UNKNOWN
         made[key] = Column(
             name=_name(column, key, {each.name for each in made.values()}),
-            meaning=declared[key].meaning if key in declared else other or _UNKNOWN,
+            meaning=declared[key].meaning if key in declared else other or unknown,
             type=type,
             unit=next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), ""),
             treatment="open" if is_open else "text",

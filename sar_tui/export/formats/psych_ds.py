@@ -69,6 +69,8 @@ class PsychDsFormat:
         )
         rows = (f"| `{_file(table)}` | {table.title} | {', '.join(table.key) or 'none'} |" for table in contents.tables)
         readme = _README.format(name=name, description=description, tables="\n".join(rows))
+        if contents.notices:
+            readme += "".join(["\n## Not described\n\n", *(f"- {notice}\n" for notice in contents.notices)])
         (folder / "README.md").write_text(readme, encoding="utf-8")
         (folder / ".psychdsignore").write_text("".join(f"{each}\n" for each in _BESIDE), encoding="utf-8")
 

@@ -1,7 +1,7 @@
 """Trials: a row for each seat that took part, with the details of its task as columns."""
 
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -101,14 +101,19 @@ _PLAIN = (
 
 
 def trials(
-    database: sqlite3.Connection, sessions: Sequence[str], declared: Mapping[str, Declared], damage: Damage
+    database: sqlite3.Connection,
+    sessions: Sequence[str],
+    declared: Mapping[str, Declared],
+    damage: Damage,
+    not_loaded: Collection[str] = (),
 ) -> Table:
     """Return the table of the trials of these sessions.
 
     Args:
         declared: the details that the tasks of these sessions declare, by name.
+        not_loaded: tasks that cannot be loaded, so that what they declare is not known.
     """
-    details = columns(database, sessions, "trials", "details", declared)
+    details = columns(database, sessions, "trials", "details", declared, not_loaded=not_loaded)
     data = columns(database, sessions, "trials", "data", {}, other="Kept with the prompt by its task.")
     return Table(
         name="trials",

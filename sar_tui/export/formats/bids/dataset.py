@@ -41,11 +41,12 @@ the licence in `dataset_description.json`, before you publish.
 """
 
 
-def write_dataset(study: Study, left_out: Iterable[str], folder: Path) -> None:
+def write_dataset(study: Study, left_out: Iterable[str], notices: Iterable[str], folder: Path) -> None:
     """Write the description, the participants, the README, and the names of the files that BIDS does not know.
 
     Args:
         left_out: sentences on what is not in the data set.
+        notices: sentences on what is not described.
     """
     name = dataset_name({session.row["mode"] for session in study.sessions})
     write_json(
@@ -72,8 +73,9 @@ def write_dataset(study: Study, left_out: Iterable[str], folder: Path) -> None:
     write_rows(folder / "participants.tsv", ("participant_id", *(column.name for column in columns)), rows)
     write_json(folder / "participants.json", described(columns))
     said = [_README.format(name=name, version=__version__, bids=VERSION, modes=_modes(study), source=SOURCE)]
-    if sentences := [f"- {sentence}\n" for sentence in dict.fromkeys(left_out)]:
-        said.append("".join(["## Left out\n\n", *sentences]))
+    for title, told in (("Not described", notices), ("Left out", left_out)):
+        if sentences := [f"- {sentence}\n" for sentence in dict.fromkeys(told)]:
+            said.append("".join([f"## {title}\n\n", *sentences]))
     (folder / "README.md").write_text("\n".join(said), encoding="utf-8")
     (folder / ".bidsignore").write_text("".join(f"{name}\n" for name in _BESIDE), encoding="utf-8")
 

@@ -48,7 +48,7 @@ class BidsFormat:
         write_sessions(study, folder)
         describe_scans(folder)
         write_phenotype(study, folder)
-        write_dataset(study, contents.problems, folder)
+        write_dataset(study, contents.problems, contents.notices, folder)
         source = folder / SOURCE
         source.mkdir(parents=True)
         rest = contents.part([table.name for table in contents.tables if table.name not in _OWN])
