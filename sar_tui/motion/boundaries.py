@@ -30,7 +30,7 @@ def first_peak(speed: Floats, prominent: float = PROMINENT) -> int:
 def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0) -> float:
     """Return the onset of a movement that is fastest at the end of ``speed``. For an end, reverse both arrays.
 
-    After Botzer & Karniel (2009), Front Neurosci 3:320-329: the square root of the speed grows linearly from the onset,
+    After Botzer & Karniel (2009), Front Neurosci 3:61: the square root of the speed grows linearly from the onset,
     so a line through it, here between 8 and 35 % of the peak, leads back to the onset. A minimum-jerk speed is
     peak · (4u(1 − u))² of the share u of its time, so u = (1 − √(1 − √(speed / peak))) / 2 is linear throughout; the
     line is fitted to that, which avoids the root's own error of 2 % of the lobe at either end.

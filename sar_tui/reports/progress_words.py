@@ -362,7 +362,7 @@ def warnings(found: Progress, tr: Language) -> list[str]:
 
 
 def published(value: Published, instrument: Instrument, tr: Language = _ENGLISH) -> str:
-    """Return a published change with its source: "MCID 9 to 13 points, acute to subacute stroke (Arya 2011)"."""
+    """Return a published change with its source: "MCID 9 to 10 points, subacute stroke (Arya 2011)"."""
     return f"{_published_size(value, instrument, tr)} ({value.source})"
 
 

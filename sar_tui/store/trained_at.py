@@ -8,7 +8,7 @@ UTC_OFFSET = (
     "(SELECT CASE WHEN json_valid(clock_anchor) THEN json_extract(clock_anchor, '$.utc_offset_s') END"
     " FROM runs WHERE runs.session=sessions.id ORDER BY run LIMIT 1)"
 )
-"""Of a row of ``sessions``, in s, at the start of its first run; NULL if it was not recorded."""
+"""Offset of a row of ``sessions``, in s, at the start of its first run; NULL if it was not recorded."""
 
 
 def utc_offset_s() -> int:
