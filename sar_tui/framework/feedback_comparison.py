@@ -4,6 +4,7 @@ import math
 from typing import Literal, NamedTuple
 
 from sar_tui.framework.messages import AttemptEnded, Feedback, RecalledAttempts, Spread
+from sar_tui.framework.policies.decline import Decline, decline
 from sar_tui.framework.policies.real_change import Change, Sample, judge
 from sar_tui.framework.results_for_people import metric_for_people
 from sar_tui.framework.task import Task
@@ -26,6 +27,13 @@ class QualityChange(NamedTuple):
     size: float
     is_real: bool
     judged: Change | None = None
+
+
+class QualityDecline(NamedTuple):
+    """A quality, and how much worse it got."""
+
+    quality: Quality
+    decline: Decline
 
 
 def attempts_before(feedback: Feedback, recalled: RecalledAttempts) -> list[AttemptEnded]:
@@ -98,6 +106,30 @@ def quality_changes(
     ]
 
 
+def worst_decline(task: Task, feedback: Feedback, recalled: RecalledAttempts) -> QualityDecline | None:
+    """Return the quality that got worse by most, beyond this person's own noise; None if none did.
+
+    Attempts of which a quality is doubtful do not count for it.
+    """
+    present = _present(feedback, recalled)
+    if present is None:
+        return None
+    comparable = (*comparable_attempts(feedback, recalled), present)
+    measured = measured_qualities(task, feedback)
+    declines = []
+    for quality in measured:
+        sure = [attempt for attempt in comparable if _is_sure(attempt, quality.field)]
+        if present in sure:
+            values = [attempt.qualities[quality.field] for attempt in sure]
+            found = decline(values, quality.better, least=quality.margin, measures=len(measured))
+            declines += [QualityDecline(quality, found)] if found else []
+    return max(declines, key=lambda each: each.decline.size, default=None)
+
+
+def _is_sure(attempt: AttemptEnded, quality: str) -> bool:
+    return quality in attempt.qualities and attempt.spreads.get(quality, _ONE).n > 0
+
+
 def _size(change: Change, better: Literal["lower", "higher"]) -> float:
     """Return an improvement as a multiple of its MDC95; negative if it is worse."""
     improvement = -change.by if better == "lower" else change.by
@@ -149,6 +181,6 @@ def result_evidence(metric: Metric, change: Change) -> str:
     return f"{metric.name.replace('_', ' ')} {by}{unit} (MDC95 {mdc95}{unit})"
 
 
-def quality_evidence(quality: Quality, change: Change) -> str:
+def quality_evidence(quality: Quality, change: Change | Decline) -> str:
     """Return a change of a quality beside its MDC95, for the therapist: "sparc +0.31 (MDC95 0.22)"."""
     return f"{quality.field.replace('_', ' ')} {change.by:+.2g} (MDC95 {change.mdc95:.2g})"

@@ -13,6 +13,7 @@ from sar_tui.framework.feedback_comparison import (
     quality_changes,
     quality_evidence,
     result_evidence,
+    worst_decline,
 )
 from sar_tui.framework.messages import AttemptEnded, Degree, Feedback, Form, RecalledAttempts, Valence
 from sar_tui.framework.policies.judgement import RACED
@@ -220,19 +221,50 @@ class FeedbackText:
     # --- knowledge of performance --------------------------------------------------------------------------
 
     def _performance(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
-        """Return what improved since the last comparable attempt, else the task's correction, else advice.
+        """Return what got worse beyond the person's noise, else what improved since the last comparable attempt.
 
-        None if nothing was measured.
+        The task's own correction takes the place of what got worse. None if nothing changed: feedback is then on the
+        result.
         """
-        found = self._change(feedback, recalled)
+        find = self._change if self._task.rules >= 6 else self._change_or_cue
+        found = find(feedback, recalled)
         if found and feedback.correction and found.valence != "positive":
             return found._replace(words=feedback.correction, figures=feedback.correction)
         return found
 
     def _change(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
-        """Return what improved since the last comparable attempt, else advice; None if nothing was measured.
+        """Return what got worse or improved, if it is more than the person's noise.
 
         Comparable attempts have the same level and nearly the same result: the qualities depend on speed.
+        """
+        if feedback.metric is None:
+            return None
+        tr = self._task.tr
+        worst = worst_decline(self._task, feedback, recalled)
+        if worst:
+            words = {"aim": tr(worst.quality.aim), "reference": self._word.vocabulary("session_mean")}
+            share = abs(worst.decline.by / worst.decline.usual) if worst.decline.usual else None
+            text = self._performance_text(feedback, recalled, "negative", "performance_worsened", words, share)
+            return text._replace(evidence=quality_evidence(*worst))
+        before = next(reversed(comparable_attempts(feedback, recalled)), None)
+        changes = quality_changes(self._task, feedback, recalled, before) if before else []
+        best = max((each for each in changes if each.is_real), key=lambda change: change.size, default=None)
+        if before is None or best is None or best.size <= 0:
+            return None
+        words = {"change": tr(best.quality.improved), "reference": self._last(feedback, before)}
+        share = _share(best.quality, feedback, before)
+        text = self._performance_text(feedback, recalled, "positive", "performance_improved", words, share)
+        return text._replace(evidence=_evidence_of(best))
+
+    def _last(self, feedback: Feedback, before: AttemptEnded) -> str:
+        """Return the words for the attempt that is compared with."""
+        latest = before.attempt == feedback.attempt - 1
+        return self._word.vocabulary("last_attempt" if latest else "last_at_level")
+
+    def _change_or_cue(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
+        """Return what improved since the last comparable attempt, else advice, as sessions of rules 1 to 5 did.
+
+        None if nothing was measured.
         """
         measured = measured_qualities(self._task, feedback)
         if not measured or feedback.metric is None:
@@ -241,31 +273,38 @@ class FeedbackText:
         before = next(reversed(comparable_attempts(feedback, recalled)), None)
         changes = quality_changes(self._task, feedback, recalled, before) if before else []
         if not changes or before is None:
-            return self._performance_text(feedback, "neutral", "performance_first", {"aim": tr(aim)})
-        latest = before.attempt == feedback.attempt - 1
-        reference = {"reference": self._word.vocabulary("last_attempt" if latest else "last_at_level")}
+            return self._performance_text(feedback, recalled, "neutral", "performance_first", {"aim": tr(aim)})
+        reference = {"reference": self._last(feedback, before)}
         real = [change for change in changes if change.is_real]
         best = max(real, key=lambda change: change.size, default=None)
         if best and best.size > 0:
             words = {"change": tr(best.quality.improved), **reference}
             share = _share(best.quality, feedback, before)
-            text = self._performance_text(feedback, "positive", "performance_improved", words, share, aim=tr(aim))
+            text = self._performance_text(
+                feedback, recalled, "positive", "performance_improved", words, share, aim=tr(aim)
+            )
             return text._replace(evidence=_evidence_of(best))
         worst = min(real or changes, key=lambda change: change.size)
         if worst.is_real:
             words = {"aim": tr(worst.quality.aim), **reference}
             share = _share(worst.quality, feedback, before)
-            text = self._performance_text(feedback, "negative", "performance_worsened", words, share)
+            text = self._performance_text(feedback, recalled, "negative", "performance_worsened", words, share)
             return text._replace(evidence=_evidence_of(worst))
         words = {"aim": tr(aim), **reference}
         share = _share(worst.quality, feedback, before)
         return self._performance_text(
-            feedback, "neutral", "performance_same", words, share if share is not None and share <= ALIKE else None
+            feedback,
+            recalled,
+            "neutral",
+            "performance_same",
+            words,
+            share if share is not None and share <= ALIKE else None,
         )
 
     def _performance_text(
         self,
         feedback: Feedback,
+        recalled: RecalledAttempts,
         valence: Valence,
         situation: str,
         words: dict[str, str],
@@ -278,6 +317,8 @@ class FeedbackText:
             figures = self._word(f"{situation}_figures", **words, percent=f"{100 * share:.0f} %")
         elif feedback.choice.content == "both":  # the results give the figures already
             figures = said
+        elif self._task.rules >= 6:
+            figures = f"{said} {self._figures(feedback, recalled)}"
         else:
             assert feedback.metric is not None
             shown = self._value_and_goal(feedback.metric, feedback.goal)

@@ -14,5 +14,6 @@ whatever has just been said.
 that of the time to peak, too, and each change of a result is reported.
 6: the question about pain between attempts has the words of the one before and after a session at its ends; and a reach
 is looked for since the end of the reach before, and from the rest just before its key, instead of in the three seconds
-before it.
+before it; and feedback on performance names a quality only if it has changed beyond the person's own noise, instead of
+one at random.
 """

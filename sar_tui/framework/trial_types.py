@@ -90,7 +90,7 @@ class Quality(msgspec.Struct, frozen=True):
             comparable attempt.
         better: the direction of improvement.
         improved: the word for an improvement: "smoother".
-        aim: the advice otherwise: "as smoothly as you can".
+        aim: the advice after a decline: "as smoothly as you can".
         margin: smaller differences are ignored, also where the person's own noise is less.
         praised_until: the last rules of a session in which feedback is given on it; None: in all. It is stored in any.
     """

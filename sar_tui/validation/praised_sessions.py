@@ -63,7 +63,8 @@ def session_row(conditions: Conditions, task: str) -> Row:
     usual: list[str] = []
     changed: list[str] = []
     with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
-        play = partial(_session, conditions, Path(folder), kind)
+        settings = {"attempts": ATTEMPTS, "feedback_form": "both", **TASKS[task]}
+        play = partial(told_in_session, conditions, Path(folder), kind, settings)
         for user in PEOPLE.values():
             person = Changing(**msgspec.structs.asdict(user) | {"practice": 0.0, "fatigue": 0.0})
             played = [play(person, seed) for seed in seeds]
@@ -110,10 +111,12 @@ def says_better(text: str, kind: type[Task]) -> bool:
     return any(re.search(rf"\b{re.escape(word)} than\b", text) for word in words)
 
 
-def _session(conditions: Conditions, folder: Path, kind: type[Task], person: Person, seed: int) -> list[Told]:
+def told_in_session(
+    conditions: Conditions, folder: Path, kind: type[Task], settings: dict[str, Any], person: Person, seed: int
+) -> list[Told]:
     """Run a session at one level, and return its attempts."""
-    settings = {"attempts": ATTEMPTS, "difficulty_policy": "fixed", "feedback_form": "both", **TASKS[kind.name]}
-    plan = make_plan(conditions.catalogue, kind, ["SIM"], settings, seed=seed, mode="simulated")
+    asked = {"difficulty_policy": "fixed", **settings}
+    plan = make_plan(conditions.catalogue, kind, ["SIM"], asked, seed=seed, mode="simulated")
     name = simulate(plan, person, folder, conditions.catalogue)
     with closing(connect(folder)) as database:
         actions = sessions.rows(database, "actions", name)

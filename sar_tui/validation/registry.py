@@ -7,6 +7,7 @@ from sar_tui.validation import (
     adaptation,
     angular_velocity,
     changed_parts,
+    corrections,
     difficulty,
     effects,
     exported_tables,
@@ -69,6 +70,9 @@ VALIDATIONS: dict[str, Validation] = {
     "smoothness": Validation("Smoothness of the same movement, by sensors of different rate and noise", smoothness.run),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
     "praise": Validation("Praise by chance, and of a true change, under each kind of noise", praise.run, 2.5),
+    "corrections": Validation(
+        "Corrections by chance, and of a true decline, under each kind of noise", corrections.run, 4
+    ),
     "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run, 3),
     "difficulty": Validation("Success and fitting challenge under each difficulty policy", difficulty.run, 2),
     "effects": Validation("Published effects of the tasks, in simulated participants and in controls", effects.run, 7),

@@ -9,12 +9,13 @@ import msgspec
 import pytest
 
 from sar_tui.framework.clock import MS
-from sar_tui.framework.phrase_keys import PERFORMANCE, QUALITATIVE
+from sar_tui.framework.random_streams import RandomStreams
 from sar_tui.framework.task import Task
+from sar_tui.framework.trial_types import Performance
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate
-from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import connect
 from tests.examples import first
@@ -186,27 +187,32 @@ def test_with_a_signal_to_go_every_user_has_reaction_times(data: Path, catalogue
         assert any(times)
 
 
+class Tiring(Person, frozen=True):
+    """A person whose hand halts on its way from an attempt on, and not before."""
+
+    from_attempt: int = 0
+
+    def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
+        usual = super().perform(choices, attempt, streams)
+        return Performance(usual.reaction_ms, False, 2.0, unsteadiness=float(attempt >= self.from_attempt))
+
+
 @pytest.mark.usefixtures("fewer_blocks")
-def test_feedback_on_how_the_hand_moved_is_said_and_kept(data: Path, catalogue: Catalogue) -> None:
-    settings = {"feedback_on": "performance", "feedback_form": "qualitative"}
-    session = simulate(plan(3, attempts=3, **settings), PEOPLE["competent"], data, catalogue)
+def test_feedback_asks_for_another_way_to_move_once_it_is_worse_and_speaks_of_the_result_before(
+    data: Path, catalogue: Catalogue
+) -> None:
+    settings = {"feedback_on": "performance", "feedback_form": "qualitative", "reaches_per_attempt": 2}
+    tiring = Tiring(**msgspec.structs.asdict(PEOPLE["average"]), from_attempt=9)
+    session = simulate(plan(3, attempts=11, difficulty_policy="fixed", **settings), tiring, data, catalogue)
     words = [
         action["final"]["text"]
         for action in sessions.rows(connect(data), "actions", session)
         if action["kind"] == "feedback"
     ]
-    calm = catalogue.theme("calm")
-    known = [
-        wording.format(aim=quality.aim, change=quality.improved, reference=calm.vocabulary["last_attempt"])
-        for situation in calm.phrases
-        if situation in PERFORMANCE and situation in QUALITATIVE
-        for wording in calm.phrases[situation]
-        for quality in reaching().qualities
-    ]
-    assert len(words) == 3
-    for said in words:
-        assert any(said.endswith(wording) for wording in known), said
-        assert " ms" not in said
+    asked = [any(quality.aim in said for quality in reaching().qualities) for said in words]
+    assert asked[:9] == [False] * 9
+    assert any(asked[9:]), words
+    assert not any(" ms" in said for said in words)
 
 
 def test_a_simulated_session_holds_its_sensor(samples: list[Sample]) -> None:
