@@ -23,19 +23,21 @@ def check(
     mend: Annotated[
         bool,
         typer.Option(
-            "--repair", help="Move what is damaged into a file beside the database. No other program may run."
+            "--repair",
+            help="Move what is damaged into a file beside the database, and make altered results again from the log. "
+            "No other program may run.",
         ),
     ] = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Check that all recorded data is whole: the file, its relations, its numbers, and the sensors' samples.
+    """Check that all recorded data is whole: the file, its relations, the sensors' samples, and what was recorded.
 
     Without --repair nothing is changed, and a session may go on meanwhile.
     """
     from sar_tui.store.database import FILE
-    from sar_tui.store.integrity import counts, flaws, interrupted
+    from sar_tui.store.integrity import counts, flaws, interrupted, without_hashes
     from sar_tui.store.repair import repair
     from sar_tui.store.troubles import may_have_any, troubles
 
@@ -50,6 +52,7 @@ def check(
         is_readable = not any(flaw.kind == "file" for flaw in found)
         number = counts(database) if is_readable else {}
         stopped = interrupted(database, home.folder) if is_readable else []
+        unhashed = without_hashes(database) if is_readable else 0
     if as_json:
         print_json(
             {
@@ -58,6 +61,7 @@ def check(
                 "troubles": waiting,
                 "rows": number,
                 "interrupted": stopped,
+                "without_hashes": unhashed,
             }
         )
     else:
@@ -66,6 +70,8 @@ def check(
         _print(found, waiting, number, home.folder)
         for session in stopped:
             print(f"· {session}: This session was interrupted; what was recorded is here.")
+        if unhashed:
+            print(f"· Sessions recorded before data version 22: {unhashed}. Nothing would show that they were changed.")
     if found or waiting:
         raise typer.Exit(FAILED)
 
@@ -76,6 +82,7 @@ def _as_json(done: "Repair") -> dict[str, object]:
         **{name: path and str(path) for name, path in files.items()},
         "unread": [each._asdict() for each in done.unread],
         "moved": [each._asdict() for each in done.moved],
+        "rebuilt": done.rebuilt,
     }
 
 
@@ -92,6 +99,8 @@ def _print_repair(done: "Repair") -> None:
         print(f"· {rows} of the rows of {table} moved aside: {reason}.")
     if done.aside:
         print(f"They are in {done.aside}.")
+    for session in done.rebuilt:
+        print(f"· {session}: Its results were made again from its log.")
 
 
 def _print(found: "list[Flaw]", waiting: list[str], number: dict[str, int], folder: Path) -> None:

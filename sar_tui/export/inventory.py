@@ -4,7 +4,7 @@ from typing import Literal
 
 Treatment = Literal[
     "open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "zone", "text",
-    "person", "device", "place", "parts", "inner",
+    "hash", "person", "device", "place", "parts", "inner",
 ]  # fmt: skip
 """
 - ``open``: leaves as it is.
@@ -16,6 +16,7 @@ Treatment = Literal[
 - ``version``: changes when software or a machine is renewed, and so tells a time. It leaves in a recoded export only if
   all sessions have the same.
 - ``zone``: tells the season of a date, and a place. It never leaves in a recoded export.
+- ``hash``: of a session's log, which who has the log can find again. Leaves unless the export is recoded.
 - ``text``: may hold words that a person typed. Leaves only if asked for.
 - ``person``, ``device``, ``place``: names a person who is not a participant, a device, or a place on a computer or
   network. Never leaves; another column may say which kind it is.
@@ -23,7 +24,7 @@ Treatment = Literal[
 - ``inner``: the program's own, of no use elsewhere, or the same in another form. Never leaves.
 """
 
-LEAVING = ("open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "zone", "text")
+LEAVING = ("open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "zone", "hash", "text")
 """Treatments of columns that may leave."""
 
 _INVENTORY: dict[str, dict[str, Treatment]] = {
@@ -67,7 +68,9 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "mode": "open",
         "programme": "open",
         "site": "open",
+        "log_hash": "hash",
     },
+    "log_hashes": {"session": "id", "number": "inner", "seq": "inner", "beside": "inner", "hash": "inner"},
     "sessions.software": {
         "sar_tui": "version",
         "python": "version",

@@ -55,7 +55,7 @@ class Privacy(msgspec.Struct, frozen=True):
         """Return True if the values of a column may leave."""
         if column.treatment == "version" and self.recoded is not None:
             return column.name not in self.differing
-        if column.treatment == "zone":
+        if column.treatment in ("zone", "hash"):
             return self.recoded is None
         return column.treatment != "text" or self.with_notes
 

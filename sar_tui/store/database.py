@@ -23,7 +23,7 @@ RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
 """Beginnings of the names of rescue files: to be brought back, and those that were. See `store.rescue`."""
 SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
-VERSION = 21
+VERSION = 22
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
@@ -317,8 +317,8 @@ def bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
         apply_migrations(database)
 
 
-def apply_migrations(database: sqlite3.Connection, version: int = VERSION) -> None:
-    """Apply the migrations that the database has not seen, up to a version.
+def apply_migrations(database: sqlite3.Connection, version: int | None = None) -> None:
+    """Apply the migrations that the database has not seen, up to a version; by default the present one.
 
     sqlite-utils is imported only here, as it loads slowly.
     """
@@ -326,6 +326,7 @@ def apply_migrations(database: sqlite3.Connection, version: int = VERSION) -> No
 
     from sar_tui.store.schema import migrations
 
+    version = VERSION if version is None else version
     migrations.apply(Database(database), stop_before=f"version_{version + 1}")
     database.execute(f"PRAGMA user_version={version}")
 

@@ -15,15 +15,14 @@ from sar_tui.store.database import StoreError
 if TYPE_CHECKING:
     from sar_tui.motion.samples import Samples
 
-INSERT_STREAM = (
-    "INSERT INTO imu_streams (session, stream, seat, run, source, model, serial, rate_hz, rate_range_rad_s,"
-    " acceleration_range_m_s2, layout, attached_ns, part) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)"
-)
-INSERT_CHUNK = (
-    "INSERT INTO imu_chunks (session, stream, seq, n, t0_ns, t1_ns, before_event, at_ns, crc32, data)"
-    " VALUES (?,?,?,?,?,?,?,?,?,?)"
-)
-
+STREAM = (
+    "session", "stream", "seat", "run", "source", "model", "serial", "rate_hz", "rate_range_rad_s",
+    "acceleration_range_m_s2", "layout", "attached_ns", "part",
+)  # fmt: skip
+CHUNK = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
+"""Columns of a row of each table, in the order in which they are stored and hashed."""
+INSERT_STREAM = f"INSERT INTO imu_streams ({', '.join(STREAM)}) VALUES ({', '.join('?' for _ in STREAM)})"
+INSERT_CHUNK = f"INSERT INTO imu_chunks ({', '.join(CHUNK)}) VALUES ({', '.join('?' for _ in CHUNK)})"
 
 _SAMPLES: dict[BodyPart, Topic[ImuBlock]] = {"hand": IMU, "trunk": TRUNK_IMU}
 _PARTS: dict[str, BodyPart] = {

@@ -9,6 +9,7 @@ from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
 from sar_tui.store.database import explain
 from sar_tui.store.locks import is_held
+from sar_tui.store.log_examination import examine
 
 _MOST_FAULTS = 20
 """Largest number of damaged pages that are named."""
@@ -66,6 +67,7 @@ def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
                 if gaps:
                     yield from _gaps(database)
                     yield from _lost_trials(database)
+                yield from _changed(database)
         finally:
             database.text_factory = texts
             if database.in_transaction:
@@ -108,6 +110,21 @@ def _without_participant(database: sqlite3.Connection) -> Iterator[Flaw]:
             " AND participant NOT IN (SELECT code FROM participants)"
         ):
             yield Flaw("orphan", str(whose), f"There are {table} without a participant.")
+
+
+def _changed(database: sqlite3.Connection) -> Iterator[Flaw]:
+    """Yield the sessions whose log or rows were changed."""
+    for session, examined in examine(database):
+        yield from (Flaw("log", session, fault) for fault in examined.log)
+        yield from (Flaw("rows", session, fault) for fault in examined.rows)
+
+
+def without_hashes(database: sqlite3.Connection) -> int:
+    """Return the number of sessions that were recorded before there were hashes: no change of them would be found."""
+    (count,) = database.execute(
+        "SELECT count(*) FROM sessions WHERE log_hash='' AND id NOT IN (SELECT session FROM log_hashes)"
+    ).fetchone()
+    return int(count)
 
 
 def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:

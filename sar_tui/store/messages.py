@@ -37,6 +37,17 @@ class StoredMessage(NamedTuple):
     message: Message
 
 
+class StoredRow(NamedTuple):
+    """A message as it is stored, with the name and the layout of its topic (see `layout`)."""
+
+    seq: int
+    run: int
+    at: int
+    topic: str
+    fields: str
+    text: str
+
+
 class Numbers(NamedTuple):
     """The numbers that stand for a session, and for each topic by its name, in one database."""
 
@@ -246,7 +257,7 @@ def read(database: sqlite3.Connection, session: str) -> Iterator[StoredMessage]:
     Raises:
         StoreError: this version of the program cannot read a message.
     """
-    for seq, run, at, name, stored, text in _rows(database, session):
+    for seq, run, at, name, stored, text in stored_rows(database, session):
         try:
             topic = ALL[name]
             message = _decoder(topic, stored)(text)
@@ -260,21 +271,26 @@ def unreadable(session: str, seq: int) -> StoreError:
     return StoreError(f"Message {seq} of session {session} cannot be read by this version of sar-tui.")
 
 
-def _rows(database: sqlite3.Connection, session: str) -> Iterator[tuple[int, int, int, str, str, str]]:
-    """Yield number, run, time, topic, layout and text of each message, in order."""
+def decoded(row: StoredRow) -> Message:
+    """Return the message of a row. Raises KeyError, TypeError or MsgspecError if this version cannot read it."""
+    return _decoder(ALL[row.topic], row.fields)(row.text)
+
+
+def stored_rows(database: sqlite3.Connection, session: str, after: int = 0) -> Iterator[StoredRow]:
+    """Yield the messages of a session whose number is above ``after`` as they are stored, in order."""
     earlier = database.execute(
-        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? ORDER BY seq",
-        (session,),
+        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? ORDER BY seq",
+        (session, after),
     )
     topics = {id: (name, stored) for id, name, stored in database.execute("SELECT id, name, fields FROM topics")}
     rows = database.execute(
         "SELECT seq, run, at_ns, topic, message FROM messages"
-        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) ORDER BY seq",
-        (session,),
+        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>? ORDER BY seq",
+        (session, after),
     )
     unknown = ("", "")  # a damaged number, whose message cannot be read
-    present = ((seq, run, at, *topics.get(topic, unknown), text) for seq, run, at, topic, text in rows)
+    present = (StoredRow(seq, run, at, *topics.get(topic, unknown), text) for seq, run, at, topic, text in rows)
     if (first := earlier.fetchone()) is None:
         yield from present
     else:
-        yield from merge(chain([first], earlier), present)
+        yield from merge((StoredRow(*row) for row in chain([first], earlier)), present)

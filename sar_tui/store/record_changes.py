@@ -9,7 +9,7 @@ import msgspec
 
 from sar_tui.framework.messages import RecordChange, RecordChanged
 from sar_tui.framework.topics import RECORD_CHANGED, SESSION_ENDED
-from sar_tui.store import locks, messages
+from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
 
 _FROM: dict[RecordChange, tuple[str, ...]] = {
@@ -42,7 +42,7 @@ def change_status(
             if not connection.execute(own, (session,)).fetchone():
                 return False
             log(connection, session, RecordChanged(change=change, actor=actor, at=_utc(), reason=reason))
-            status = status_after(_ends_and_changes(connection, session))
+            status = status_after(ends_and_changes(connection, session))
             connection.execute("UPDATE sessions SET status=? WHERE id=?", (status, session))
     finally:
         held.release()
@@ -81,6 +81,7 @@ def log(connection: sqlite3.Connection, session: str, message: RecordChanged) ->
             messages.encoder(RECORD_CHANGED)(message),
         ),
     )
+    log_hashes.extend(connection, session)
 
 
 def status_after(ends_and_changes: Iterable[str]) -> str:
@@ -97,7 +98,8 @@ def status_after(ends_and_changes: Iterable[str]) -> str:
     return status or ended
 
 
-def _ends_and_changes(db: sqlite3.Connection, session: str) -> list[str]:
+def ends_and_changes(db: sqlite3.Connection, session: str) -> list[str]:
+    """Return the ends of a session and what was done to it later, in order, as `status_after` takes them."""
     found = db.execute(
         "SELECT coalesce(json_extract(message, '$.change'), json_extract(message, '$.status')) FROM events"
         " WHERE session=? AND topic IN (?, ?) ORDER BY seq",

@@ -4,15 +4,15 @@ import contextlib
 import sqlite3
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Bus, Record, Topic
 from sar_tui.framework.topics import STORAGE, STORED
-from sar_tui.store import imu
+from sar_tui.store import imu, log_hashes
 from sar_tui.store.database import StoreConnection, StoreError, transaction
-from sar_tui.store.messages import Numbers, numbers
+from sar_tui.store.messages import Numbers, StoredRow, layout, numbers
 from sar_tui.store.rows import SQL, Rows, rows_of
 from sar_tui.store.safeguard import Safeguard
 
@@ -77,6 +77,7 @@ class Recorder:
             database.execute(f"PRAGMA cache_size=-{_CACHE_KB}")
         self._numbers: tuple[sqlite3.Connection, Numbers] | None = None
         self._streams = imu.resume_streams(database, session, run)
+        self._last_group = log_hashes.last(database, session)
         bus.tap(self)
 
     def __call__(self, cascade: list[Record]) -> None:
@@ -211,6 +212,7 @@ class Recorder:
             messages = [record for record in records if not record.topic.stream]
             rows = rows_of(self._session, self._run, messages, self._numbers_here())
             rows["streams"], rows["chunks"], streams = self._streams.rows(records)
+            group = self._hash(messages, rows) if records else self._last_group
             self._commit(rows)
         except StoreError as error:
             if error.bad_input and self._take_over(str(error)):  # the file is damaged
@@ -220,6 +222,7 @@ class Recorder:
         except Exception as error:  # a task's values do not fit into a row
             raise StoreError(f"A message cannot be stored ({type(error).__name__}: {error}).") from error
         self._streams = streams
+        self._last_group = group
         for _ in range(count):
             self._committed.append(self._queue.popleft())
         self._queued = 0
@@ -233,6 +236,23 @@ class Recorder:
         for record in records:
             if isinstance(trial := record.message, m.TrialEnded):
                 self._bus.post(STORED, _stored(trial))
+
+    def _hash(self, messages: Sequence[Record], rows: Rows) -> log_hashes.Last | None:
+        """Add the hash of a group of messages to its rows, with the samples and the end that are stored with them."""
+        if self._last_group is None:  # the session was recorded before there were hashes
+            return None
+        stored = [
+            StoredRow(one.seq, self._run, one.at, one.topic.name, layout(one.topic), row[-1])
+            for one, row in zip(messages, rows["messages"], strict=True)
+        ]
+        beside: list[tuple[log_hashes.Entry, bytes]] = [
+            *((["stream", row[1]], log_hashes.stream_hash(row)) for row in rows["streams"]),
+            *((["chunk", *row[1:3]], log_hashes.chunk_hash(row)) for row in rows["chunks"]),
+            *((["ended", ended], log_hashes.end_hash(ended)) for _, ended, _ in rows["session_ends"]),
+        ]
+        group, row = log_hashes.next_group(self._last_group, self._session, stored, beside)
+        rows["log_hashes"], rows["last_hashes"] = [row], [(group.hash, self._session)]
+        return group
 
     def _commit(self, rows: Rows) -> None:
         with transaction(self._database) as connection:

@@ -4,7 +4,8 @@ import contextlib
 import os
 import shutil
 import sqlite3
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,6 +16,7 @@ from sar_tui.store.backup import FOLDER, copy_database
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, sidecars
 from sar_tui.store.integrity import Flaw, damaged_pages, flaws
+from sar_tui.store.log_examination import DERIVED, Derivation, altered
 from sar_tui.store.salvage import Unread, salvage
 
 _WAIT_S = 0.5
@@ -33,8 +35,8 @@ class Repair(NamedTuple):
     """A repair.
 
     ``backup``: copy of the database that was made before. ``kept``: the damaged file, under its new name. ``unread``:
-    rows that could not be read from that. ``aside``: database of the rows that were moved. ``flaws``: those that
-    remain.
+    rows that could not be read from that. ``aside``: database of the rows that were moved. ``rebuilt``: sessions whose
+    rows were made again from their log. ``flaws``: those that remain.
     """
 
     backup: Path | None
@@ -42,6 +44,7 @@ class Repair(NamedTuple):
     unread: list[Unread]
     aside: Path | None
     moved: list[Moved]
+    rebuilt: list[str]
     flaws: list[Flaw]
 
 
@@ -50,7 +53,8 @@ def repair(folder: Path) -> Repair:
 
     If pages of its file are damaged, all rows that can be read go into a new file, and the damaged one is kept. Then
     damaged rows, and those that belong to nothing, move into a database beside it. A row is written there, and on the
-    disk, before it is removed here.
+    disk, before it is removed here. Rows that are not as they follow from a session's log are made again from it, if
+    the log is as it was recorded; those that were there move aside, too.
 
     Raises:
         StoreError: there is no database, another program has it open, it cannot be read at all, or the disk is full.
@@ -65,13 +69,16 @@ def repair(folder: Path) -> Repair:
         found = [each for each in damages(database) if _count(database, each)]
         backup = aside = None
         moved: list[Moved] = []
-        if found:
+        rebuilt: list[str] = []
+        if found or altered(database):
             if not kept:
                 (folder / FOLDER).mkdir(mode=0o700, exist_ok=True)
                 backup = copy_database(database, folder, unused(folder / FOLDER / f"sar-tui-{stamp}.db")).path
             aside = unused(folder / f"sar-tui-aside-{stamp}.db")
             moved = _move_aside(database, aside)
-        return Repair(backup, kept, unread, aside, moved, list(flaws(database)))
+            rebuilt = altered(database)
+            moved += _rebuild(database, aside, rebuilt)
+        return Repair(backup, kept, unread, aside, moved, rebuilt, list(flaws(database)))
 
 
 @contextmanager
@@ -198,18 +205,42 @@ def _move(database: sqlite3.Connection, damage: Damage) -> Moved | None:
     if not _count(database, damage):
         return None
     with _transaction(database):
-        database.execute(
-            f"CREATE TABLE IF NOT EXISTS aside.{damage.table} AS SELECT *, '' AS why FROM main.{damage.table} WHERE 0"
-        )
-        written = database.execute(
-            f"INSERT INTO aside.{damage.table} SELECT *, ? FROM main.{damage.table} WHERE {damage.condition}",
-            (damage.reason,),
-        ).rowcount
+        written = _copy_aside(database, damage.table, damage.condition, (), damage.reason)
     with _transaction(database):
         removed = database.execute(f"DELETE FROM main.{damage.table} WHERE {damage.condition}").rowcount
         if removed != written:
             raise StoreError(f"{damage.table} changed during the repair. Try again.")
     return Moved(damage.table, written, damage.reason)
+
+
+def _rebuild(database: sqlite3.Connection, aside: Path, sessions: Sequence[str]) -> list[Moved]:
+    """Make the rows of sessions again from their logs, and move those that were there aside."""
+    moved = Counter[str]()
+    database.execute("ATTACH ? AS aside", (str(aside),))
+    try:
+        with closing(Derivation(database)) as derivation:
+            for session in sessions:
+                derivation.derive(session)
+                with _transaction(database):
+                    for table in DERIVED:
+                        moved[table] += _copy_aside(database, table, "session=?", (session,), _NOT_OF_LOG)
+                with _transaction(database):
+                    derivation.rebuild(session)
+    finally:
+        if not database.in_transaction:
+            database.execute("DETACH aside")
+    return [Moved(table, count, _NOT_OF_LOG) for table, count in moved.items() if count]
+
+
+_NOT_OF_LOG = "rows of a session that did not follow from its log"
+
+
+def _copy_aside(database: sqlite3.Connection, table: str, condition: str, values: tuple[object, ...], why: str) -> int:
+    """Copy rows into the database beside this one, in a transaction of the caller, and return their number."""
+    database.execute(f"CREATE TABLE IF NOT EXISTS aside.{table} AS SELECT *, '' AS why FROM main.{table} WHERE 0")
+    return database.execute(
+        f"INSERT INTO aside.{table} SELECT *, ? FROM main.{table} WHERE {condition}", (why, *values)
+    ).rowcount
 
 
 @contextmanager

@@ -7,7 +7,7 @@ import msgspec
 
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record
-from sar_tui.store import imu, wellbeing
+from sar_tui.store import imu, log_hashes, wellbeing
 from sar_tui.store.messages import Numbers, encoder
 
 Rows = dict[str, list[tuple[Any, ...]]]
@@ -58,6 +58,8 @@ SQL = {
     "ends": "UPDATE actions SET ended_ns=MAX(?, COALESCE(ended_ns, 0)) WHERE session=? AND id=?",
     "pauses": wellbeing.PAUSES,
     "refusals": "DELETE FROM wellbeing WHERE session=?",
+    "log_hashes": log_hashes.INSERT,
+    "last_hashes": log_hashes.SET_LAST,
     "session_ends": "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
 }
 """The statements for the rows of a batch, in order of execution."""
@@ -72,16 +74,23 @@ def _text(value: object) -> str:
 _OF_ATTEMPTS = {m.TrialEnded, m.TrialMarked, m.AttemptEnded, m.StepEnded}
 _OF_ACTIONS = {m.Proposal, m.PendingApproval, m.ProposalSeen, m.Action, m.Dropped, m.LevelDecided, m.OutputReport}
 _OF_SESSIONS = {m.NoteAdded, m.SessionCommand, m.SessionEnded}
+KINDS = frozenset(_OF_ATTEMPTS | _OF_ACTIONS | _OF_SESSIONS)
 """Messages that become more than a row of ``messages``: a small part of all."""
 
 
 def rows_of(session: str, run: int, records: list[Record], numbers: Numbers) -> Rows:
     """Return the rows of messages, by the names of the statements in ``SQL``."""
-    rows: Rows = {kind: [] for kind in SQL}
+    rows = rows_beside(session, run, records)
     rows["messages"] = [
         (numbers.session, seq, run, at, numbers.topics[topic.name], encoder(topic)(message))
         for seq, at, topic, message in records
     ]
+    return rows
+
+
+def rows_beside(session: str, run: int, records: list[Record]) -> Rows:
+    """Return the rows of other tables that follow from messages, by the names of the statements in ``SQL``."""
+    rows: Rows = {kind: [] for kind in SQL}
     for _, at, _, message in records:
         kind = type(message)
         if kind in _OF_ATTEMPTS:

@@ -326,6 +326,16 @@ def version_21(db: sqlite_utils.Database) -> None:
         db.execute(view)
 
 
+@migrations()
+def version_22(db: sqlite_utils.Database) -> None:
+    """Hashes of logs; sessions that were recorded before have none. What is hashed is never migrated."""
+    db.execute(
+        "CREATE TABLE log_hashes (session TEXT NOT NULL, number INTEGER NOT NULL, seq INTEGER NOT NULL,"
+        " beside TEXT NOT NULL, hash TEXT NOT NULL, PRIMARY KEY (session, number))"
+    )
+    db.execute("ALTER TABLE sessions ADD COLUMN log_hash TEXT NOT NULL DEFAULT ''")
+
+
 _OF_SITES = (
     "participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports",
 )  # fmt: skip

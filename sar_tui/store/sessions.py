@@ -20,7 +20,7 @@ from sar_tui.framework.nodes.memory import best_key
 from sar_tui.framework.parameters import TaskParameters, current_values, fields
 from sar_tui.framework.task import Task
 from sar_tui.framework.topics import PRESENCE
-from sar_tui.store import imu, messages
+from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.locks import is_held
@@ -85,6 +85,7 @@ def create(
         connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
         if partner:
             connection.execute("INSERT INTO seats VALUES (?,'B',?)", (session, partner))
+        log_hashes.begin(connection, session)
 
 
 def begin_run(
@@ -104,6 +105,7 @@ def begin_run(
             (session, run, _dump(anchor), _boot_id(), os.getpid(), _dump(software), _dump(machine)),
         )
         connection.execute("UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,))
+        log_hashes.extend(connection, session, ["run", run])
     return int(run)
 
 
@@ -146,10 +148,11 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
 
 def interrupt(db: sqlite3.Connection, session: str) -> None:
     """Mark a session that was left before its end as interrupted, so that it can be resumed."""
+    ended = _utc()
     with transaction(db) as connection:
-        connection.execute(
-            "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'", (_utc(), session)
-        )
+        interrupted = "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'"
+        if connection.execute(interrupted, (ended, session)).rowcount:
+            log_hashes.extend(connection, session, ["ended", ended])
 
 
 def _utc() -> str:

@@ -128,7 +128,7 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
     class Rescued:
         unsaved, rescued, can_be_joined = 0, WHERE, False
         run = type("Run", (), {"id": "x", "session": type("Session", (), {"ended": True, "broken": None})})
-        is_closed, is_mistake, trouble = True, False, ""
+        is_closed, trouble = True, ""
 
         def close(self, app: SarTui) -> None: ...
 

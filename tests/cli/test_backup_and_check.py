@@ -8,6 +8,7 @@ import pytest
 
 from sar_tui.store.database import FILE
 from tests.program import Call
+from tests.runs.test_resume import interrupted
 
 
 @pytest.mark.usefixtures("simulated")
@@ -22,9 +23,13 @@ def test_flaws_are_named_with_their_session(call: Call, simulated: str, tmp_path
     with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
         database.execute("DELETE FROM trials WHERE attempt=2 AND trial=3")
     called = call("check")
-    assert (called.code, called.out) == (1, f"✗ {simulated}: Of 20 trials of attempt 2, 1 are missing.\n")
-    flaw = {"kind": "gap", "where": simulated, "what": "Of 20 trials of attempt 2, 1 are missing."}
-    assert call("check", "--json").json["flaws"] == [flaw]
+    missing = "Of 20 trials of attempt 2, 1 are missing."
+    altered = "Rows of trials are not as its log has them: 1 missing."
+    assert (called.code, called.out) == (1, f"✗ {simulated}: {missing}\n✗ {simulated}: {altered}\n")
+    assert call("check", "--json").json["flaws"] == [
+        {"kind": "gap", "where": simulated, "what": missing},
+        {"kind": "rows", "where": simulated, "what": altered},
+    ]
     called = call("backup", "--verify")
     assert called.code == 1
     assert f"✗ {simulated}: Of 20 trials" in called.out
@@ -54,13 +59,12 @@ def test_without_data_there_is_nothing_to_back_up(call: Call) -> None:
     assert called.err.startswith("There is no data in ")
 
 
-def test_an_interrupted_session_is_told_and_is_no_flaw(call: Call, simulated: str, tmp_path: Path) -> None:
-    with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
-        database.execute("UPDATE sessions SET status='running'")
+def test_an_interrupted_session_is_told_and_is_no_flaw(call: Call, tmp_path: Path) -> None:
+    session = interrupted(tmp_path / "data")
     called = call("check")
     assert called.code == 0
-    assert f"{simulated}: This session was interrupted" in called.out
-    assert call("check", "--json").json["interrupted"] == [simulated]
+    assert f"{session}: This session was interrupted" in called.out
+    assert call("check", "--json").json["interrupted"] == [session]
 
 
 def test_damaged_characters_do_not_stop_the_check(call: Call, simulated: str, tmp_path: Path) -> None:

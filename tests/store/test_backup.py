@@ -61,7 +61,7 @@ def test_a_rehearsal_finds_damage(database: sqlite3.Connection, data: Path) -> N
     with closing(sqlite3.connect(made.path, isolation_level=None)) as copy:
         copy.execute("DELETE FROM messages WHERE seq=3")
     before = made.path.read_bytes()
-    assert [flaw.kind for flaw in rehearse(made.path)] == ["gap"]
+    assert {flaw.kind for flaw in rehearse(made.path)} == {"gap", "log"}
     assert made.path.read_bytes() == before
 
 

@@ -77,7 +77,7 @@ def test_a_damaged_block_of_samples_moves_aside_as_it_is(recorded: Path) -> None
     assert rows(done.aside, "imu_chunks", "seq, data, why") == [(2, b"\0", "a damaged block of samples")]
     assert len(rows(recorded / FILE, "imu_chunks")) == before["imu_chunks"] - 1
     assert len(rows(done.backup, "imu_chunks")) == before["imu_chunks"]
-    assert {flaw.kind for flaw in done.flaws} == {"gap"}, "it is missing now, and that is said"
+    assert {flaw.kind for flaw in done.flaws} == {"gap", "log"}, "it is missing now, and that is said"
     if sys.platform != "win32":
         assert stat.S_IMODE(done.aside.stat().st_mode) == 0o600
 
@@ -145,7 +145,7 @@ def test_a_killed_repair_loses_no_row_and_can_be_run_again(recorded: Path, step:
             with closing(sqlite3.connect(aside)) as opened:
                 if opened.execute("SELECT 1 FROM sqlite_master WHERE name=?", (table,)).fetchone():
                     kept |= {row[:-1] for row in opened.execute(f"SELECT * FROM {table}")}
-        assert len(kept) == count, table
+        assert len(kept) >= count, table  # some were damaged, and made again from the log
 
 
 @pytest.mark.parametrize(("table", "leaf"), [("trials", True), ("trials", False), ("messages", True), ("notes", False)])
@@ -158,8 +158,11 @@ def test_what_can_be_read_of_damaged_pages_is_saved_into_a_new_file(recorded: Pa
     assert done.kept.read_bytes() == damaged
     after = change(recorded)
     assert {name for name in before if after[name] < before[name]} <= {table}
-    if leaf:
+    if table == "messages":
         assert 0.3 * before[table] < after[table] < before[table]
+    elif leaf:
+        assert after[table] == before[table], "rows were made again from the log"
+        assert done.rebuilt
     assert not [flaw for flaw in done.flaws if flaw.kind == "file"]
     assert done.unread or not before[table]
     assert all(bool(each.session) == (table == "messages") for each in done.unread)

@@ -108,6 +108,12 @@ _COLUMNS = (
         "Version of the loop's rules that the session was played by: of how it goes on with the same inputs.",
         name="loop_rules",
     ),
+    stored(
+        "sessions.log_hash",
+        "string",
+        "The last hash of the session's log, a running SHA-256; missing: it was recorded before there were hashes.",
+        name="log_sha256",
+    ),
 )
 
 
@@ -137,12 +143,12 @@ def _rows(
 ) -> Iterator[Values]:
     for row in database.execute(
         "SELECT id, mode, task, theme, NULL, NULL, started_at, ended_at, own.participant, other.participant, seed,"
-        f" nullif({resolved('sessions.site')}, ''), programme, software, machine FROM sessions"
+        f" nullif({resolved('sessions.site')}, ''), programme, software, machine, nullif(log_hash, '') FROM sessions"
         " LEFT JOIN seats AS own ON own.session=id AND own.seat='A'"
         " LEFT JOIN seats AS other ON other.session=id AND other.seat='B' WHERE id=?",
         (session,),
     ):
-        *plain, software, machine = row
+        *plain, software, machine, log_hash = row
         plain[4] = statuses[session]
         discarded = why_discarded(database, session) if plain[4] == "discarded" else None
         plain[5] = discarded.reason if discarded else None
@@ -152,6 +158,7 @@ def _rows(
             *_parts(damage.object_of("machine", machine), _MACHINE),
             passports.get(session),
             _rules(damage, database, session),
+            log_hash,
         )
 
 

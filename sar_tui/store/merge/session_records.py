@@ -177,7 +177,7 @@ def _extends(longer: Content, shorter: Content) -> bool:
 
 def _facts(content: Content) -> dict[str, Any]:
     (row,) = content["sessions"]
-    return {name: value for name, value in row.items() if name not in ("status", "ended_at")}
+    return {name: value for name, value in row.items() if name not in ("status", "ended_at", "log_hash")}
 
 
 def _status(content: Content) -> tuple[int, str]:

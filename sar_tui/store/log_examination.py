@@ -1,0 +1,325 @@
+"""Sessions examined by the hashes of their logs, and their rows derived again from the log."""
+
+import sqlite3
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from itertools import product
+from typing import Any, NamedTuple
+
+import msgspec
+
+from sar_tui.framework.bus import Record
+from sar_tui.framework.messages import RecordChanged
+from sar_tui.framework.topics import ALL, RECORD_CHANGED
+from sar_tui.store import log_hashes, messages, rows
+from sar_tui.store.log_hashes import Entry
+from sar_tui.store.merge.people import People, in_full, stored_pairs
+from sar_tui.store.record_changes import ends_and_changes, status_after
+from sar_tui.store.wellbeing import IN_PAUSE
+
+DERIVED = ("trials", "attempts", "actions", "answers", "notes")
+"""Tables whose rows follow from the messages."""
+_STATEMENTS = {kind: text for kind, text in rows.SQL.items() if any(f" {table} " in text for table in DERIVED)}
+_TOPICS = frozenset(name for name, topic in ALL.items() if topic.type in rows.KINDS)
+"""Topics whose messages become more than a row of ``messages``."""
+_RUNNING = ("running", "interrupted")
+"""Statuses of a session that has not ended: a program that was killed leaves the first one."""
+
+
+class Examined(NamedTuple):
+    """A session, examined.
+
+    Attributes:
+        is_hashed: False if it was recorded before there were hashes: nothing shows a change then.
+        log: what was changed in its log and what is stored with it, in sentences.
+        rows: what was changed in the rows that follow from the log.
+    """
+
+    is_hashed: bool
+    log: tuple[str, ...] = ()
+    rows: tuple[str, ...] = ()
+
+
+def examine(database: sqlite3.Connection) -> Iterator[tuple[str, Examined]]:
+    """Yield each session with what is found. The database is only read."""
+    people = _people(database)
+    sessions = [id for (id,) in database.execute("SELECT id FROM sessions ORDER BY rowid")]
+    with closing(Derivation(database)) as derivation:
+        for session in sessions:
+            yield session, _examined(database, session, people, derivation)
+
+
+def altered(database: sqlite3.Connection) -> list[str]:
+    """Return the sessions whose rows are not as they follow from their log, where the log is as it was recorded."""
+    return [session for session, found in examine(database) if found.rows and not found.log]
+
+
+def _examined(database: sqlite3.Connection, session: str, people: People, derivation: "Derivation") -> Examined:
+    groups = _groups(database, session)
+    found = database.execute("SELECT status, ended_at, log_hash FROM sessions WHERE id=?", (session,)).fetchone()
+    if found is None:  # its id is damaged, which is told elsewhere
+        return Examined(False)
+    status, ended_at, last = found
+    if not groups:
+        return Examined(bool(last), ("The hashes of its log were removed.",) if last else ())
+    listed = [entry for group in groups for entry in group.beside]
+    log = [*_changed_groups(database, session, people, groups), *_added(database, session, groups, listed)]
+    if groups[-1].hash != last:
+        log.append("The last hash of its log is not the one in the row of the session.")
+    if ["adopted"] in listed:  # an earlier version of the program may have derived other rows
+        return Examined(True, tuple(log))
+    changed = list(_changed_end(database, session, status, ended_at, listed))
+    if derivation.derive(session):
+        changed += derivation.differences(session)
+    else:
+        log.append("Messages of it cannot be read by this version of sar-tui, so that its rows cannot be compared.")
+    return Examined(True, tuple(log), tuple(changed))
+
+
+# --- the log --------------------------------------------------------------------------------------------------------
+
+
+class _Group(NamedTuple):
+    number: int
+    until: int
+    beside: list[Entry]
+    hash: str
+
+
+def _groups(database: sqlite3.Connection, session: str) -> list[_Group]:
+    found = database.execute(
+        "SELECT number, seq, beside, hash FROM log_hashes WHERE session=? ORDER BY number", (session,)
+    )
+    return [_Group(number, until, _entries(beside), stored) for number, until, beside, stored in found]
+
+
+def _entries(beside: str) -> list[Entry]:
+    try:
+        return msgspec.json.decode(beside, type=list[list[Any]]) if beside else []
+    except msgspec.DecodeError:
+        return [["damaged"]]
+
+
+def _changed_groups(
+    database: sqlite3.Connection, session: str, people: People, groups: Sequence[_Group]
+) -> Iterator[str]:
+    """Yield the groups whose hash is not that of their messages and of what is stored with them."""
+    stored = messages.stored_rows(database, session)
+    waiting = next(stored, None)
+    before, first = "", 1
+    for position, group in enumerate(groups, start=1):
+        digests = []
+        while waiting is not None and waiting.seq <= group.until:
+            digests.append(log_hashes.message_hash(waiting))
+            waiting = next(stored, None)
+        beside = [_possible_hashes(database, session, people, entry) for entry in group.beside]
+        holds = any(log_hashes.group_hash(before, (*digests, *some)) == group.hash for some in product(*beside))
+        if not holds or group.number != position:
+            yield _where(first, group)
+        before, first = group.hash, group.until + 1
+    if waiting is not None:
+        yield f"There are messages from number {waiting.seq} on that were added to its log."
+
+
+def _where(first: int, group: _Group) -> str:
+    """Return the sentence about a group that was changed."""
+    names = {"facts": "the facts of the session", "run": "run {}", "stream": "sensor stream {}", "ended": "the end"}
+    parts = [f"messages {first} to {group.until}"] if group.until >= first else []
+    parts += [names[kind].format(*key) for kind, *key in group.beside if kind in names]
+    chunks = [key for kind, *key in group.beside if kind == "chunk"]
+    parts += [f"{len(chunks)} blocks of samples"] if chunks else []
+    return f"Its log was changed: not as recorded are one or more of: {', '.join(parts) or 'its hashes'}."
+
+
+def _possible_hashes(database: sqlite3.Connection, session: str, people: People, entry: Entry) -> list[bytes]:
+    """Return the hash of a row beside the messages; of the session's facts, with each code of its participants."""
+    if entry != ["facts"]:
+        return [log_hashes.entry_hash(database, session, entry)]
+    seats = log_hashes.seats(database, session)
+    codes = [_codes_at_first(database, session, people, seat, code) for seat, code in seats.items()]
+    return [log_hashes.facts_hash(database, session, dict(zip(seats, some, strict=True))) for some in product(*codes)]
+
+
+def _codes_at_first(database: sqlite3.Connection, session: str, people: People, seat: str, code: str) -> list[str]:
+    """Return the codes that a participant may have had in the session's log.
+
+    A merge gives a participant of another site a code in full, or that of the same person here; and the session may
+    have been moved to another participant since.
+    """
+    possible = _codes_of(people, code)
+    for change in reversed(_moves(database, session)):
+        if change.seat == seat:
+            after = str(change.details.get("after"))
+            possible = _codes_of(people, str(change.details.get("before"))) if after in possible else []
+    return possible
+
+
+def _codes_of(people: People, code: str) -> list[str]:
+    group = people.group(in_full(code, people.own))
+    return sorted({code, *group, *(one.partition("@")[0] for one in group)})
+
+
+def _people(database: sqlite3.Connection) -> People:
+    own = database.execute("SELECT code FROM site").fetchone()
+    return People(own[0] if own else "", stored_pairs(database))
+
+
+def _moves(database: sqlite3.Connection, session: str) -> list[RecordChanged]:
+    found = database.execute(
+        "SELECT message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, RECORD_CHANGED.name)
+    )
+    changes = [msgspec.json.decode(text, type=RecordChanged) for (text,) in found]
+    return [change for change in changes if change.change == "moved"]
+
+
+def _added(database: sqlite3.Connection, session: str, groups: Sequence[_Group], listed: list[Entry]) -> Iterator[str]:
+    """Yield the rows beside the messages that no group knows."""
+    known = {tuple(entry) for entry in listed}
+    added = Counter(entry[0] for entry in log_hashes.entries_there(database, session) if tuple(entry) not in known)
+    names = {"run": "runs", "stream": "sensor streams", "chunk": "blocks of samples"}
+    for kind, count in added.items():
+        yield f"There are {names[kind]} that were added to its log: {count}."
+
+
+# --- what follows from the log --------------------------------------------------------------------------------------
+
+
+def _changed_end(
+    database: sqlite3.Connection, session: str, status: str, ended_at: str | None, listed: list[Entry]
+) -> Iterator[str]:
+    """Yield what is wrong with the status and the end in the row of a session."""
+    derived = status_after(ends_and_changes(database, session))
+    if status != derived and not (status in _RUNNING and derived in _RUNNING):
+        yield f"Its status is {status}, and by its log it is {derived}."
+    if ended_at != _end(listed):
+        yield "The time of its end was changed."
+
+
+def _end(listed: Sequence[Entry]) -> str | None:
+    """Return the time at which a session ended; None if it goes on, or its program was killed."""
+    last = next((entry for entry in reversed(listed) if entry[0] in ("run", "ended")), ["run"])
+    return str(last[1]) if last[0] == "ended" else None
+
+
+class Derivation:
+    """Derives rows of sessions from their messages, in the groups in which they were stored."""
+
+    def __init__(self, database: sqlite3.Connection) -> None:
+        self._database = database
+        self._memory = sqlite3.connect(":memory:", isolation_level=None)
+        self._memory.text_factory = database.text_factory
+        self._columns: dict[str, list[str]] = {}
+        self._pauses: list[tuple[Any, ...]] = []
+        for table in DERIVED:
+            (statement,) = database.execute("SELECT sql FROM main.sqlite_master WHERE name=?", (table,)).fetchone()
+            self._memory.execute(statement)
+            self._columns[table] = [name for _, name, *_ in database.execute(f"PRAGMA main.table_info({table})")]
+
+    def close(self) -> None:
+        """Forget the rows."""
+        self._memory.close()
+
+    def derive(self, session: str) -> bool:
+        """Derive the rows of a session. Return False if a message cannot be read."""
+        for table in DERIVED:
+            self._memory.execute(f"DELETE FROM {table}")
+        self._pauses = []
+        ends = [group.until for group in _groups(self._database, session)]
+        number = 0
+        waiting: list[Record] = []
+        run = 0
+        for row in messages.stored_rows(self._database, session):
+            if row.topic not in _TOPICS:
+                continue
+            while number < len(ends) and row.seq > ends[number]:
+                self._store(session, run, waiting)
+                waiting, number = [], number + 1
+            try:
+                waiting.append(Record(row.seq, row.at, ALL[row.topic], messages.decoded(row)))
+            except (TypeError, msgspec.MsgspecError):
+                return False
+            run = row.run
+        self._store(session, run, waiting)
+        return True
+
+    def _store(self, session: str, run: int, records: list[Record]) -> None:
+        if not records:
+            return
+        found = rows.rows_beside(session, run, records)
+        self._pauses = [] if found["refusals"] else self._pauses + found["pauses"]
+        for kind, statement in _STATEMENTS.items():
+            if found[kind]:
+                self._memory.executemany(statement, found[kind])
+
+    def differences(self, session: str) -> Iterator[str]:
+        """Yield how the rows of a session differ from those that were derived."""
+        for table in DERIVED:
+            yield from self._difference(table, session)
+        said = Counter((seat, question) for _, seat, question, _ in self._pauses)
+        stored = Counter(
+            self._database.execute(
+                "SELECT seat, question FROM wellbeing WHERE session=? AND moment='pause' AND answer=?",
+                (session, IN_PAUSE),
+            ).fetchall()
+        )
+        if said != stored:
+            yield "Its pauses for pain or tiredness are not those of its log."
+
+    def _difference(self, table: str, session: str) -> Iterator[str]:
+        stored, derived = (self._rows(database, table, session) for database in (self._database, self._memory))
+        if stored == derived:
+            return
+        here, there = Counter(stored), Counter(derived)
+        more, less = (here - there).total(), (there - here).total()
+        changed = min(more, less)
+        parts = [
+            f"{count} {words}"
+            for count, words in ((changed, "changed"), (less - changed, "missing"), (more - changed, "added"))
+            if count
+        ]
+        yield f"Rows of {table} are not as its log has them: {', '.join(parts)}."
+
+    def _rows(self, database: sqlite3.Connection, table: str, session: str) -> list[tuple[Any, ...]]:
+        listed = ", ".join(f'"{name}"' for name in self._columns[table])
+        found = database.execute(f"SELECT {listed} FROM {table} WHERE session=? ORDER BY rowid", (session,))
+        return sorted((tuple(map(_comparable, row)) for row in found), key=repr)
+
+    def rebuild(self, session: str) -> None:
+        """Put the derived rows in place of those of a session, in a transaction of the caller."""
+        for table in DERIVED:
+            listed = ", ".join(f'"{name}"' for name in self._columns[table])
+            slots = ", ".join("?" for _ in self._columns[table])
+            self._database.execute(f"DELETE FROM {table} WHERE session=?", (session,))
+            self._database.executemany(
+                f"INSERT INTO {table} ({listed}) VALUES ({slots})",
+                self._memory.execute(f"SELECT {listed} FROM {table} ORDER BY rowid"),
+            )
+        listed_beside = [entry for group in _groups(self._database, session) for entry in group.beside]
+        status = status_after(ends_and_changes(self._database, session))
+        self._database.execute(
+            "UPDATE sessions SET status=?, ended_at=? WHERE id=?", (status, _end(listed_beside), session)
+        )
+
+
+def _comparable(value: Any) -> Any:
+    """Return a value of a row so that JSON with 3 and with 3.0 is the same: a message that was read has the second."""
+    if isinstance(value, str) and value[:1] in ("{", "["):
+        try:
+            return repr(_with_floats(msgspec.json.decode(value)))
+        except msgspec.DecodeError:
+            return value
+    return value
+
+
+def _with_floats(value: Any) -> Any:
+    match value:
+        case bool():
+            return value
+        case int():
+            return float(value) if abs(value) < 2**53 else value
+        case dict():
+            return {name: _with_floats(part) for name, part in sorted(value.items())}
+        case list():
+            return [_with_floats(part) for part in value]
+    return value
