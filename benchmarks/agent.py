@@ -146,7 +146,7 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
         log = _Log(folder)
         for attempt in range(1, MOST_ATTEMPTS + 1):
             if attempt > 1:
-                terminal.press("enter")  # the request was not read by ``participant``
+                terminal.confirm()  # the request was not read by ``participant``
             participant.run(attempt)
             if log.wait_until_acting(terminal, attempt):
                 stopped.append(_stop(terminal, log, folder))
@@ -154,7 +154,7 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
             if len(stopped) == count:
                 break
         for key in LEAVE_KEYS:
-            terminal.press(key)
+            terminal.confirm(key)
         terminal.wait()
     if len(stopped) < count:
         raise NotStopped(f"The agent spoke and moved at once only {len(stopped)} times of {count}.")

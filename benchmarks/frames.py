@@ -79,14 +79,14 @@ def _read_prompts(data: Path, attempts: int, on_prompt: Callable[[], None]) -> l
     with Terminal(command) as terminal:
         terminal.wait_for("Enter")
         terminal.settle()
-        terminal.press("enter")
+        terminal.confirm()
         gc.collect()
         gc.disable()
         try:
             for _ in range(attempts):
                 terminal.settle()
                 since = len(terminal.output)
-                terminal.press("enter")
+                terminal.confirm()
                 for trial in range(1, PROMPTS + 1):
                     shown, since = _read_frames(terminal, trial, since)
                     found.append(shown)

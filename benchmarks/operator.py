@@ -96,7 +96,7 @@ def _attended(folder: Path, terminal: Terminal) -> Iterator[None]:
         try:
             log.wait(terminal, lambda: log.messages("operator/presence"), "the operator to join")
             terminal.settle()
-            terminal.press("enter")  # the request was read elsewhere
+            terminal.confirm()  # the request was read elsewhere
             yield
         finally:
             assert other.stdin
@@ -162,7 +162,7 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
                 say.append(terminals.say(f"Number{number}a, and on we go."))
                 on_act()
         for key in LEAVE_KEYS:
-            participant.press(key)
+            participant.confirm(key)
         participant.wait()
     return done
 
@@ -183,7 +183,7 @@ class _Terminals:
             self._entered_at = terminal.wait_for(_ENTER, since=self._entered_at)
             terminal.settle(silence_ms=60, seconds=1)
             self._entered_at = len(terminal.output)
-            terminal.press("enter")
+            terminal.confirm()
         until = time.monotonic_ns() + round(_TIMEOUT_S * SECOND)
         while not (prompt := _PROMPT.search(terminal.output, self._entered_at)):
             if not terminal.read(until):

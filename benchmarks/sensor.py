@@ -43,7 +43,7 @@ def _run(rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], Non
         for text in ("1044_1B", "Press Enter to go on", "Press Enter to begin"):
             terminal.wait_for(text)
             terminal.settle()
-            terminal.press("enter")
+            terminal.confirm()
         terminal.wait_for("Press Space to start")
         deadline = time.monotonic() + seconds + PATIENCE_S
         ticks = 0
@@ -55,7 +55,7 @@ def _run(rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], Non
                 on_second()
         terminal.settle()
         for key in LEAVE_KEYS:
-            terminal.press(key)
+            terminal.confirm(key)
         terminal.wait()
     took = json.loads(result.read_text())
     with closing(sqlite3.connect(folder / FILE)) as database:

@@ -6,8 +6,10 @@ from typing import Any, TypeVar
 from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.key_guard import QUIET, UNREAD
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.parameters import build
+from sar_tui.framework.rules import RULES
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
@@ -48,10 +50,11 @@ class Screen(Node):
         self.prompt: m.Prompt | None = None
         self.onset: int | None = None
         self.waiting: m.Waiting | None = None
+        self.waiting_since = 0
 
     @on(WAITING)
     def now_waiting(self, waiting: m.Waiting) -> None:
-        self.waiting = waiting
+        self.waiting, self.waiting_since = waiting, self.now
         if waiting.what != "response":
             self.onset = None
 
@@ -119,6 +122,7 @@ class LoopDriver:
         theme: of the agent.
         seed: of the session.
         history: a record to resume.
+        rules: of the session.
         parameters: of the task.
     """
 
@@ -131,13 +135,15 @@ class LoopDriver:
         history: Iterable[Record] | None = None,
         extra: Iterable[Node] = (),
         begin: bool = True,
+        rules: int = RULES,
         **parameters: object,
     ) -> None:
         self.clock = VirtualClock(10 * SECOND)
         self.screen = Screen()
         built = task(build(task.Parameters, parameters))
-        self.session = Session(built, theme, self.clock, seed, [self.screen, *extra])
+        self.session = Session(built, theme, self.clock, seed, [self.screen, *extra], rules=rules)
         self.records: list[Record] = []
+        self._last_press = 0
         if history is not None:
             self.session.replay(history)
         self.session.bus.tap(self.records.extend)
@@ -147,14 +153,26 @@ class LoopDriver:
     # --- the participant ---------------------------------------------------------------------------
 
     def press(self, key: str, at: int | None = None, lag: int = 0, stalled: bool = False) -> None:
-        """Press a key now; ``at``: its time stamp, if it is handled late; ``stalled``: the program was suspended."""
+        """Press a key now, or as soon as somebody would who has read what is asked for between two trials.
+
+        ``at``: its time stamp, if it is handled late; ``stalled``: the program was suspended.
+        """
+        waiting = self.screen.waiting
+        if at is None and waiting and waiting.what in ("enter", "step"):
+            read = max(self.screen.waiting_since + UNREAD, self._last_press + (QUIET if key == "enter" else 0))
+            self.clock.advance(max(0, read - self.clock.now()))
+        self.strike(key, at, lag, stalled)
+
+    def strike(self, key: str, at: int | None = None, lag: int = 0, stalled: bool = False) -> None:
+        """Press a key now, whatever is on the screen."""
+        self._last_press = self.clock.now()
         stamp = self.clock.now() if at is None else at
         self.session.bus.publish(KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag, stalled=stalled))
 
     def hold(self, key: str, ms: int, every_ms: int = 30) -> None:
         """Hold a key down: publish it repeatedly."""
         for _ in range(0, ms, every_ms):
-            self.press(key)
+            self.strike(key)
             self.wait(every_ms)
 
     def paste(self, length: int = 5) -> None:

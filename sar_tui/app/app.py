@@ -15,6 +15,8 @@ from textual.screen import Screen
 from textual.widget import Widget
 
 from sar_tui.app.leaving import LeavingApp
+from sar_tui.app.screen_keys import ScreenKeys
+from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.theme_folder import may_have_images
@@ -69,6 +71,7 @@ class SarTui(LeavingApp):
     ) -> None:
         self.sync_flash = sync_flash
         self.onset_watch = OnsetWatch()
+        self.screen_keys = ScreenKeys(lambda: host_now() / SECOND if clock is None else clock.now() / SECOND)
         super().__init__(folder, catalogue, begin, patient=patient, clock=clock, link=link, markers=markers)
         self.picture: type[Widget] | None = None
         self._has_begun = False
@@ -77,6 +80,7 @@ class SarTui(LeavingApp):
         return watched(super().get_driver_class(), self.onset_watch, self._terminal_gone)
 
     async def on_mount(self) -> None:
+        self.screen_change_signal.subscribe(self, self.screen_keys.changed, immediate=True)
         self.watch_themes()
         if self._first_patient:
             await self.begin_patient_mode(self._first_patient)
@@ -84,6 +88,15 @@ class SarTui(LeavingApp):
             self.begin_session(self._begin)
         self._has_begun = True
         cover_if_too_small(self, self.size)
+
+    async def on_event(self, event: events.Event) -> None:
+        """Drop keys that were meant for another screen."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            at = event.time if self._session_clock is None else self._session_clock.now() / SECOND
+            is_therapist = not self._has_participant
+            if not self.screen_keys.pass_on(event, at, self.screen, is_therapist=is_therapist):
+                return
+        await super().on_event(event)
 
     # --- the stop key -----------------------------------------------------------------------------------------
 
@@ -94,7 +107,6 @@ class SarTui(LeavingApp):
     def action_stop(self) -> None:
         """F2, anywhere in a session: stop everything the agent says and does."""
         if self._open:
-            from sar_tui.framework.clock import SECOND
             from sar_tui.framework.messages import SessionCommand
 
             asked = round(self._open.stamp(self.key_seconds) * SECOND)

@@ -12,8 +12,9 @@ task has ten levels, some of them far apart.
 whatever has just been said.
 4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only,
 that of the time to peak, too, and each change of a result is reported.
-6: the question about pain between attempts has the words of the one before and after a session at its ends; and a reach
+6: the question about pain between attempts has the words of the one before and after a session at its ends; a reach
 is looked for since the end of the reach before, and from the rest just before its key, instead of in the three seconds
 before it; and feedback on performance names a quality only if it has changed beyond the person's own noise, instead of
-one at random.
+one at random. Between trials, keys that were down when something else appeared on the screen do nothing, nor do those
+within 600 ms of its appearance; and an attempt begins after 700 ms without keys.
 """

@@ -144,9 +144,8 @@ def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[
         finally:
             gc.enable()
         if program.quit_keys and not terminal.ended:
-            terminal.settle()
             for key in program.quit_keys:
-                terminal.press(key)
+                terminal.confirm(key)
         if terminal.wait(seconds=10) != 0:
             raise Mismatch(f"{program.name} ended with an error: {visible(bytes(terminal.output))[-300:]}")
         rows = program.read_trials(Path(own))

@@ -12,6 +12,9 @@ import time
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 
+from sar_tui.framework.clock import MS
+from sar_tui.framework.key_guard import QUIET, UNREAD
+
 if sys.platform != "win32":
     import fcntl
     import termios
@@ -31,6 +34,9 @@ _KEYS = {
     "f1": b"\x1bOP",
     "f2": b"\x1bOQ",
 }
+
+_READING = max(QUIET, UNREAD) + 100 * MS
+"""Time from what a person sees to the key that they press for it."""
 
 _SEQUENCE = re.compile(rb"\x1b(?:\[[0-?]*[ -/]*(?:[@-~]|$)|[\]PX^_].*?(?:\x1b\\|\x07|$)|[ -/]*(?:[0-~]|$))", re.DOTALL)
 """An escape sequence, complete or cut off by the end of the output (ECMA-48: CSI, strings, others)."""
@@ -171,6 +177,13 @@ class Terminal:
     def press(self, key: str) -> int:
         """Press a key by its name (see ``encode``), and return the time just before (ns)."""
         return self.write(encode(key))
+
+    def confirm(self, key: str = "enter") -> int:
+        """Press a key after a while, as somebody who has read the screen and whose last key is up; return the time."""
+        until = time.monotonic_ns() + _READING
+        while self.read(until):
+            pass
+        return self.press(key)
 
     def wait_for(self, text: str, *, since: int = 0, seconds: float = 60) -> int:
         """Read until the output contains ``text`` after position ``since``; return the position after it.

@@ -16,9 +16,9 @@ from sar_tui.timing.pty import Terminal
 Answer = Callable[[int, str], tuple[float, str]]
 """Maps a prompt's number (0, 1, …) and the key it asks for to a delay in ms and a key to press."""
 
-SILENCE = 150 * MS
+SILENCE = 800 * MS
 """Enter is pressed when it was requested and nothing has been drawn for this time."""
-LONGEST_SILENCE_WAIT = 1 * SECOND
+LONGEST_SILENCE_WAIT = 1500 * MS
 """Enter is pressed this time after the request even if something on the screen keeps moving."""
 SPIN = 1 * MS
 """Duration of the busy loop at the end of a wait, which is more exact than sleeping."""

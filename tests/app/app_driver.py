@@ -15,6 +15,7 @@ from textual.pilot import Pilot, WaitForScreenTimeout
 
 from sar_tui.app.app import SarTui
 from sar_tui.framework.clock import MS, SECOND, VirtualClock
+from sar_tui.framework.key_guard import QUIET
 from sar_tui.framework.messages import FrameDue, Prompt, StorageChanged, Waiting
 from sar_tui.framework.session import Session
 from sar_tui.framework.task import Task
@@ -58,19 +59,43 @@ class AppDriver:
         self.clock = clock
         self._watched: Session | None = None
         self._waiting: list[Waiting] = []
+        self._waiting_since = self._pressed_at = 0
+        self._pressed, self._pressed_on = "", None
         self._prompts: list[Prompt] = []
         self._frames: list[FrameDue] = []
 
     # --- what is done --------------------------------------------------------------------------------------
 
     async def press(self, *keys: str) -> None:
-        """Press keys one after the other, without time passing. A key is a character or a key's name."""
+        """Press keys one after the other, as somebody who reads each screen before. A key is a character or its name.
+
+        No time passes in trials.
+        """
+        for key in keys:
+            await self._read_the_screen(key)
+            await self.write(key)
+
+    async def strike(self, *keys: str) -> None:
+        """Press keys one after the other, without time passing, whatever is on the screen."""
         for key in keys:
             await self.write(key)
+
+    async def _read_the_screen(self, key: str) -> None:
+        """Let the time pass after which a key counts, if no trial is under way."""
+        if self.app._open:
+            self.session  # noqa: B018  watches it
+        if getattr(self.app.screen, "is_in_trial", False):
+            return
+        shown_at = max(self.app.screen_keys._guard._appeared, self._waiting_since, self._pressed_at)
+        if self.app._has_participant or (key == self._pressed and self._pressed_on is not self.app.screen):
+            await self.wait(max(0, shown_at + QUIET - self.clock.now()) / MS)
+        elif not self.app._has_participant:
+            self.clock.advance(MS)  # no two keys come at the same time
 
     async def write(self, *keys: str) -> None:
         """Type characters without settling between them."""
         for key in keys:
+            self._pressed, self._pressed_on, self._pressed_at = key, self.app.screen, self.clock.now()
             self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
         await self.settle()
 
@@ -111,10 +136,14 @@ class AppDriver:
         session = self.app.live.run.session
         if session is not self._watched:
             self._watched = session
-            session.bus.subscribe(WAITING, self._waiting.append)
+            session.bus.subscribe(WAITING, self._waits)
             session.bus.subscribe(PROMPT, self._prompts.append)
             session.bus.subscribe(FRAME, self._frames.append)
         return session
+
+    def _waits(self, waiting: Waiting) -> None:
+        self._waiting.append(waiting)
+        self._waiting_since = self.clock.now()
 
     @property
     def _drawn(self) -> int:

@@ -100,9 +100,8 @@ class Typist:
         for message in messages:
             driver.app._driver.process_message(message)
         await driver.settle()
-        if driver.app.live and not driver.app.live.is_closed:
-            driver.clock.advance(draw.choice([0, 50, 400, 1500]) * MS)
-            await driver.settle()
+        driver.clock.advance(draw.choice([0, 50, 800, 1500]) * MS)
+        await driver.settle()
         is_small = driver.app.size.width < 80 or driver.app.size.height < 24
         if draw.random() < (0.5 if is_small else 0.01):
             await driver.resize(*draw.choice([(1, 1), (24, 80), (79, 24), (120, 40), (80, 24), (80, 24)]))

@@ -86,9 +86,8 @@ async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
         driver.session.bus.subscribe(PROMPT, lambda _: order.append("prompt"))
         opened = Image.open
         monkeypatch.setattr(Image, "open", lambda *how: (order.append("read"), opened(*how))[1])
-        await driver.wait(300)
         await driver.press("enter")
-        await driver.wait(1700)  # the agent is done, and the foreperiod has begun
+        await driver.wait(1300)  # the agent is done, and the foreperiod has begun
         assert order == ["read"]
         prompt = await driver.to_prompt()
         assert order == ["read", "prompt"]

@@ -62,8 +62,9 @@ async def _settled(app: SarTui, is_so: Any) -> None:
 
 @posix
 async def test_a_database_that_is_removed_in_a_session_costs_nothing(
-    data: Path, catalogue: Catalogue, keyboard: type[Task]
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("sar_tui.framework.key_guard.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.press("enter")
@@ -85,6 +86,7 @@ async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescu
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.runs.run._LAST_WAIT_MS", 1)
+    monkeypatch.setattr("sar_tui.framework.key_guard.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()

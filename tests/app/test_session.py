@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
-from tests.app.app_driver import open_app, plan, stored
+from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
 
 
@@ -170,14 +170,29 @@ async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summa
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(300)
         await driver.press("enter")
-        for _ in range(10):  # bounces, or is held
+        for _ in range(30):  # bounces, or is held
             await driver.wait(40)
-            await driver.press("enter")
+            await driver.strike("enter")
         assert driver.app.is_running
         assert driver.sees("Press Enter to finish.")
-        await driver.wait(300)
         await driver.press("enter")
         assert not driver.app.is_running
+
+
+async def test_an_enter_that_closes_the_summary_and_is_held_begins_no_other_session(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(data, "P01", attempts=1, prompts_per_attempt=1)
+    async with open_app(data, catalogue) as driver:
+        await driver.press("enter", "enter")
+        await driver.do_session()
+        await driver.press("enter")
+        await driver.wait(450)
+        for _ in range(60):
+            await driver.strike("enter")
+            await driver.wait(33)
+        assert driver.screen_name == "HomeScreen"
+        assert driver.stored("SELECT count(*) FROM sessions") == [(1,)]
 
 
 async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
@@ -190,8 +205,9 @@ async def test_a_repeated_enter_after_ending_early_does_not_close_the_summary(
         assert driver.waiting.reason == "finished"
         await driver.press("down", "enter")
         assert driver.session.ended
-        await driver.wait(40)
-        await driver.press("enter")
+        for _ in range(30):
+            await driver.wait(40)
+            await driver.strike("enter")
         assert driver.app.is_running
         assert driver.sees("Press Enter to finish.")
 

@@ -57,8 +57,8 @@ async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
         async with open_app(tmp_path, catalogue, begin, markers=[receiver.address], sync_flash=True) as driver:
             assert driver.sees("A short flash and a tone: for the camera.")
             assert driver.sees("Press Enter when the camera is recording.")
-            flashed = driver.clock.now()
             await driver.press("enter")
+            flashed = driver.clock.now()
             (player,) = sound.made
             assert player.played == ["sync"]
             assert driver.app.screen.has_class("flash")

@@ -77,6 +77,7 @@ async def test_a_key_that_is_held_answers_one_question_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.wait(700)
         await driver.write("0", "0", "0")
         assert driver.sees("How tired are you now?")
         assert answers(driver) == [("before", "pain", "0")]

@@ -150,7 +150,7 @@ class Participant:
         """Answer this many further prompts, and press Enter where a prompt requires it."""
         self.terminal.settle(silence_ms=50)
         if "Press Enter" in self._reader.text():  # the request may have been read while another terminal was watched
-            self.terminal.press("enter")
+            self.terminal.confirm()
             self.script.forget_enter()
         self.script.run(len(self.script.presses) + prompts)
 

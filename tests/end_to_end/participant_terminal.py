@@ -30,7 +30,7 @@ def see_the_summary(terminal: Terminal) -> None:
     """Continue from the last response to the summary."""
     terminal.wait_for("Press Enter to see how it went.")
     terminal.settle()
-    terminal.press("enter")
+    terminal.confirm()
     terminal.wait_for("Press Enter to finish.")
     terminal.settle()
 

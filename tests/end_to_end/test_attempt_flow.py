@@ -36,7 +36,7 @@ def play(tmp_path: Path, data: Path, task: str, answers: dict[str, Keys], killed
     with Terminal(command("resume", only_session(data), *where)) as terminal:
         Player(terminal, answers).play(lambda: b"see how it went" in terminal.output)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
     assert replays_identically(data, "--tasks", str(tasks))
@@ -79,14 +79,18 @@ def _messages(topic: str) -> str:
 
 @pytest.mark.slow
 def test_questions_between_attempts_are_asked_again_after_a_kill_and_none_is_lost(data: Path, tmp_path: Path) -> None:
-    arrows: dict[str, Keys] = {r"Press: left": LEFT, r"Press: right": RIGHT, "It was fun": ((600, "3"), (900, "enter"))}
+    arrows: dict[str, Keys] = {
+        r"Press: left": LEFT,
+        r"Press: right": RIGHT,
+        "It was fun": ((800, "3"), (1100, "enter")),
+    }
     tasks = tmp_path / "mytasks"
     write_documented(tasks, "effort")
     where = ("--data", str(data), "--tasks", str(tasks))
     settings = QUICK | {"attempts": 2}
     words = ("run", "effort", "-p", "P01", "--seed", "3", *where, *(f"--set={n}={v}" for n, v in settings.items()))
-    read: dict[str, Keys] = {"Now use your other hand": ((600, "enter"),)}
-    effort: dict[str, Keys] = {"How hard was that": ((700, "5"), (1000, "enter"))}
+    read: dict[str, Keys] = {"Now use your other hand": ((900, "enter"),)}
+    effort: dict[str, Keys] = {"How hard was that": ((800, "5"), (1100, "enter"))}
     with Terminal(command(*words)) as terminal:
         Player(terminal, arrows | read).play(lambda: b"How hard was that" in terminal.output)
         terminal.kill()
@@ -95,7 +99,7 @@ def test_questions_between_attempts_are_asked_again_after_a_kill_and_none_is_los
     with Terminal(command("resume", only_session(data), *where)) as terminal:
         Player(terminal, arrows | effort).play(lambda: b"see how it went" in terminal.output)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     assert rows(data, "SELECT attempt, step, run, answer FROM answers ORDER BY number") == [
         (0, "read", 1, None), (1, "effort", 2, "5.0"), (2, "effort", 2, "5.0"), (2, "fun", 2, "3"),

@@ -135,7 +135,7 @@ def test_a_task_that_raises_or_never_returns_is_reported_and_finished_trials_are
         _answer(terminal, 2)
         terminal.wait_for("Please fetch the experimenter")
         terminal.settle()
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 1
         assert error in terminal.output
         assert b"Traceback" not in terminal.output
@@ -162,13 +162,13 @@ def test_a_session_that_was_quit_is_listed_and_resumed_at_the_next_trial(data: P
         _answer(terminal, 2)
         terminal.settle()
         for key in LEAVE_KEYS:
-            terminal.press(key)
+            terminal.confirm(key)
         assert terminal.wait() == 0
     with Terminal(command("resume", only_session(data)[:6], "--data", str(data))) as terminal:
         terminal.wait_for("Welcome back")
         _answer(terminal, 2)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     assert rows(data, "SELECT trial, run FROM trials") == [(1, 1), (2, 1), (3, 2), (4, 2)]
     assert os.listdir(data / "locks")

@@ -37,7 +37,7 @@ def test_a_stop_signal_task_is_killed_between_frames_resumed_and_replayed(data: 
     with Terminal(command("resume", only_session(data), *where)) as terminal:
         ScriptedParticipant(terminal, random_answers(2, 330, 360)).run(PROMPTS - done)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     trials = rows(data, "SELECT stimulus, timing, details, onset_ns FROM trials ORDER BY trial")
     assert len(trials) == PROMPTS

@@ -54,7 +54,7 @@ def test_the_session_pauses_while_the_disk_is_full_and_continues_when_there_is_s
             participant.run(until=time.monotonic_ns() + 100 * MS)
         cure()
         terminal.wait_for("Everything is saved again")
-        terminal.press("enter")
+        terminal.confirm()
         participant.run()
         assert terminal.wait() == 0
 

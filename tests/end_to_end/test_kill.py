@@ -46,7 +46,7 @@ def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
         ScriptedParticipant(terminal, random_answers(99, 60, 120)).run(PROMPTS * attempts - pressed)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
 
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]

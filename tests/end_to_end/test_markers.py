@@ -30,11 +30,11 @@ def test_markers_over_udp_and_lsl_have_the_stamps_that_are_stored(tmp_path: Path
             screen = ScreenReader(terminal)
             terminal.wait_for("for the camera.")
             inlet = lsl_inlet(only_session(data))
-            terminal.press("enter")
+            terminal.confirm()
             terminal.wait_for("Welcome")
             ScriptedParticipant(terminal, random_answers(3, 120, 220, error_rate=0.25)).run(3)
             see_the_summary(terminal)
-            terminal.press("enter")
+            terminal.confirm()
             assert terminal.wait() == 0
         markers = receiver.until("session_end")
         stamps = []

@@ -54,10 +54,10 @@ def naming(tmp_path: Path) -> Path:
 def begin(terminal: Terminal) -> None:
     """Continue from the instructions to the first foreperiod."""
     terminal.wait_for("Press Enter to go on.")
-    terminal.press("enter")
+    terminal.confirm()
     terminal.wait_for("Press Enter to begin")
     terminal.settle()
-    terminal.press("enter")
+    terminal.confirm()
 
 
 @pytest.mark.slow
@@ -77,10 +77,10 @@ def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tm
         reader = ScreenReader(terminal)
         terminal.wait_for("Enter")
         terminal.settle()
-        terminal.press("enter")
+        terminal.confirm()
         name_pictures(terminal, reader, PROMPTS - done)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     trials = rows(data, "SELECT stimulus, response, correct, timing FROM trials ORDER BY trial")
     assert [response for _, response, *_ in trials] == [stimulus[0] for stimulus, *_ in trials]

@@ -106,7 +106,7 @@ def test_session_with_operator_listens_on_one_private_socket(data: Path) -> None
         assert place.parent == terminals.runtime / "sar-tui"
         assert place.parent.stat().st_mode & 0o777 == 0o700
         for key in LEAVE_KEYS:
-            participant.terminal.press(key)
+            participant.terminal.confirm(key)
         assert participant.terminal.wait() == 0
         assert not list(place.parent.iterdir()), "no files are left"
     assert alone.network == joined.network == []

@@ -35,10 +35,10 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
     with Terminal(words) as terminal:
         reader = ScreenReader(terminal)
         terminal.wait_for("Press Enter to go on.")
-        terminal.press("enter")
+        terminal.confirm()
         terminal.wait_for("Press Enter to begin")
         terminal.settle()
-        terminal.press("enter")
+        terminal.confirm()
         pressed = []
         for number in (1, 2):
             keys = asked(terminal, reader)
@@ -49,7 +49,7 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
             pressed.append(keys)
             terminal.wait_for(f"Prompts {number} of 2")
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     stored_rows = rows(data, "SELECT trial, seat, response, correct, timing, details FROM trials ORDER BY trial, seat")
     assert [response for _, _, response, *_ in stored_rows] == [key for keys in pressed for key in keys]

@@ -80,7 +80,7 @@ class Player:
     def _answer(self, new: bytes) -> None:
         now = time.monotonic_ns()
         if b"Enter" in new:
-            self._due.append((now + 300 * MS, "enter"))
+            self._due.append((now + 900 * MS, "enter"))
             self._digits = ""
         for pattern, keys in self._answers:
             for found in pattern.finditer(new):
@@ -116,7 +116,7 @@ def test_it_is_played_killed_resumed_and_replayed(data: Path, tasks: Path, parad
     with Terminal(command("resume", only_session(data), *where)) as terminal:
         Player(terminal, paradigm.answers).play(lambda: b"see how it went" in terminal.output)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     trials = rows(data, "SELECT response, correct, timing FROM trials ORDER BY attempt, trial")
     assert len(trials) == paradigm.trials

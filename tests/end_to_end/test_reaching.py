@@ -34,7 +34,7 @@ def press(terminal: Terminal, key: str) -> int:
     """Press a key when the screen has come to rest; returns how much was on it before."""
     terminal.settle(silence_ms=100, seconds=0.6)
     seen = len(terminal.output)
-    terminal.press(key)
+    (terminal.confirm if key == "enter" else terminal.press)(key)
     return seen
 
 
@@ -114,7 +114,7 @@ def test_stored_reaches_agree_with_their_samples(data: Path) -> None:
         begin_attempt(terminal, reach(terminal), "Press Enter for attempt 2")
         reach(terminal)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
 
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
@@ -156,7 +156,7 @@ def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data
         to_start(terminal, press(terminal, "enter"))
         reach(terminal)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
 
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]

@@ -42,7 +42,7 @@ def whole_session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[
         while rows(data, "SELECT count(*) FROM trials") < [(12,)]:
             participant.run(until=time.monotonic_ns() + 100 * MS)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     timings = rows(data, "SELECT timing FROM trials ORDER BY attempt, trial")
     last = list(accumulate(json.loads(timing)["presentation"] for (timing,) in timings))
@@ -78,11 +78,11 @@ def test_no_byte_is_written_while_a_response_is_awaited(data: Path) -> None:
         t.wait_for("Press Enter to go on.")
         t.settle()
         assert "Enter" in reader.text()
-        t.press("enter")
+        t.confirm()
         t.wait_for("Press Enter to begin")
         t.settle()
         assert "Press Enter to begin attempt 1 of 1." in reader.text()
-        t.press("enter")
+        t.confirm()
         seen = len(t.output)
         for _ in range(2):
             t.settle(silence_ms=300)
@@ -105,11 +105,11 @@ def test_keys_without_a_prompt_are_stored_but_are_no_responses(data: Path) -> No
     """A key in the wait, a paste, and a key held down before the prompt."""
     with Terminal(run_command(data, prompts_per_attempt=2, attempts=1, **_slowly(600))) as t:
         t.wait_for("Press Enter to go on.")
-        t.press("enter")
+        t.confirm()
         t.wait_for("Press Enter to begin")
         t.settle()
         see_the_agent_still(t, data)
-        t.press("enter")
+        t.confirm()
         t.settle()
         for _ in range(20):
             t.press("x")
@@ -138,22 +138,22 @@ def test_only_keys_of_the_task_are_recorded(data: Path) -> None:
     with Terminal(command("--data", str(data))) as t:
         t.wait_for("New participant")
         t.settle()
-        t.press("enter")
+        t.confirm()
         t.wait_for("Never a name")
         t.settle()
         for key in "secret7":
             t.press(key)
         t.settle()
-        t.press("enter")
+        t.confirm()
         t.settle()
         for key in ("right", "right", "enter"):
             t.press(key)
             t.settle()
         t.wait_for("Press Enter to go on.")
-        t.press("enter")
+        t.confirm()
         t.wait_for("Press Enter to begin")
         for key in LEAVE_KEYS:
-            t.press(key)
+            t.confirm(key)
         assert t.wait() == 0
 
     assert rows(data, "SELECT code FROM participants") == [("SECRET7",)]

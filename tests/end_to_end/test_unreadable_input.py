@@ -36,7 +36,7 @@ def test_a_session_its_panel_and_the_agents_screen_survive_it(data: Path) -> Non
         for terminal in (agent, panel.terminal):
             terminal.press("ctrl+q")
             assert terminal.wait() == 0
-        participant.terminal.press("enter")
+        participant.terminal.confirm()
         assert participant.terminal.wait() == 0
         outputs = [bytes(each.output) for each in (participant.terminal, panel.terminal, agent)]
     for output in outputs:

@@ -61,7 +61,7 @@ def test_the_session_continues_with_a_new_voice(data: Path, tmp_path: Path) -> N
         (another,) = voices(terminal.process.pid)
         ScriptedParticipant(terminal, random_answers(3, 120, 220)).run(2)
         see_the_summary(terminal)
-        terminal.press("enter")
+        terminal.confirm()
         assert terminal.wait() == 0
     assert another != voice
     assert not Path(f"/proc/{another}").exists(), "no voice outlives its program"

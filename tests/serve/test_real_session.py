@@ -90,7 +90,7 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
                 await browser.open(address)
                 await browser.see("P01")
             participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
-            terminal.press("enter")
+            terminal.confirm()
             await asyncio.to_thread(participant.run, 2)
             async with keep_reading(terminal):
                 text = (await logged_message(data, "arbiter/offered"))["proposal"]["text"]
@@ -123,7 +123,7 @@ async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
                 await browser.open(address)
                 await browser.see(greeting[:12])
             participant = ScriptedParticipant(terminal, random_answers(3, 120, 220))
-            terminal.press("enter")
+            terminal.confirm()
             await asyncio.to_thread(participant.run, 2)
             async with keep_reading(terminal):
                 feedback = str((await logged_message(data, "arbiter/action", kind="feedback"))["text"])

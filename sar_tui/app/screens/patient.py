@@ -127,6 +127,7 @@ class PatientScreen(Screen[None]):
         skip.label = tr("Skip this exercise")
         skip.display = several and not (self._is_done or self._rest)
         self.query_one("#go").focus()
+        self.app.screen_keys.changed(self)
 
     @on(Button.Pressed, "#go")
     def action_start(self) -> None:

@@ -142,6 +142,7 @@ class SessionScreen(KeysScreen):
             may_be_mistake = waiting.reason == "finished" and self._live.in_first_attempt
             self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
             self._stage("menu")
+            self.app.screen_keys.changed(self)
 
     def _prepare_pictures(self, waiting: Waiting) -> None:
         """Prepare what the next prompt shows, before it comes."""
@@ -176,6 +177,7 @@ class SessionScreen(KeysScreen):
         names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
         self.query_one(Summary).show(*attempts.values(), status=ended.status, names=names)
         self._stage("summary")
+        self.app.screen_keys.changed(self)
         if ended.status == "completed" and len(task.seats) == 1 and not self._live.run.rescue_file:
             counted = [attempt for attempt in attempts[task.seats[0]] if not attempt.practice]
             compare = functools.partial(self._compare, counted)
@@ -196,6 +198,7 @@ class SessionScreen(KeysScreen):
     def _broken(self, error: str) -> None:
         """Record that the task raised, so that the app ends with this message; the data is safe."""
         self._gc.end_attempt()
+        self.app.screen_keys.changed(self)
         self.app.failure = (
             f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."
         )

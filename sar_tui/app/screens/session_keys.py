@@ -7,7 +7,7 @@ from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_pause import PausingScreen
 from sar_tui.app.screens.waiting_text import help_text, key_name
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import SessionCommand, TrialMarked, Waiting
 from sar_tui.tui.gc_control import GcControl
 
@@ -18,16 +18,20 @@ class KeysScreen(PausingScreen):
     def __init__(self, live: LiveSession) -> None:
         super().__init__(live)
         self._gc = GcControl()
-        self._last_key = ("", 0.0)
 
     @property
     def help_text(self) -> str:
         """Instructions of the task, and the keys to pause, ask for feedback and, for a therapist, mark a trial."""
         return help_text(self._live.run.session.task, self.tr, with_marks=not self.app.patient)
 
+    @property
+    def judges_keys(self) -> bool:
+        """True while the session itself judges which keys count, and records the others."""
+        waiting = self._waiting
+        return waiting is not None and waiting.what != "nothing" and self._shown != "menu"
+
     def on_key(self, event: events.Key) -> None:
         waiting = self._waiting
-        is_repeat = self._is_repeat(event)
         if waiting is None or isinstance(self.focused, PauseMenu):
             return
         if self._shown == "menu":  # a click beside the menu took the focus from it
@@ -37,14 +41,14 @@ class KeysScreen(PausingScreen):
         if waiting.what == "nothing":
             if event.key in ("enter", "space"):
                 event.stop()
-                if not is_repeat and not self._awaits_goodbye:
+                if not self._awaits_goodbye:
                     self.dismiss()
             return
         if event.key not in ("escape", "f1", "ctrl+p"):
             event.stop()
             event.prevent_default()
         if event.key in self._marks:
-            if not is_repeat:
+            if not self.app.screen_keys.is_repeat:
                 self._press_mark(event.key, waiting)
             return
         at = self._live.stamp(event.time)
@@ -77,13 +81,6 @@ class KeysScreen(PausingScreen):
         if start and wanted and key in ("enter", start) and key != wanted:
             later = self.tr("({key} comes later.)", key=key_name(key, self.tr))
             self.query_one(MessagePanel).correct(later)
-
-    def _is_repeat(self, event: events.Key) -> bool:
-        """True if a key is held or bounces, as perception judges it: the Enter before the summary must not close it."""
-        (last, before), now = self._last_key, self._live.stamp(event.time)
-        self._last_key = (event.key, now)
-        interval = self._live.run.session.task.parameters.repeat_interval_ms * MS / SECOND
-        return event.key == last and now - before < interval
 
     def on_paste(self, event: events.Paste) -> None:
         event.stop()

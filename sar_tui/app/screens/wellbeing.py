@@ -23,8 +23,6 @@ _TEN_KEYS = ("t", "d", "x")
 _NOT_SAID_KEY = "n"
 _GO_ON_KEY = "g"
 """Goes on in spite of the advice not to. It answers no question, so that nobody presses it by habit."""
-_REPEAT_SECONDS = 0.6
-"""A key that is held must not answer the next question, too."""
 
 PLACES = {
     "1": "left hand",
@@ -117,7 +115,6 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._save = save
         self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
         self._answers: dict[tuple[str, Question], str] = {}
-        self._last_key = ("", 0.0)
         self._is_advising = False
 
     @property
@@ -155,13 +152,9 @@ class WellbeingScreen(DismissedOnce[bool]):
     # --- answers ------------------------------------------------------------------------------------------
 
     def on_key(self, event: events.Key) -> None:
-        (last, before), self._last_key = self._last_key, (event.key, event.time)
-        is_repeat = event.key == last and event.time - before < _REPEAT_SECONDS
         if event.key in ("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"):
             return
         event.stop()
-        if is_repeat:
-            return
         if self._is_advising:
             if event.key == "enter":
                 self._close_advice(goes_on=False)

@@ -9,6 +9,7 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.blockers import Blockers
 from sar_tui.framework.bus import FAULT
 from sar_tui.framework.clock import SECOND
+from sar_tui.framework.key_guard import GuardedPress
 from sar_tui.framework.node import on
 from sar_tui.framework.nodes import VITAL
 from sar_tui.framework.nodes.step_flow import StepFlow
@@ -91,6 +92,8 @@ class EventHandler(StepFlow):
         self._pause_reason = ""
         self._blockers = Blockers(task.sensor_seats(task.parameters))
         self._status: m.EndStatus = "completed"
+        self._on_screen: object = None
+        """What a participant is asked for at present."""
 
     @property
     def is_recording_over(self) -> bool:
@@ -107,6 +110,8 @@ class EventHandler(StepFlow):
         self._given = session.steps or self._given
         self._last_key = None
         self._start_key.release()
+        self._key_guard.reset()
+        self._on_screen = None
         self._focused = True
         self._is_agent_acting = False
         self._feedback_due_at = 0
@@ -291,7 +296,13 @@ class EventHandler(StepFlow):
         self._wait(Phase.ENDED)
         self.emit(SESSION_ENDED, m.SessionEnded(status=self._status))
 
-    def _key_between_trials(self, percept: m.KeyPerceived) -> None:
+    def _key_between_trials(self, percept: m.KeyPerceived, press: GuardedPress) -> None:
+        """Handle a key, unless it was pressed for something that is not on the screen any more."""
+        is_new = press.after_quiet if self._phase is Phase.READY else press.is_new
+        if self._rules < 6 or (press.counts and (is_new or percept.key != "enter")):
+            self._take_key(percept)
+
+    def _take_key(self, percept: m.KeyPerceived) -> None:
         match self._phase, percept.key:
             case Phase.INSTRUCTIONS, "enter":
                 if self._is_step_due():
@@ -334,6 +345,7 @@ class EventHandler(StepFlow):
     def _wait(self, phase: Phase, reason: str = "") -> None:
         self._phase = phase
         why = reason or self._reason
+        self._note_appearance(why)
         notice = self._notice_for(phase)
         detail = self._blockers.detail(why)
         seat = self._blockers.lost_seat if why == "sensor" else self._turn
@@ -351,6 +363,14 @@ class EventHandler(StepFlow):
         if phase is Phase.STEP:
             message = replace(message, step=self._asked)
         self.emit(WAITING, replace(message, why=changed) if changed else message)
+
+    def _note_appearance(self, why: str) -> None:
+        """Note when something else is asked for than before. What is asked again in other words stays the same."""
+        asked = (self._asked.number, self._asked.shown) if self._phase is Phase.STEP and self._asked else None
+        on_screen = (self._phase, self._attempts.attempt, asked, why)
+        if on_screen != self._on_screen:
+            self._on_screen = on_screen
+            self._key_guard.appeared(self.now)
 
     def _ends_at(self, phase: Phase) -> int:
         """Return when a wait ends by itself (ns); 0 if that is not known."""

@@ -16,7 +16,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import STEP_ENDED
 
 TOO_SOON = 400 * MS
-"""Enter within this time of a step's appearance was meant for what stood there before."""
+"""Until rules 6, Enter within this time of a step's appearance was meant for what stood there before."""
 
 
 class StepFlow(AttemptFlow):
@@ -106,7 +106,8 @@ class StepFlow(AttemptFlow):
         asked = self._asked
         if asked is None or asked.step.kind in TIMED:
             return
-        if percept.key == "enter" and (percept.repeat or percept.at < asked.shown + TOO_SOON):
+        is_too_soon = self._rules < 6 and percept.at < asked.shown + TOO_SOON
+        if percept.key == "enter" and (percept.repeat or is_too_soon):
             return
         if not asked.step.is_question:
             if percept.key == "enter":

@@ -9,6 +9,7 @@ from sar_tui.framework import frames
 from sar_tui.framework import messages as m
 from sar_tui.framework.clock import MS, SECOND, STALLED
 from sar_tui.framework.held_key import HeldKey
+from sar_tui.framework.key_guard import GuardedPress, KeyGuard
 from sar_tui.framework.node import TimedNode, on
 from sar_tui.framework.session_phase import BEFORE_PROMPT, IN_TRIAL, Phase
 from sar_tui.framework.task import Task
@@ -68,6 +69,7 @@ class TrialFlow(TimedNode, ABC):
         self._last_key: int | None = None
         self._result_lasts = 0
         self._start_key = HeldKey()
+        self._key_guard = KeyGuard()
         self._awaiting_quiet_since = 0
         self._notice = ""
         self._is_agent_acting = False
@@ -78,7 +80,7 @@ class TrialFlow(TimedNode, ABC):
         """Enter a phase, and publish what the session waits for."""
 
     @abstractmethod
-    def _key_between_trials(self, percept: m.KeyPerceived) -> None:
+    def _key_between_trials(self, percept: m.KeyPerceived, press: GuardedPress) -> None:
         """Handle a key while no trial is under way."""
 
     @abstractmethod
@@ -255,10 +257,11 @@ class TrialFlow(TimedNode, ABC):
     def perceived(self, percept: m.KeyPerceived) -> None:
         self._last_key = percept.at
         is_start = percept.key == self.task.start_key and self._start_key.press(percept.at) != "held"
+        press = self._key_guard.press(percept.key, percept.at)
         if self._phase in IN_TRIAL:
             self._key_in_trial(percept, is_start)
         else:
-            self._key_between_trials(percept)
+            self._key_between_trials(percept, press)
 
     def _key_in_trial(self, percept: m.KeyPerceived, is_start: bool) -> None:
         match self._phase:

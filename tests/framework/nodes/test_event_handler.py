@@ -288,10 +288,55 @@ def test_a_held_key_delays_the_prompt_until_it_is_released(new_session: NewSessi
 
 def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
     driver = new_session()
-    driver.hold("enter", ms=900)
-    assert driver.waiting.stage == "attempt"
+    driver.wait(1000)
+    driver.strike("enter")
+    driver.wait(500)
+    driver.hold("enter", ms=5000)
+    assert (driver.waiting.stage, driver.all(ATTEMPT_STARTED)) == ("attempt", [])
     driver.wait(200)
     driver.press("enter")
+    assert driver.waiting.stage == "trial"
+
+
+def test_an_enter_that_was_down_when_the_session_began_skips_nothing(new_session: NewSession) -> None:
+    driver = new_session()
+    driver.hold("enter", ms=5000)
+    assert driver.waiting.stage == "instructions"
+
+
+@pytest.mark.parametrize("between_ms", [20, 80, 300, 590])
+def test_a_doubled_enter_passes_one_screen_only(new_session: NewSession, between_ms: int) -> None:
+    driver = new_session(attempts=1, prompts_per_attempt=1)
+    passed = []
+    for _ in range(3):
+        driver.wait(1000)
+        passed.append(driver.waiting.stage)
+        driver.strike("enter")
+        driver.wait(between_ms)
+        driver.strike("enter")
+        if driver.waiting.stage == "trial":
+            driver.answer()
+    assert passed == ["instructions", "attempt", "review"]
+
+
+def test_an_attempt_begins_only_after_quiet_keys(new_session: NewSession) -> None:
+    driver = new_session()
+    driver.enter()
+    driver.wait(2000)
+    driver.strike("x")
+    driver.wait(690)
+    driver.strike("enter")
+    assert driver.waiting.stage == "attempt"
+    driver.wait(700)
+    driver.strike("enter")
+    assert driver.waiting.stage == "trial"
+
+
+def test_a_session_of_earlier_rules_takes_keys_as_it_did(keyboard: type[Task], calm: Theme) -> None:
+    driver = LoopDriver(keyboard, calm, rules=5)
+    driver.strike("enter")
+    driver.wait(60)
+    driver.strike("enter")
     assert driver.waiting.stage == "trial"
 
 

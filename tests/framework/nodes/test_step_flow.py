@@ -4,6 +4,7 @@ import pytest
 from msgspec.structs import replace
 
 from sar_tui.framework import messages as m
+from sar_tui.framework.key_guard import UNREAD
 from sar_tui.framework.steps.entry import Entry
 from sar_tui.framework.steps.step import Step, points, problem
 from sar_tui.framework.task import Task
@@ -90,8 +91,25 @@ def test_the_next_attempt_does_not_begin_before_the_answer(keyboard: type[Task])
 def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(keyboard: type[Task]) -> None:
     driver = questioned(keyboard, READ)
     driver.enter()
-    driver.press("enter")
+    driver.wait(290)
+    driver.strike("enter")
     assert driver.all(STEP_ENDED) == []
+    driver.press("enter")
+    assert driver.last(STEP_ENDED).status == "done"
+
+
+def test_a_number_that_was_meant_for_the_question_before_answers_nothing(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, PAIN)
+    driver.enter()
+    driver.begin_attempt()
+    driver.answer()
+    driver.until(lambda: driver.waiting.what == "step")
+    driver.clock.advance(driver.screen.waiting_since + UNREAD - 1 - driver.clock.now())
+    before = driver.waiting
+    driver.strike("3")
+    assert driver.waiting == before
+    driver.press("4")
+    assert driver.waiting != before
 
 
 def test_a_calibration_lasts_its_time_and_ends_by_itself(keyboard: type[Task]) -> None:

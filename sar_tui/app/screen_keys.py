@@ -1,0 +1,70 @@
+"""Which keys reach the screen that a participant sees: see `framework.key_guard` for the rule."""
+
+from collections.abc import Callable
+from typing import Any
+
+from textual.events import Key
+from textual.screen import Screen
+from textual.widgets import Input
+
+from sar_tui.framework.clock import SECOND
+from sar_tui.framework.held_key import LONGEST_INTERVAL
+from sar_tui.framework.key_guard import KeyGuard
+
+_ALWAYS = frozenset(("ctrl+c", "ctrl+q", "f2"))
+"""Keys that stop something, on any screen and at any time."""
+_AT_ONCE = frozenset(("escape", "f1", "question_mark", "f12"))
+"""Keys that act as soon as a screen appears; their repeats do nothing."""
+_CONFIRM = frozenset(("enter", "space"))
+_MOVES = frozenset(
+    ("up", "down", "left", "right", "home", "end", "pageup", "pagedown", "tab", "shift+tab", "backspace", "delete")
+)
+"""Keys that may be held, as they choose and correct, and confirm nothing."""
+
+
+class ScreenKeys:
+    """Judges the keys of the app.
+
+    What a key leads to is not on the screen before the app has handled the key, so each key that is let through counts
+    as a new appearance; that holds for screens whose contents change with each key, too.
+
+    Args:
+        now: the present time in s, on the clock of the stamps.
+    """
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self._now = now
+        self._guard = KeyGuard()
+        self._last = ("", 0.0)
+        self.is_repeat = False
+        """True if the last key bounced, or is held: for keys that a therapist may press twice at short intervals."""
+
+    def changed(self, screen: Screen[Any]) -> None:
+        """Note that another screen is shown, or something else on it: from now on, and once it is drawn."""
+        self._note()
+        screen.call_after_refresh(self._note)
+
+    def _note(self) -> None:
+        self._guard.appeared(round(self._now() * SECOND))
+
+    def pass_on(self, event: Key, at: float, screen: Screen[Any], *, is_therapist: bool) -> bool:
+        """Return True if a key, stamped at ``at`` (s), is meant for a screen.
+
+        A therapist who is at the keyboard knows the screens: only keys that are still held do nothing.
+        """
+        press = self._guard.press(event.key, round(at * SECOND))
+        (last, before), self._last = self._last, (event.key, at)
+        self.is_repeat = event.key == last and at - before < LONGEST_INTERVAL / SECOND
+        is_typed = event.is_printable and isinstance(screen.focused, Input)
+        if event.key in _ALWAYS or getattr(screen, "is_in_trial", False):
+            return True
+        if is_therapist:
+            return not (press.is_left_over and event.key in _CONFIRM)
+        if event.key in _AT_ONCE or is_typed:
+            return press.is_new or is_typed
+        if event.key in _MOVES or getattr(screen, "judges_keys", False):
+            return press.counts
+        passes = press.counts and press.is_new
+        if passes:
+            self._note()
+        return passes
