@@ -20,7 +20,7 @@ from sar_tui.framework.clock import SECOND, host_now
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.theme_folder import may_have_images
-from sar_tui.tui.terminal_input import UnreadableInput
+from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput
 from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
 
@@ -128,6 +128,11 @@ class SarTui(LeavingApp):
         """Record it in the session. Textual calls the base class's handler as well."""
         if self._open:
             self._open.keyboard.dropped(message.what, self._open.stamp(message.time))
+
+    def on_paste_dropped(self, message: PasteDropped) -> None:
+        """Record its length in the session, as that of any paste."""
+        if self._open:
+            self._open.keyboard.pasted(message.length, self._open.stamp(message.time))
 
     def on_resize(self, event: events.Resize) -> None:
         if self._has_begun:  # before, there is nothing to cover

@@ -24,7 +24,7 @@ from sar_tui.tui.gc_control import SWITCH_INTERVAL
 from sar_tui.tui.ordered_keys import in_order
 from sar_tui.tui.punctual_loop import punctual_loop
 from sar_tui.tui.steady_driver import steady
-from sar_tui.tui.terminal_input import UnreadableInput, capped, tolerate_in_terminals
+from sar_tui.tui.terminal_input import PasteDropped, UnreadableInput, capped, tolerate_in_terminals
 from sar_tui.tui.terminal_output import unblocked
 from sar_tui.tui.terminal_probe import TerminalProbe, is_relayed
 from sar_tui.tui.textual_theme import textual_theme
@@ -61,6 +61,7 @@ class BaseApp(App[int]):
         self.key_seconds = 0.0
         self._line_filters = [VisibleLines(), *([ConsoleGlyphs()] if on_linux_console() else [])]
         self._unreadable, self._last_unreadable = 0, ""
+        self._pastes_dropped: list[int] = []
         self.has_lost_terminal = False
 
     def run_here(self) -> int:
@@ -154,8 +155,17 @@ class BaseApp(App[int]):
         self._unreadable, self._last_unreadable = self._unreadable + 1, message.what
         self.log.warning(f"unreadable input: {message.what}")
 
+    def on_paste_dropped(self, message: PasteDropped) -> None:
+        self._pastes_dropped.append(message.length)
+        self.log.warning(f"dropped a paste of {message.length} characters")
+
     def _report_unreadable(self) -> None:
-        """Print a line if the terminal sent what cannot be read."""
+        """Print a line if the terminal sent what cannot be read, and one if it sent pastes that were dropped."""
+        if self._pastes_dropped:
+            count, longest = len(self._pastes_dropped), max(self._pastes_dropped)
+            pastes = "A paste was" if count == 1 else f"{count} pastes were"
+            with contextlib.suppress(OSError):
+                print(f"{pastes} dropped: too long, or no text ({longest:,} characters).", file=sys.stderr)
         if self._unreadable:
             times = "once" if self._unreadable == 1 else f"{self._unreadable} times"
             with contextlib.suppress(OSError):  # the terminal may be gone

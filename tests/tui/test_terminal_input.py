@@ -21,7 +21,15 @@ from sar_tui.framework.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.tui import terminal_input
 from sar_tui.tui.base_app import BaseApp
-from sar_tui.tui.terminal_input import TolerantParser, UnreadableInput, tolerate, tolerate_in_terminals
+from sar_tui.tui.terminal_input import (
+    LONGEST_PASTE,
+    TYPED_AT_MOST,
+    PasteDropped,
+    TolerantParser,
+    UnreadableInput,
+    tolerate,
+    tolerate_in_terminals,
+)
 from tests.app.app_driver import known, open_app, plan
 from tests.app.test_agent_view import Link
 from tests.examples import examples, first
@@ -152,6 +160,97 @@ def test_the_drivers_of_terminals_and_browsers_read_so(monkeypatch: pytest.Monke
     assert linux_driver.getincrementaldecoder("utf-8")().decode(b"\xf1j") == "\udcf1j"  # type: ignore[attr-defined]
 
 
+# --- pastes, marked and not -------------------------------------------------------------------------------------------
+
+PART = 4096
+"""Bytes that a driver reads at once."""
+FLOODS = {
+    "letters": b"abcdefghij",
+    "arrows": b"\x1b[A",
+    "escapes": b"\x1b",
+    "colours": b"\x1b[31mhello\x1b[0m",
+    "unknown sequences": b"\x1b[99;99;99y",
+    "other bytes": b"\xf1\x80",
+}
+
+
+def flood(reader: Reader, data: bytes, count: int = 0, within: float = 0.02) -> list[Message]:
+    """Read bytes in parts, without a pause; ``count``: only so many parts."""
+    messages: list[Message] = []
+    for at in range(0, len(data), PART)[: count or None]:
+        messages += reader.read(data[at : at + PART]) + reader.wait(within)
+    return messages
+
+
+@pytest.mark.parametrize("unit", FLOODS.values(), ids=FLOODS)
+def test_what_nobody_can_type_is_counted_and_dropped_not_parsed(unit: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    parsed = []
+    parse = XTermParser.feed
+    monkeypatch.setattr(XTermParser, "feed", lambda self, data: (parsed.append(data), parse(self, data))[1])
+    reader = Reader()
+    size = 300_000 // len(unit) * len(unit)
+    messages = flood(reader, unit * (size // len(unit)))
+    messages += reader.wait(0.2)
+    (gone,) = [message for message in messages if isinstance(message, PasteDropped)]
+    assert len("".join(parsed)) <= 2 * TYPED_AT_MOST, "the work does not grow with the input"
+    assert size - 2 * TYPED_AT_MOST <= gone.length <= size
+    assert len([message for message in messages if isinstance(message, events.Key)]) <= 2 * TYPED_AT_MOST
+    assert keys(reader.read(b"j")) == ["j"]
+
+
+@pytest.mark.parametrize(("key", "sent"), [("f1", b"\x1bOP"), ("f2", b"\x1b[12~")])
+def test_help_and_stop_act_in_the_middle_of_it(key: str, sent: bytes) -> None:
+    reader = Reader()
+    flood(reader, b"x" * PART * 3)
+    found = reader.read(b"y" * 1000 + sent[:2]) + reader.read(sent[2:] + b"z" * 1000)
+    assert [message.key for message in found if isinstance(message, events.Key)] == [key]
+
+
+def test_a_paste_that_is_not_marked_arrives_whole() -> None:
+    reader = Reader()
+    text = "".join(f"line {number} ñ " for number in range(500))
+    messages = flood(reader, text.encode())
+    assert not [message for message in messages if isinstance(message, events.Paste)]
+    messages += reader.wait(0.2)
+    (paste,) = [message for message in messages if isinstance(message, events.Paste)]
+    assert "".join(map(str, keys(messages))) + paste.text == text
+
+
+def test_a_paste_is_passed_on_up_to_a_length_and_without_control_sequences() -> None:
+    reader = Reader()
+    (paste,) = flood(reader, b"\x1b[200~" + b"\x1b[31mx" * (LONGEST_PASTE // 6) + b"\x1b[201~")
+    assert isinstance(paste, events.Paste)
+    assert paste.text == "x" * (LONGEST_PASTE // 6)
+    (gone,) = flood(reader, b"\x1b[200~" + b"x" * (LONGEST_PASTE + 1) + b"\x1b[201~")
+    assert isinstance(gone, PasteDropped)
+    assert gone.length == LONGEST_PASTE + 1
+    assert keys(reader.read(b"j")) == ["j"]
+
+
+@examples(200)
+@given(st.text(st.characters(exclude_categories=["Cc", "Cs"]), min_size=1), st.data())
+def test_a_marked_paste_may_be_cut_anywhere(text: str, data: st.DataObject) -> None:
+    reader = Reader()
+    sent = f"\x1b[200~{text}\x1b[201~j".encode()
+    found: list[Message] = []
+    while sent:
+        count = data.draw(st.integers(1, len(sent)))
+        found += reader.read(sent[:count])
+        sent = sent[count:]
+    assert [message.text for message in found if isinstance(message, events.Paste)] == [text]
+    assert keys(found) == ["j"]
+
+
+def test_a_mouse_that_moves_and_a_key_that_is_held_are_no_paste() -> None:
+    reader = Reader()
+    messages = []
+    for _ in range(300):
+        messages += reader.read(b"\x1b[<35;10;10M" * 5 + b"\x1b[<35;11;11M\x1b[A")
+        messages += reader.wait(0.033)
+    assert len([message for message in messages if isinstance(message, events.Key)]) == 300
+    assert len([message for message in messages if isinstance(message, events.MouseMove)]) == 1800
+
+
 # --- the apps --------------------------------------------------------------------------------------------------------
 
 
@@ -176,6 +275,23 @@ async def test_input_that_was_dropped_in_a_session_is_recorded(
         assert driver.stored("SELECT correct FROM trials") == [(1,)]
         ((timing,),) = driver.stored("SELECT timing FROM trials")
         assert '"unreadable_input"' in timing
+
+
+async def test_a_paste_that_was_dropped_in_a_session_is_recorded_with_its_length(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    length = LONGEST_PASTE + 1
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        prompt = await driver.to_first_prompt()
+        await send(driver.app, b"\x1b[200~" + b"x" * length + b"\x1b[201~")
+        await driver.settle()
+        assert [message["length"] for message in driver.messages("input/paste")] == [length]
+        await driver.answer(prompt)
+        assert driver.stored("SELECT correct FROM trials") == [(1,)]
+    monkeypatch.setattr(BaseApp, "run_async", AsyncMock())
+    await asyncio.to_thread(driver.app.run_here)
+    assert "A paste was dropped: too long, or no text (65,537 characters)." in capsys.readouterr().err
 
 
 async def test_it_is_told_when_the_app_has_ended(
