@@ -137,7 +137,7 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
         "foreperiod_min_ms": 40,
         "foreperiod_max_ms": 80,
     }
-    command = [sys.executable, "-m", "benchmarks.silent_app", str(folder), "run", "keyboard", "-p", "BENCH"]
+    command = [sys.executable, "-m", "benchmarks.silent_app", str(folder), "run", "keyboard", "-p", "BENCH", "--new"]
     command += ["--data", str(folder), "--seed", "1", "--outputs", "screen,speech,servo"]
     command += [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     stopped: list[Stop] = []

@@ -74,7 +74,7 @@ def _read_prompts(data: Path, attempts: int, on_prompt: Callable[[], None]) -> l
     shortest, longest = FOREPERIOD_MS
     settings = {"attempts": attempts, "foreperiod_min_ms": shortest, "foreperiod_max_ms": longest, "quiet_ms": QUIET_MS}
     command = [sys.executable, "-m", "sar_tui", "run", "sequence", "-p", "BENCH", "--data", str(data), "--seed", "1"]
-    command += ["--tasks", str(TASKS), *(f"--set={name}={value}" for name, value in settings.items())]
+    command += ["--new", "--tasks", str(TASKS), *(f"--set={name}={value}" for name, value in settings.items())]
     found = []
     with Terminal(command) as terminal:
         terminal.wait_for("Enter")

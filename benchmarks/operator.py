@@ -147,6 +147,7 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
         "operator_time_ms": 120_000,
     }
     command = [sys.executable, "-m", "sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder), "--seed", "1"]
+    command.append("--new")
     command += ["--operator", *(word for name, value in settings.items() for word in ("--set", f"{name}={value}"))]
     done: dict[str, list[float]] = {"approve → the words are seen": [], "free text → it is seen": []}
     approve, say = done.values()

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, New, Tasks, are_new, console, print_json
 
 if TYPE_CHECKING:
     from sar_tui.store.adverse_events import AdverseEvent
@@ -39,6 +39,7 @@ def add_event(
         str | None,
         typer.Option("--session", metavar="SESSION|last", show_default=False, help="The session in which it began."),
     ] = None,
+    new: New = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -55,6 +56,7 @@ def add_event(
         found = find(database, home.folder, session) if session is not None else None
         if found and code not in (found["participant"], found["partner"]):
             raise StoreError(f"The session {found['id']} is not one of {code}.", bad_input=True)
+        is_new = are_new(database, [participant], said=new)
         event = adverse_events.report(
             database,
             code,
@@ -65,6 +67,7 @@ def add_event(
             outcome=outcome,
             session=found["id"] if found else None,
             author=login_name(),
+            is_new=is_new,
         )
     _print_saved(event, as_json=as_json)
 
@@ -113,6 +116,8 @@ def list_events(
     code = participants.check_code(participant) if participant is not None else None
     with Home.of(context, data, tasks).database() as database:
         found = adverse_events.listing(database, code)
+        if code and not found:
+            participants.check_known(database, code)
     if as_json:
         print_json({"adverse_events": found})
         return

@@ -115,13 +115,14 @@ def _checked_patient(home: Home, catalogue: "Catalogue", code: str) -> str:
     """
     from sar_tui.app.patient_mode import ignore_keys_that_signal
     from sar_tui.runs.patient_plan import exercises
-    from sar_tui.store.participants import check_own
+    from sar_tui.store.participants import check_known, check_own
     from sar_tui.store.passphrase import Passphrase
 
     code = check_own(code)
     if not Passphrase(home.folder).is_set:
         raise Refused("Patient mode ends with a passphrase. Set one first: sar-tui passphrase.")
     with home.database() as database:
+        check_known(database, code)
         exercises(database, home.folder, catalogue, code)
     need_terminal()
     ignore_keys_that_signal()

@@ -49,6 +49,12 @@ Tasks = Annotated[
         help="Additional folder of tasks. May be repeated.",
     ),
 ]
+New = Annotated[
+    bool,
+    typer.Option(
+        "--new", help="The participant is new. Without it, an unknown code is asked about, or refused if nobody can be."
+    ),
+]
 RecordedSession = Annotated[
     str, typer.Argument(metavar="SESSION|last", help="The session's id, or its beginning.", show_default=False)
 ]
@@ -303,6 +309,28 @@ def terminal_kind() -> str:
 def is_interactive() -> bool:
     """Return True if somebody can be asked on this terminal."""
     return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
+
+
+def are_new(database: "sqlite3.Connection", codes: Sequence[str], *, said: bool) -> bool:
+    """Return True if participants of whom something is recorded now are new: it was said, or is answered here.
+
+    Raises:
+        Refused: somebody is not known, and nobody can be asked.
+        StoreError: as `participants.admit`.
+        Exit: the code was a typing error.
+    """
+    from sar_tui.store.participants import UnknownParticipant, admit
+
+    try:
+        admit(database, codes, is_new=said)
+    except UnknownParticipant as unknown:
+        if not is_interactive():
+            raise Refused(unknown.advice) from None
+        if not typer.confirm(f"{unknown} Is {unknown.code} a new participant?", err=True):
+            print("Nothing was done.", file=sys.stderr)
+            raise typer.Exit(FAILED) from None
+        return True
+    return said
 
 
 def need_screen() -> None:

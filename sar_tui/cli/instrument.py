@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, print_json
+from sar_tui.cli.common import AsJson, Data, Home, New, Tasks, are_new, console, print_json
 
 app = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
 
@@ -44,6 +44,7 @@ def add_score(
         str, typer.Option("--on", metavar="DATE", show_default=False, help="The day it was measured: 2026-03-01.")
     ],
     note: Annotated[str, typer.Option("--note", metavar="TEXT", help="Such as the goal of GAS, or the assessor.")] = "",
+    new: New = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -55,8 +56,9 @@ def add_score(
 
     home = Home.of(context, data, tasks)
     with home.writable_database() as database:
-        code = participants.check_code(participant)
-        stored = instrument_scores.add(database, code, Score(name, on, score, note), author=login_name())
+        is_new = are_new(database, [participant], said=new)
+        code = participants.check_own(participant)
+        stored = instrument_scores.add(database, code, Score(name, on, score, note), author=login_name(), is_new=is_new)
     if as_json:
         print_json({"participant": code, **_plain(stored)})
         return

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +12,7 @@ from sar_tui.cli.common import (
     Home,
     Language,
     Markers,
+    New,
     Outputs,
     Pairs,
     Seed,
@@ -20,6 +21,7 @@ from sar_tui.cli.common import (
     SyncFlash,
     TaskName,
     Tasks,
+    are_new,
     checked_markers,
     checked_settings,
     is_interactive,
@@ -95,6 +97,7 @@ def run(
     listen: Listen = None,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
+    new: New = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -114,6 +117,7 @@ def run(
 
     from sar_tui.runs.plan import left_out_text, make_plan
     from sar_tui.store import programmes
+    from sar_tui.store.database import connect_to_read
     from sar_tui.store.participants import check_code
     from sar_tui.store.sessions import new_id
 
@@ -141,6 +145,8 @@ def run(
         raise Refused(f"The task {kind.name} uses no motion sensor with these settings: leave out --imu.")
     addresses = checked_markers(markers)
     need_terminal()
+    with closing(connect_to_read(home.folder)) as database:
+        are_new(database, plan.participants, said=new)
     can_join = operator or plan.parameters.operator_joins
     with _open_link(home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms) as link:
         from sar_tui.app.app import run_app

@@ -7,7 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, named_path, print_json, warn_of_git
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    New,
+    TaskName,
+    Tasks,
+    are_new,
+    console,
+    named_path,
+    print_json,
+    warn_of_git,
+)
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
@@ -222,6 +234,7 @@ def import_programme(
         str | None,
         typer.Option("--author", metavar="NAME", show_default=False, help="Who changes it. Default: the login name."),
     ] = None,
+    new: New = False,
     anyway: Annotated[
         bool, typer.Option("--anyway", help="Also if the programme was changed since the file was exported.")
     ] = False,
@@ -246,11 +259,12 @@ def import_programme(
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
     kind = catalogue.task(task)
-    code = participants.check_code(participant)
+    code = participants.check_own(participant)
     given = find(home.folder, kind, preset) if preset is not None else _read(file)
     if given.task != task:
         raise Refused(f"This programme is for the task {given.task}, not {task}.")
     with home.writable_database() as database:
+        are_new(database, [code], said=new)
         last = programmes.newest(database, code, task)
         after = last.version
         if file is not None and given.participant.upper() == code and given.version and not anyway:
@@ -313,15 +327,11 @@ def presets(
 def _tasks(database: Any, participant: str, task: str | None) -> tuple[str, list[str]]:
     """Return the code as it is stored, and the task, or those for which there is a programme.
 
-    Raises:
-        Refused: there is no such participant.
-        StoreError: the code is not valid.
+    Raises StoreError if there is no such participant.
     """
     from sar_tui.store import participants, programmes
 
-    code = participants.check_code(participant)
-    if code not in participants.codes(database) and not programmes.tasks(database, code):
-        raise Refused(f"There is no participant {code}.")
+    code = participants.check_known(database, participant)
     return code, [task] if task is not None else programmes.tasks(database, code)
 
 

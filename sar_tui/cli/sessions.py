@@ -49,6 +49,8 @@ def sessions(
         felt = wellbeing.by_session(database, [row["id"] for row in listed])
         own = sites.own(database)
         stored = other_code(database, code) if code else ""
+        if code and not listed and not stored:
+            participants.check_known(database, code)
     rows = [
         {**row, "site": row["site"] or own, "operators": known.get(row["id"], []), "wellbeing": felt.get(row["id"], [])}
         for row in listed

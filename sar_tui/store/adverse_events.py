@@ -10,7 +10,7 @@ import msgspec
 
 from sar_tui.store.counted import LIVE
 from sar_tui.store.database import StoreError, transaction
-from sar_tui.store.participants import check_known, check_own
+from sar_tui.store.participants import add, admit, check_own
 
 Severity = Literal["mild", "moderate", "severe"]
 SEVERITIES: tuple[str, ...] = get_args(Severity)
@@ -93,16 +93,18 @@ def report(
     outcome: str = "",
     session: str | None = None,
     author: str = "",
+    is_new: bool = False,
 ) -> AdverseEvent:
-    """Store a new adverse event, and return it.
+    """Store a new adverse event, and return it. ``is_new``: as in `participants.admit`.
 
     Raises:
         StoreError: the participant is not known, a value is not valid, or the disk cannot write.
     """
+    (code,) = admit(db, [participant], is_new=is_new)
     event = AdverseEvent(
         event=secrets.token_hex(3),
         version=1,
-        participant=check_known(db, participant),
+        participant=code,
         session=session,
         onset=check_onset(onset),
         what=_text("what", what, needed=True),
@@ -112,6 +114,7 @@ def report(
         recorded_at=datetime.now(UTC).isoformat(),
         recorded_by=author,
     )
+    add(db, code)
     return _insert(db, event)
 
 

@@ -5,24 +5,26 @@ import sqlite3
 from datetime import UTC, date, datetime
 
 from sar_tui.progress.instruments import INSTRUMENTS, Instrument, Score
+from sar_tui.store import participants
 from sar_tui.store.database import StoreError, transaction
-from sar_tui.store.participants import check_own
 
 _LONGEST_NOTE = 2000
 
 
-def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str) -> Score:
-    """Check and store a score, and return it as it is stored.
+def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str, is_new: bool = False) -> Score:
+    """Check and store a score, and return it as it is stored. ``is_new``: as in `participants.admit`.
 
     Raises:
-        StoreError: there is no such instrument, the score or the date cannot be, or the disk cannot write.
+        StoreError: the participant is not known, there is no such instrument, the score or the date cannot be, or the
+            disk cannot write.
     """
     instrument = find(score.instrument)
     check_score(instrument, score.score)
     if len(score.note) > _LONGEST_NOTE:
         raise StoreError(f"A note has at most {_LONGEST_NOTE} characters.", bad_input=True)
     checked = Score(instrument.name, _date(score.date), score.score, score.note.strip())
-    _insert(db, participant, checked, author)
+    (code,) = participants.admit(db, [participant], is_new=is_new)
+    _insert(db, participants.add(db, code), checked, author)
     return checked
 
 
@@ -59,7 +61,6 @@ def check_score(instrument: Instrument, score: float) -> None:
 
 
 def _insert(db: sqlite3.Connection, participant: str, score: Score, author: str, *, removed: bool = False) -> None:
-    check_own(participant)
     row = (participant, score.instrument, score.date, score.score, score.note, _now(), author, removed)
     with transaction(db) as connection:
         connection.execute(

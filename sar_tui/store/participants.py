@@ -2,6 +2,7 @@
 
 import re
 import sqlite3
+from collections.abc import Collection, Sequence
 from datetime import UTC, datetime
 from difflib import get_close_matches
 from pathlib import Path
@@ -67,26 +68,81 @@ def check_known(db: sqlite3.Connection, code: str) -> str:
         StoreError: the code is not valid, or nobody has it. The message names codes that are much like it.
     """
     code = check_code(code)
-    if any(db.execute(f"SELECT 1 FROM {table} WHERE {column}=? LIMIT 1", (code,)).fetchone() for table, column in _OF):
-        return code
-    known = sorted({each for table, column in _OF for (each,) in db.execute(f"SELECT DISTINCT {column} FROM {table}")})
-    like = [each for each in known if _plain(each) == _plain(code)] or get_close_matches(code, known)
-    meant = f" Is it {' or '.join(like)}?" if like else ""
-    raise StoreError(f"There is no participant {code}.{meant}", bad_input=True)
+    known = _codes_in(db, (*_RECORDS, "seats"))
+    if code not in known:
+        raise UnknownParticipant(code, known)
+    return code
 
 
-_OF = (
-    ("participants", "code"),
-    ("seats", "participant"),
-    ("instrument_scores", "participant"),
-    ("wellbeing", "participant"),
-)
-"""Tables and their columns that hold the codes of participants."""
+def admit(db: sqlite3.Connection, codes: Sequence[str], *, is_new: bool = False) -> list[str]:
+    """Return codes as they are stored, if something may be recorded of these participants now.
+
+    The one rule for all that records something of people: a code that nobody has here is probably a typing error, and
+    would divide a person's record; a code that is given twice would mix the records of two people. Simulated sessions
+    make nobody known.
+
+    Args:
+        codes: of the participants of a session, or of one person.
+        is_new: True if the user says that those who are not known are new.
+
+    Raises:
+        UnknownParticipant: somebody is not known, and not said to be new.
+        StoreError: a code is not valid, or of another site; or ``is_new``, and all are known.
+    """
+    codes = [check_own(code) for code in codes]
+    known = _codes_in(db, _RECORDS)
+    unknown = [code for code in codes if code not in known]
+    if unknown and not is_new:
+        raise UnknownParticipant(unknown[0], known)
+    if is_new and not unknown:
+        raise StoreError(
+            f"{' and '.join(codes)} is known here already: leave out --new, or give a new participant another code.",
+            bad_input=True,
+        )
+    return codes
+
+
+class UnknownParticipant(StoreError):
+    """Nobody has a code. The message names those that are much like it.
+
+    Args:
+        code: the code.
+        known: those that somebody has.
+
+    Attributes:
+        like: the known codes that are much like it.
+    """
+
+    def __init__(self, code: str, known: Collection[str]) -> None:
+        self.code = code
+        alike = sorted(each for each in known if _plain(each) == _plain(code))
+        self.like = " or ".join(alike or get_close_matches(code, sorted(known), 1))
+        meant = f" Is it {self.like}?" if self.like else ""
+        super().__init__(f"There is no participant {code}.{meant}", bad_input=True)
+
+    @property
+    def advice(self) -> str:
+        """Say in one sentence what to do where somebody is to be recorded, and nobody can be asked."""
+        meant = f"give {self.like} if that is meant, or " if self.like else ""
+        return f"There is no participant {self.code}: {meant}add --new for a new participant."
+
+
+_RECORDS = ("participants", "programmes", "adverse_events", "instrument_scores", "wellbeing")
+"""Tables that hold something of people."""
+
+
+def _codes_in(db: sqlite3.Connection, tables: Sequence[str]) -> set[str]:
+    parts = (f"SELECT {'code' if table == 'participants' else 'participant'} FROM {table}" for table in tables)
+    return {code for (code,) in db.execute(" UNION ".join(parts))}
+
+
+_MISTAKEN = str.maketrans("OIL", "011")
+"""Letters that are typed for digits."""
 
 
 def _plain(code: str) -> str:
-    """Return a code without what is easily left out: "P-01", "p1" and "P01" are alike."""
-    return re.sub(r"(?<!\d)0+(?=\d)|[-_]", "", code.upper())
+    """Return a code without what is easily left out or mistaken: "P-01", "p1", "P0l" and "P01" are alike."""
+    return re.sub(r"(?<!\d)0+(?=\d)|[-_]", "", code.upper().translate(_MISTAKEN))
 
 
 class Known(msgspec.Struct, frozen=True):

@@ -10,7 +10,7 @@ import msgspec
 from sar_tui.store.counted import is_set_aside
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge.people import other_code
-from sar_tui.store.participants import check_code
+from sar_tui.store.participants import check_code, check_known
 from sar_tui.store.sessions import find, listing
 
 Row = dict[str, Any]
@@ -137,6 +137,8 @@ def _is_wanted(row: Row, request: Request) -> bool:
 def _none(database: sqlite3.Connection, rows: Sequence[Row], request: Request, code: str) -> str:
     if code and (stored := other_code(database, code)):
         return f"{code} is {stored} here: ask for the sessions of {stored}."
+    if code and not rows:
+        check_known(database, code)
     of = f" of {code}" if code else ""
     kind = "" if request.mixed else " simulated" if request.simulated else " live"
     said = f"There is no{kind} session{of}."

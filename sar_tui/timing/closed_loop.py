@@ -92,7 +92,7 @@ def _sar_tui(folder: Path, block: Block) -> list[str]:
         "foreperiod_max_ms": longest,
         "quiet_ms": QUIET_MS,
     }
-    command = child_process.python("sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder))
+    command = child_process.python("sar_tui", "run", "keyboard", "-p", "BENCH", "--new", "--data", str(folder))
     command += ["--seed", str(block.seed)]
     return command + [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
 

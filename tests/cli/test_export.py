@@ -60,7 +60,7 @@ def test_sessions_are_chosen_by_id_and_by_participant(call: Call, live: str, tmp
         (("--all", "-p", "P01"), "Say which sessions"),
         (("--all", "--mixed", "--simulated"), "give one of them"),
         (("zzz",), "There is no session zzz"),
-        (("-p", "P99"), "There is no live session of P99"),
+        (("-p", "P99"), "There is no participant P99."),
         (("--all", "--format", "xls"), "There is no format xls. Choose one of: csv"),
     ],
 )

@@ -46,7 +46,7 @@ def programme(checkout: Path, call: Call) -> None:
     """A programme of P01."""
     file = checkout.parent / "programme.toml"
     file.write_text('task = "keyboard"\n[parameters]\nattempts = 2\n')
-    assert call("programme", "import", "P01", "keyboard", file, "--reason", "Tires early").code == 0
+    assert call("programme", "import", "P01", "keyboard", file, "--reason", "Tires early", "--new").code == 0
 
 
 def test_the_sample_recording_is_tracked(checkout: Path) -> None:

@@ -5,7 +5,7 @@ from tests.program import Call
 
 
 def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
-    assert call("instrument", "add", "p01", "fma-ue", 34, "--on", "2026-03-01").code == 0
+    assert call("instrument", "add", "p01", "fma-ue", 34, "--on", "2026-03-01", "--new").code == 0
     assert (
         "FMA-UE 45 of P01, 2026-05-01, is saved."
         in call("instrument", "add", "P01", "FMA-UE", 45, "--on", "2026-05-01").out
@@ -27,13 +27,13 @@ def test_the_list_has_every_instrument(call: Call) -> None:
 
 
 def test_a_score_that_cannot_be_is_told_in_a_sentence(call: Call) -> None:
-    called = call("instrument", "add", "P01", "BBT", 500, "--on", "2026-05-01")
+    called = call("instrument", "add", "P01", "BBT", 500, "--on", "2026-05-01", "--new")
     assert (called.code, called.out) == (2, "")
     assert "A score of BBT lies between 0 and 150, not at 500." in called.err
 
 
 def test_a_score_entered_by_mistake_is_removed(call: Call) -> None:
-    call("instrument", "add", "P01", "BBT", 30, "--on", "2026-05-01")
+    call("instrument", "add", "P01", "BBT", 30, "--on", "2026-05-01", "--new")
     removed = call("instrument", "remove", "p01", "bbt", "--on", "2026-05-01")
     assert removed.out == "BBT 30 of P01, 2026-05-01, is removed, and kept in the database.\n"
     assert call("instrument", "remove", "P01", "BBT", "--on", "2026-05-01").code == 2

@@ -4,6 +4,7 @@ import importlib.util
 import sqlite3
 import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +15,7 @@ from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.discovery import joinable_sessions, live_sessions
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.store import programmes
+from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from tests.program import Call
@@ -28,8 +29,11 @@ def runtime() -> Iterator[str]:
 
 
 @pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch, runtime: str) -> list[dict[str, Any]]:
-    """Fake a terminal and an app; return the arguments of each opening. The app exits with 7."""
+def opened(monkeypatch: pytest.MonkeyPatch, runtime: str, tmp_path: Path) -> list[dict[str, Any]]:
+    """Fake a terminal and an app, with two participants; return the arguments of each opening. The app exits with 7."""
+    with closing(connect(tmp_path / "data")) as database:
+        for code in ("P01", "P02"):
+            participants.add(database, code)
     calls: list[dict[str, Any]] = []
 
     def run_app(
@@ -317,3 +321,39 @@ def test_without_the_packages_of_the_link_it_is_reported_what_to_install(
     called = call("run", "keyboard", "-p", "P01", "--operator")
     assert (called.code, opened) == (1, [])
     assert "pip install -e '.[link]'" in called.err
+
+
+# --- a participant who is not known ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("answer", "code", "plans"), [(False, 1, []), (True, 7, ["P0L"])])
+def test_an_unknown_code_is_asked_about_before_the_screen_changes(
+    call: Call,
+    opened: list[dict[str, Any]],
+    monkeypatch: pytest.MonkeyPatch,
+    answer: bool,
+    code: int,
+    plans: list[str],
+) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: True)
+    monkeypatch.setattr("sar_tui.cli.common.typer.confirm", lambda text, **_: asked.append(text) or answer)
+    monkeypatch.setattr("sar_tui.cli.common.print", lambda *_, **__: None, raising=False)
+    assert call("run", "keyboard", "-p", "P0l").code == code
+    assert asked == ["There is no participant P0L. Is it P01? Is P0L a new participant?"]
+    assert [how["plan"].participant for how in opened] == plans
+
+
+def test_where_nobody_can_be_asked_a_new_participant_needs_to_be_said(
+    call: Call, opened: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: False)
+    refused = call("run", "keyboard", "-p", "P0l")
+    assert refused == (
+        2, "", "There is no participant P0L: give P01 if that is meant, or add --new for a new participant.\n"
+    )  # fmt: skip
+    assert call("run", "keyboard", "-p", "P01", "--new").code == 2
+    assert opened == []
+    assert call("run", "keyboard", "-p", "P0l", "--new").code == 7
+    assert call("run", "pairs", "-p", "P01", "-p", "P03", "--new").code == 7
+    assert [how["plan"].participants for how in opened] == [("P0L",), ("P01", "P03")]

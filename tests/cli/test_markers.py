@@ -17,7 +17,7 @@ from tests.cli.test_sessions import record
 from tests.outputs.markers.receivers import serial_line, udp_receiver
 from tests.program import Call
 
-RUN = ("run", "keyboard", "-p", "P01")
+RUN = ("run", "keyboard", "-p", "P01", "--new")
 
 
 @pytest.fixture

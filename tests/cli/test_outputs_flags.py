@@ -3,6 +3,7 @@
 import json
 import sqlite3
 import wave
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan
-from sar_tui.store import programmes
+from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme
 from tests.needs_speech import needs_speech
@@ -23,8 +24,10 @@ RUN = ("run", "keyboard", "-p", "P01")
 
 
 @pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
-    """Fake a terminal and an app; return the plans of the sessions it was opened with."""
+def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Plan]:
+    """Fake a terminal and an app, with a participant; return the plans of the sessions it was opened with."""
+    with closing(connect(tmp_path / "data")) as database:
+        participants.add(database, "P01")
     plans: list[Plan] = []
 
     def run_app(folder: Path, catalogue: Catalogue, plan: Plan, link: BrokerProcess | None, **_: object) -> int:

@@ -80,7 +80,7 @@ def test_a_participant_without_a_programme_and_one_who_does_not_exist_are_told_a
         called = call("programme", command, "P07")
         assert called.code == 0
         assert "P07 has no programme yet" in called.out
-        assert call("programme", command, "P09") == (2, "", "There is no participant P09.\n")
+        assert call("programme", command, "P09") == (2, "", "There is no participant P09. Is it P07?\n")
     assert "its defaults are used" in call("programme", "show", "P07", "keyboard").out
 
 
@@ -116,7 +116,7 @@ def test_an_exported_programme_names_every_setting_and_is_imported_for_another(
     file = tmp_path / "p07.toml"
     assert call("programme", "export", "P07", "keyboard", "--to", file).code == 0
     assert call("programme", "export", "P07", "keyboard", "--to", file).code == 2
-    called = call("programme", "import", "p08", "keyboard", file, *WHY)
+    called = call("programme", "import", "p08", "keyboard", file, *WHY, "--new")
     assert called.out == "Saved version 1 of the programme of P08 for Keyboard reaction.\n"
     (row,) = call("programme", "show", "P08", "--json").json["programmes"]
     assert row["parameters"] == {"attempts": 12, "levels": ["fj", "dfjk"], "choice_set": "left hand"}
@@ -169,7 +169,7 @@ def test_a_file_that_does_not_fit_is_refused_with_the_reason(
 
 def test_a_programme_is_read_from_standard_input(call: Call, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO('task = "keyboard"\n[parameters]\nattempts = 4\n'))
-    assert call("programme", "import", "P07", "keyboard", "-", *WHY).code == 0
+    assert call("programme", "import", "P07", "keyboard", "-", *WHY, "--new").code == 0
     assert newest(data).parameters == {"attempts": 4}
 
 
@@ -243,7 +243,7 @@ def test_nothing_is_left_of_the_preset_before(call: Call, data: Path) -> None:
     """Whichever two follow each other, and whatever they name."""
     own_preset(data, "slow", '[parameters]\nfeedback_every = 3\nlevels = ["fj", "dfjk"]\noperator_feedback = "veto"')
     own_preset(data, "quick", "[parameters]\nthreshold = 700.0")
-    assert call("programme", "import", "P07", "keyboard", "--preset", "quick", *WHY).code == 0
+    assert call("programme", "import", "P07", "keyboard", "--preset", "quick", *WHY, "--new").code == 0
     alone = newest(data).parameters
     assert alone == {"threshold": 700.0}
     for before in ("slow", "severe", "mild"):
@@ -288,7 +288,7 @@ def test_a_programme_is_kept_as_a_preset_of_ones_own(call: Call, data: Path) -> 
     assert call("programme", "export", "P07", "keyboard", "--preset", "../x").code == 2
     names = [row["name"] for row in call("programme", "presets", "keyboard", "--json").json["presets"]]
     assert names == ["mild", "moderate", "severe", "left-arm"]
-    assert call("programme", "import", "P08", "keyboard", "--preset", "left-arm", *WHY).code == 0
+    assert call("programme", "import", "P08", "keyboard", "--preset", "left-arm", *WHY, "--new").code == 0
     (row,) = call("programme", "show", "P08", "--json").json["programmes"]
     assert row["parameters"] == {"attempts": 3}
 

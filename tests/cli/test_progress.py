@@ -80,7 +80,7 @@ def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...],
 
 
 def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None:
-    call("instrument", "add", "P09", "BBT", 30, "--on", "2026-03-01")
+    call("instrument", "add", "P09", "BBT", 30, "--on", "2026-03-01", "--new")
     found = call("progress", "P09", "--json").json
     assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == ("P09", [], [], 1)
     assert (found["recent"]["days"], found["recent"]["done"]) == (0, 0)

@@ -37,7 +37,7 @@ def test_sessions_json_has_the_columns_of_the_table(call: Call, simulated: str) 
 
 def test_sessions_can_be_one_participants(call: Call, simulated: str) -> None:
     assert [row["id"] for row in call("sessions", "-p", "p01", "--json").json["sessions"]] == [simulated]
-    assert call("sessions", "-p", "P99", "--json").json == {"sessions": []}
+    assert call("sessions", "-p", "P99") == (2, "", "There is no participant P99.\n")
 
 
 def test_sessions_are_listed_newest_first(call: Call, simulated: str) -> None:

@@ -8,7 +8,7 @@ from tests.program import Call
 
 __all__ = ["opened"]
 
-RUN = ("run", "pairs", "-p", "P01", "-p", "P02")
+RUN = ("run", "pairs", "-p", "P01", "-p", "P02", "--new")
 REACHES = ("--set", "respond_with=reaches")
 
 

@@ -100,6 +100,8 @@ def test_an_adverse_event_is_recorded_and_amended(call: Call, data: Path, simula
 
 
 def test_people_are_told_what_is_still_missing(call: Call, data: Path) -> None:
+    with closing(connect(data)) as database:
+        participants.add(database, "P02")
     said = call("adverse", "add", "P01", *FALL, "--action", "Rested").out
     assert said.endswith("--outcome …`.\n")
     assert "--action" not in said
@@ -120,7 +122,7 @@ def test_the_advice_not_to_train_and_what_came_of_it_are_told(call: Call, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("P99", *FALL), "There is no participant P99."),
+        (("P99", *FALL), "There is no participant P99: add --new for a new participant."),
         (("P01", *FALL, "--severity", "awful"), "The severity must be mild, moderate or severe."),
         (("P01", *FALL, "--onset", "yesterday"), "The onset must be a date, such as 2026-03-01"),
         (("P01", *FALL, "--onset", "2026-02-30"), "The onset must be a date, such as 2026-03-01"),

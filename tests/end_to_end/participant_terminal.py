@@ -5,7 +5,9 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import closing
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,17 @@ QUICK = {"quiet_ms": 40, "foreperiod_min_ms": 60, "foreperiod_max_ms": 120, "min
 
 
 def command(*words: str) -> list[str]:
-    return [sys.executable, "-m", "sar_tui", *words]
+    """Return a command of the program; ``run`` is told that a participant is new if they are."""
+    return [sys.executable, "-m", "sar_tui", *words, *_new(words)]
+
+
+def _new(words: Sequence[str]) -> list[str]:
+    if words[0] != "run":
+        return []
+    values = {name: value for name, value in pairwise(words) if name in ("-p", "--data")}
+    database = Path(values["--data"]) / "sar-tui.db"
+    known = database.exists() and rows(database.parent, "SELECT 1 FROM participants WHERE code=?", values["-p"])
+    return [] if known else ["--new"]
 
 
 def run_command(data: Path, participant: str = "P01", **parameters: object) -> list[str]:

@@ -67,7 +67,7 @@ def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], tmp_path: Pa
 def test_of_one_participant_nothing_of_the_partner_in_a_pair_is_counted(call: Call, tmp_path: Path) -> None:
     pair = ("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 3)
     assert call(*pair).code == 0
-    call("adverse", "add", "P02", "--what", "Cramp", "--severity", "mild", "--onset", "2026-03-01")
+    call("adverse", "add", "P02", "--what", "Cramp", "--severity", "mild", "--onset", "2026-03-01", "--new")
     found = call("report", "intervention", "-p", "P01", "--simulated", "--json").json
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         feedback = database.execute(

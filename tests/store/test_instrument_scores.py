@@ -5,8 +5,14 @@ import sqlite3
 import pytest
 
 from sar_tui.progress.instruments import Score
+from sar_tui.store import participants
 from sar_tui.store.database import StoreError
 from sar_tui.store.instrument_scores import add, remove, scores_of
+
+
+@pytest.fixture(autouse=True)
+def a_participant(database: sqlite3.Connection) -> None:
+    participants.add(database, "P01")
 
 
 def test_a_score_is_kept_with_who_entered_it(database: sqlite3.Connection) -> None:

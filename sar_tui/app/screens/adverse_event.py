@@ -80,7 +80,7 @@ class AdverseEventScreen(DismissedOnce[bool], ModalScreen[bool]):
         if event.input.id != "outcome":
             self.focus_next()
             return
-        given = {name: self.query_one(f"#{name}", Input).value for name in _FIELDS}
+        given: dict[str, Any] = {name: self.query_one(f"#{name}", Input).value for name in _FIELDS}
         try:
             self._save(participants.check_code(given.pop("participant")), given)
         except StoreError as error:
@@ -89,7 +89,7 @@ class AdverseEventScreen(DismissedOnce[bool], ModalScreen[bool]):
         else:
             self.dismiss(True)
 
-    def _save(self, code: str, given: dict[str, str]) -> None:
+    def _save(self, code: str, given: dict[str, Any]) -> None:
         database = self.app.database
         if self._event:
             adverse_events.amend(database, self._event.event, login_name(), **given)

@@ -1,0 +1,106 @@
+"""A code that nobody has is asked about, or needs --new: a typing error would divide a person's record."""
+
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sar_tui.store.database import connect
+from sar_tui.store.participants import UnknownParticipant, admit
+from tests.app.app_driver import known
+from tests.program import Call
+
+SCORE = ("FMA-UE", 34, "--on", "2026-03-01")
+FALL = ("--what", "Fell", "--onset", "2026-03-01", "--severity", "mild")
+REASON = ("--preset", "mild", "--reason", "First visit")
+RECORDS = {
+    "instrument": lambda code: ("instrument", "add", code, *SCORE),
+    "adverse": lambda code: ("adverse", "add", code, *FALL),
+    "programme": lambda code: ("programme", "import", code, "keyboard", *REASON),
+}
+
+
+@pytest.fixture
+def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Somebody who answers yes, or as a test says; the questions that were asked."""
+    asked: list[str] = []
+
+    def confirm(question: str, **_: Any) -> bool:
+        asked.append(question)
+        return "P77" in question
+
+    monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: True)
+    monkeypatch.setattr("sar_tui.cli.common.typer.confirm", confirm)
+    return asked
+
+
+@pytest.mark.parametrize("record", RECORDS)
+def test_a_typing_error_is_refused_with_the_nearest_code(call: Call, data: Path, record: str) -> None:
+    known(data, "P01")
+    called = call(*RECORDS[record]("p0l"))
+    assert (called.code, called.out) == (2, "")
+    assert called.err == (
+        "There is no participant P0L: give P01 if that is meant, or add --new for a new participant.\n"
+    )
+    assert call("instrument", "remove", "P0L", "FMA-UE", "--on", "2026-03-01").code == 2
+    assert call("check").code == 0
+
+
+@pytest.mark.parametrize("record", RECORDS)
+def test_a_record_of_a_new_participant_without_a_session_is_whole(call: Call, record: str) -> None:
+    assert call(*RECORDS[record]("P09"), "--new").code == 0
+    assert call(*RECORDS[record]("p09")).code == 0
+    assert call("check").code == 0
+    assert call("backup", "--verify").code == 0
+    taken = call(*RECORDS[record]("P09"), "--new")
+    assert (taken.code, taken.out) == (2, "")
+    assert taken.err.startswith("P09 is known here already: leave out --new")
+
+
+def test_on_a_terminal_it_is_asked(call: Call, data: Path, on_a_terminal: list[str]) -> None:
+    known(data, "P01")
+    refused = call("instrument", "add", "P0l", *SCORE)
+    assert (refused.code, refused.err) == (1, "Nothing was done.\n")
+    assert call("instrument", "add", "P77", *SCORE).code == 0
+    assert on_a_terminal == [
+        "There is no participant P0L. Is it P01? Is P0L a new participant?",
+        "There is no participant P77. Is P77 a new participant?",
+    ]
+    assert "P0L" not in call("progress", "P77").out
+
+
+def test_a_value_that_cannot_be_makes_no_participant(call: Call) -> None:
+    assert call("instrument", "add", "P09", "FMA-UE", 900, "--on", "2026-03-01", "--new").code == 2
+    assert call("progress", "P09").code == 2
+
+
+def test_people_who_are_only_simulated_are_not_known(call: Call, simulated: str) -> None:
+    assert "add --new" in call("instrument", "add", "P01", *SCORE).err
+    assert call("instrument", "add", "P01", *SCORE, "--new").code == 0
+    assert call("check").code == 0
+
+
+def test_each_command_that_looks_for_a_code_names_the_nearest(call: Call, data: Path) -> None:
+    known(data, "P01")
+    for words in (
+        ("sessions", "-p", "P0l"),
+        ("progress", "P0l"),
+        ("wellbeing", "P0l"),
+        ("adverse", "list", "-p", "P0l"),
+        ("programme", "show", "P0l"),
+        ("programme", "history", "P0l"),
+        ("report", "wizard", "-p", "P0l"),
+        ("report", "intervention", "-p", "P0l"),
+        ("export", "-p", "P0l"),
+    ):
+        called = call(*words)
+        assert (called.code, called.out, called.err) == (2, "", "There is no participant P0L. Is it P01?\n"), words
+
+
+def test_of_two_participants_one_may_be_new(data: Path) -> None:
+    known(data, "P01")
+    with closing(connect(data)) as database:
+        assert admit(database, ["p01", "p02"], is_new=True) == ["P01", "P02"]
+        with pytest.raises(UnknownParticipant, match=r"There is no participant P02\."):
+            admit(database, ["P01", "P02"])
