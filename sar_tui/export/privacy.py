@@ -97,7 +97,7 @@ class Privacy(msgspec.Struct, frozen=True):
                 case "code":
                     found[index] = lambda value, _: self.code(value)
                 case "id":
-                    found[index] = lambda value, _: recoded.id(value)
+                    found[index] = _once(recoded.id)
                 case "seed":
                     found[index] = lambda value, _: recoded.seed(value)
                 case "time":
@@ -127,6 +127,18 @@ def _runs(table: Table, starts: RunStarts | None) -> Callable[[Column], RunOf]:
         return lambda row: row[place]
 
     return run_of
+
+
+def _once(change: Callable[[str], str]) -> Change:
+    """Return a change that is computed once for each value: a session has one id in millions of samples."""
+    known: dict[str, str] = {}
+
+    def changed(value: str, row: Values) -> str:
+        if value not in known:
+            known[value] = change(value)
+        return known[value]
+
+    return changed
 
 
 def _since_start(starts: RunStarts, run_of: RunOf) -> Change:

@@ -105,6 +105,24 @@ def test_a_session_that_runs_is_left_out_and_named(call: Call, zurich: Path, ber
     assert call("merge", bern).out.startswith("From BERN: 1 new session")
 
 
+def test_a_record_that_only_this_site_could_have_written_is_named_and_left_out(
+    call: Call, zurich: Path, bern: Path
+) -> None:
+    with closing(connect(bern)) as database:
+        database.execute(
+            "INSERT INTO programmes VALUES ('P01@ZURICH','keyboard',1,'2026-01-01','','','{\"attempts\":99}','calm',"
+            "'ZURICH')"
+        )
+    called = call("merge", bern)
+    assert called.code == 1
+    said = "The version 1 of the programme of P01 for keyboard is ZURICH's by what BERN has, and is not so here."
+    assert f"! {said} It is left out.\n" in called.out
+    assert called.out.startswith("From BERN: 2 new sessions.")
+    with closing(connect(zurich)) as database:
+        assert database.execute("SELECT * FROM programmes").fetchall() == []
+    assert call("merge", bern, "--json").json["refused"] == [f"{said} It is left out."]
+
+
 def test_nothing_is_merged_while_a_session_runs_here(call: Call, zurich: Path, bern: Path) -> None:
     play(zurich, "abcdef0123", status="running")
     held = locks.hold(zurich, "session", "abcdef0123")

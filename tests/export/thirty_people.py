@@ -74,9 +74,9 @@ def _date(database: sqlite3.Connection, session: str, code: str, number: int, mo
         "UPDATE sessions SET started_at=?, ended_at=?, mode='live' WHERE id=?", (moment.isoformat(), ended, session)
     )
     database.execute(
-        "UPDATE sessions SET software=json_set(software, '$.sar_tui', ?, '$.python', ?, '$.rules', ?, '$.numpy', ?,"
+        "UPDATE sessions SET software=json_set(software, '$.sar_tui', ?, '$.python', ?, '$.packages.numpy', ?,"
         " '$.task.hash', ?, '$.theme.hash', ?) WHERE id=?",
-        (f"0.{number // 10}", f"3.11.{number // 6}", number // 10, f"2.{number // 5}", f"{number // 3:064x}",
+        (f"0.{number // 10}", f"3.11.{number // 6}", f"2.{number // 5}", f"{number // 3:064x}",
          f"{number // 7:064x}", session),
     )  # fmt: skip
     timing = json.dumps(_TIMING | {"n": 300 + number // 8})
@@ -85,9 +85,9 @@ def _date(database: sqlite3.Connection, session: str, code: str, number: int, mo
         (timing, f"term {number // 4}", session),
     )
     database.execute(
-        "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc', ?), boot_id=?, pid=?,"
+        "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc', ?, '$.utc_offset_s', ?), boot_id=?, pid=?,"
         " software=(SELECT software FROM sessions WHERE id=session) WHERE session=?",
-        (moment.isoformat(), BOOT, 1000 + number, session),
+        (moment.isoformat(), 3600 if number < MANY // 2 else 7200, BOOT, 1000 + number, session),
     )
 
 
