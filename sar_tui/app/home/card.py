@@ -32,6 +32,7 @@ class ParticipantCard(Vertical):
     """All that a therapist wants to know before a session. It is an empty frame until ``open`` is called."""
 
     _is_open = False
+    _tells = False
     _found: "CardContents | None" = None
 
     async def open(self) -> None:
@@ -42,6 +43,7 @@ class ParticipantCard(Vertical):
     def compose(self) -> ComposeResult:
         if not self._is_open:
             return
+        yield Static("", id="told", markup=False)
         with Horizontal(id="choices"):
             yield Static("Task", classes="label")
             with Vertical(classes="slot"):
@@ -50,7 +52,6 @@ class ParticipantCard(Vertical):
             with Vertical(id="theme-slot", classes="slot"):
                 yield PickList(id="theme", markup=False)
         with Vertical(id="facts"):
-            yield Static("", id="told", markup=False)
             with Horizontal(classes="row"):
                 yield Static("Programme", classes="label", markup=False)
                 yield Static("", id="programme", classes="value", markup=False)
@@ -72,7 +73,7 @@ class ParticipantCard(Vertical):
         self._write(texts | {"told": "\n".join(found.told), "offer": offer})
         for name, text in texts.items():
             self.query_one(f"#{name}-row").display = bool(text)
-        self.query_one("#told").display = bool(found.told)
+        self._tells = bool(found.told)
         self.query_one(SessionChart).show(found.chart, "" if found.last else _FIRST)
         self._show_programme()
         self._shows_facts(True)
@@ -104,6 +105,7 @@ class ParticipantCard(Vertical):
     def _shows_facts(self, shows: bool) -> None:
         for name in ("#choices", "#facts", "#go"):
             self.query_one(name).display = shows
+        self.query_one("#told").display = shows and self._tells
         self.query_one("#welcome").display = not shows
 
     def _write(self, texts: dict[str, Any]) -> None:

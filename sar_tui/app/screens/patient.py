@@ -117,7 +117,7 @@ class PatientScreen(Screen[None]):
             "#hello": hello,
             "#exercise": exercise,
             "#trouble": tr("This does not work now. Please call your therapist.") if trouble else "",
-            "#how": tr("Press Enter to start."),
+            "#how": "" if self._rest == "pain" else tr("Press Enter to start."),
         }
         for name, text in texts.items():
             self.query_one(name, Static).update(text)
