@@ -10,6 +10,7 @@ import msgspec
 from sar_tui.framework.policies.wellbeing import PAIN_SESSIONS, TIRED_SESSIONS, Moment, PainLimits, SessionRatings
 from sar_tui.store.counted import LIVE
 from sar_tui.store.database import transaction
+from sar_tui.store.participants import add
 
 Row = dict[str, Any]
 Question = Literal["pain", "place", "fatigue", "advice"]
@@ -43,9 +44,11 @@ def save(
 ) -> str:
     """Store an answer at once, and return its time. Raises StoreError.
 
-    Answers before a session have none yet: see `attach`.
+    Answers before a session have none yet: see `attach`. A new participant is added with the first one, because the
+    session may not begin.
     """
     at = now()
+    participant = add(db, participant)
     with transaction(db) as connection:
         connection.execute(
             f"INSERT INTO wellbeing ({', '.join(_COLUMNS)}) VALUES (?,?,?,?,?,?,?)",

@@ -17,6 +17,7 @@ from sar_tui.reports.progress import progress
 from sar_tui.reports.progress_words import warnings, words
 from sar_tui.store import participants, sessions, wellbeing
 from sar_tui.store.database import connect
+from sar_tui.store.integrity import flaws
 from sar_tui.store.session_copy import copy_session
 
 FACTS = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}}
@@ -117,3 +118,11 @@ def test_pauses_of_earlier_sessions_are_found(tmp_path: Path, reason: str, quest
         (row,) = wellbeing.of_session(database, session)
     assert (row["moment"], row["question"], row["answer"], row["seat"]) == ("pause", question, "yes", "A")
     assert row["at"].endswith("+00:00")
+
+
+def test_what_a_new_participant_says_before_a_session_that_does_not_begin_is_whole(
+    database: sqlite3.Connection,
+) -> None:
+    wellbeing.save(database, "P09", "before", "pain", "9")
+    assert list(flaws(database)) == []
+    assert participants.codes(database) == ["P09"]
