@@ -11,10 +11,12 @@ import msgspec
 from sar_tui.store.counted import LIVE
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.participants import add, admit, check_own
+from sar_tui.store.texts import check_text
 
 Severity = Literal["mild", "moderate", "severe"]
 SEVERITIES: tuple[str, ...] = get_args(Severity)
-_LONGEST = 2000
+LONGEST_REMARK = 2000
+"""Characters of what is said of an event."""
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}([ T]\d{2}:\d{2})?")
 
 
@@ -190,14 +192,8 @@ def _severity(text: str) -> str:
 
 
 def _text(name: str, text: str, *, needed: bool = False) -> str:
-    """Return a text without blanks at its ends. Raises StoreError if it is missing, too long or not UTF-8."""
-    cleaned = text.strip()
-    try:
-        cleaned.encode()
-    except UnicodeEncodeError:
-        raise StoreError(f"The text for {name} has bytes that are not UTF-8.", bad_input=True) from None
+    """Return a text without blanks at its ends. Raises StoreError if it is missing, or `check_text` refuses it."""
+    cleaned = check_text(f"The text for {name}", text, LONGEST_REMARK)
     if needed and not cleaned:
         raise StoreError("Say what happened, in a few words.", bad_input=True)
-    if len(cleaned) > _LONGEST:
-        raise StoreError(f"The text for {name} is too long: at most {_LONGEST} characters.", bad_input=True)
     return cleaned

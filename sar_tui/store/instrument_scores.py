@@ -7,8 +7,9 @@ from datetime import UTC, date, datetime
 from sar_tui.progress.instruments import INSTRUMENTS, Instrument, Score
 from sar_tui.store import participants
 from sar_tui.store.database import StoreError, transaction
+from sar_tui.store.texts import check_text
 
-_LONGEST_NOTE = 2000
+LONGEST_NOTE = 2000
 
 
 def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str, is_new: bool = False) -> Score:
@@ -20,9 +21,8 @@ def add(db: sqlite3.Connection, participant: str, score: Score, *, author: str, 
     """
     instrument = find(score.instrument)
     check_score(instrument, score.score)
-    if len(score.note) > _LONGEST_NOTE:
-        raise StoreError(f"A note has at most {_LONGEST_NOTE} characters.", bad_input=True)
-    checked = Score(instrument.name, _date(score.date), score.score, score.note.strip())
+    note = check_text("The note", score.note, LONGEST_NOTE)
+    checked = Score(instrument.name, _date(score.date), score.score, note)
     (code,) = participants.admit(db, [participant], is_new=is_new)
     _insert(db, participants.add(db, code), checked, author)
     return checked

@@ -9,6 +9,7 @@ import msgspec
 from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.participants import check_own
 from sar_tui.store.stored_json import read_json
+from sar_tui.store.texts import check_text
 
 LONGEST_TEXT = 500
 """Largest number of characters of a reason or an author."""
@@ -105,9 +106,12 @@ def save(
 
     Raises:
         Superseded: another version was saved since ``after``.
-        StoreError: the participant is of another site, or the disk cannot write; nothing was saved.
+        StoreError: the participant is of another site, a text has control characters, or the disk cannot write; nothing
+            was saved.
     """
     check_own(participant)
+    author, reason = (check_text(f"The {name}", text[:LONGEST_TEXT], LONGEST_TEXT)
+                      for name, text in (("author", author), ("reason", reason)))  # fmt: skip
     parameters = msgspec.json.encode(changed.parameters)
     with transaction(db) as connection:
         last = newest(connection, participant, task)
@@ -121,8 +125,8 @@ def save(
             theme=changed.theme,
             version=after + 1,
             created_at=datetime.now(UTC).isoformat(),
-            author=author[:LONGEST_TEXT],
-            reason=reason[:LONGEST_TEXT],
+            author=author,
+            reason=reason,
         )
         connection.execute(
             f"INSERT INTO programmes (participant, task, {_COLUMNS}) VALUES (?,?,?,?,?,?,?,?)",

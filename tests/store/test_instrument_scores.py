@@ -53,7 +53,8 @@ def test_a_score_entered_by_mistake_is_removed_kept_and_can_be_entered_anew(data
         (Score("GAS", "2026-03-01", float("nan")), "lies between -2 and 2"),
         (Score("ARAT", "1 March", 5), "The date must be one such as 2026-03-01, not '1 March'."),
         (Score("ARAT", "9999-01-01", 5), "The date 9999-01-01 is in the future."),
-        (Score("ARAT", "2026-03-01", 5, "x" * 2001), "A note has at most 2000 characters."),
+        (Score("ARAT", "2026-03-01", 5, "x" * 2001), "The note is too long: at most 2000 characters."),
+        (Score("ARAT", "2026-03-01", 5, "\x1b[2J"), "The note has control characters"),
     ],
 )
 def test_what_cannot_be_is_refused(database: sqlite3.Connection, score: Score, says: str) -> None:

@@ -19,6 +19,7 @@ from sar_tui.framework.messages import NoteAdded, SessionCommand, SettingChanged
 from sar_tui.framework.parameters import fields
 from sar_tui.framework.results_for_people import goal_text
 from sar_tui.framework.topics import COMMAND, NOTE_ADDED, SETTING
+from sar_tui.framework.visible_text import visible
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.option_list import OptionList
@@ -192,7 +193,7 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         event.stop()
         text, bus = event.value.strip(), self._live.run.session.bus
         if text and self._asked == "note":
-            bus.post(NOTE_ADDED, NoteAdded(text=text, actor=ACTOR, at=self._live.clock.now()))
+            bus.post(NOTE_ADDED, NoteAdded(text=visible(text), actor=ACTOR, at=self._live.clock.now()))
         elif text:
             try:
                 changed = with_setting(self._live.run.session.task.parameters, self._asked, self._stored(text))

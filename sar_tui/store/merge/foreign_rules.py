@@ -9,19 +9,20 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.visible_text import obeyed, visible
+from sar_tui.framework.visible_text import visible
+from sar_tui.store.adverse_events import LONGEST_REMARK
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge import conflicts
 from sar_tui.store.merge.columns import columns, keys, session_tables
 from sar_tui.store.merge.conflicts import Content
 from sar_tui.store.participants import check_code
+from sar_tui.store.programmes import LONGEST_TEXT
 from sar_tui.store.sites import check_site
+from sar_tui.store.texts import check_text
 
 Rule = Callable[[Any], bool]
 """A function that returns True if a value, which is not missing, is allowed."""
 
-_LINES = "\n\r\t"
-"""Control characters that a text of several lines has."""
 _SHOWN = 40
 """Characters of a value that is refused, in the message."""
 _NUMBERS = (int, float)
@@ -31,7 +32,11 @@ _TYPE_NAMES = {int: "integer", float: "real", str: "text", bytes: "blob"}
 
 
 def _text(longest: int) -> Rule:
-    return lambda value: len(value) <= longest and not obeyed(value, _LINES)
+    def checked(value: str) -> str:
+        check_text("The text", value, longest)
+        return value  # some texts keep the blanks at their ends
+
+    return _checked(checked)
 
 
 def _form(pattern: str) -> Rule:
@@ -54,17 +59,18 @@ def _checked(check: Callable[[str], str]) -> Rule:
 _CODE, _SITE = _checked(check_code), _checked(check_site)
 _ID = _form(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 _EVENT = _form(r"[A-Za-z0-9]{1,32}(@[A-Z0-9][A-Z0-9-]{0,15})?")
-_NAME = _form(r"(?:[^\W\d][\w-]{0,63})?")
+_TASK = _form(r"(?:[^\W\d]\w{0,63})?")
+_THEME = _form(r"(?:\w[\w .-]{0,63})?")
 _WORD = _form(r"[a-z]{0,32}")
 _SEAT = _form("[AB]")
 _DATE = _form(r"[0-9T:.+Z -]{0,40}")
-_LINE, _NOTE, _REMARK, _REASON = _text(1000), _text(4000), _text(2000), _text(500)
+_LINE, _NOTE, _REMARK, _REASON = (_text(longest) for longest in (1000, 4000, LONGEST_REMARK, LONGEST_TEXT))
 
 _RULES: dict[str, dict[str, Rule]] = {
     "site": {"code": _SITE},
     "same_people": {"code": _CODE, "same_as": _CODE},
     "participants": {"code": _CODE, "created_at": _DATE},
-    "sessions": {"id": _ID, "task": _NAME, "theme": _NAME, "status": _WORD, "started_at": _DATE, "ended_at": _DATE,
+    "sessions": {"id": _ID, "task": _TASK, "theme": _THEME, "status": _WORD, "started_at": _DATE, "ended_at": _DATE,
                  "mode": _WORD},
     "session_numbers": {"id": _ID},
     "seats": {"seat": _SEAT, "participant": _CODE},
@@ -76,7 +82,7 @@ _RULES: dict[str, dict[str, Rule]] = {
     "notes": {"author": _LINE, "text": _NOTE, "label": _LINE},
     "answers": {"seat": _SEAT, "step": _LINE, "kind": _WORD, "text": _NOTE, "status": _WORD},
     "imu_streams": {"source": _LINE, "model": _LINE, "serial": _LINE, "part": _WORD},
-    "programmes": {"participant": _CODE, "task": _NAME, "theme": _NAME, "created_at": _DATE, "author": _REASON,
+    "programmes": {"participant": _CODE, "task": _TASK, "theme": _THEME, "created_at": _DATE, "author": _REASON,
                    "reason": _REASON},
     "wellbeing": {"session": _ID, "seat": _SEAT, "participant": _CODE, "moment": _WORD, "question": _WORD,
                   "answer": _LINE, "at": _DATE},
@@ -86,7 +92,7 @@ _RULES: dict[str, dict[str, Rule]] = {
     "instrument_scores": {"participant": _CODE, "instrument": _form("[A-Za-z0-9-]{1,32}"), "date": _DATE,
                           "note": _REMARK, "recorded_at": _DATE, "recorded_by": _LINE},
     "exports": {"exported_at": _DATE, "exported_by": _LINE, "recipient": _LINE, "format": _LINE, "manifest": _LINE},
-    "topics": {"name": _form("[a-z_/]{1,100}")},
+    "topics": {"name": _form(r"[\w./-]{1,100}")},
 }  # fmt: skip
 _OF_SITE: Rule = lambda value: not value or _SITE(value)  # noqa: E731
 

@@ -1,0 +1,29 @@
+"""One rule for texts that somebody typed: those that are stored here, and those of a database that is merged."""
+
+from sar_tui.framework.visible_text import obeyed
+from sar_tui.store.database import StoreError
+
+_LINES = "\n\r\t"
+"""Control characters that a text of several lines has."""
+
+
+def check_text(where: str, text: str, longest: int) -> str:
+    """Return a text without blanks at its ends.
+
+    Args:
+        where: the name of the text, for the message: "The note".
+        longest: in characters.
+
+    Raises:
+        StoreError: it is too long, is not UTF-8, or has characters that a terminal would obey.
+    """
+    cleaned = text.strip()
+    if len(cleaned) > longest:
+        raise StoreError(f"{where} is too long: at most {longest} characters.", bad_input=True)
+    try:
+        cleaned.encode()
+    except UnicodeEncodeError:
+        raise StoreError(f"{where} has bytes that are not UTF-8.", bad_input=True) from None
+    if found := obeyed(cleaned, _LINES):
+        raise StoreError(f"{where} has control characters: {', '.join(found)}.", bad_input=True)
+    return cleaned

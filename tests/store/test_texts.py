@@ -1,0 +1,53 @@
+"""Typed texts pass one rule wherever they are stored: of a bounded length, and nothing that a terminal obeys."""
+
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.progress.instruments import Score
+from sar_tui.store import adverse_events, instrument_scores, programmes
+from sar_tui.store.database import StoreError, connect
+from sar_tui.store.programmes import Programme
+from sar_tui.store.texts import check_text
+
+
+@pytest.fixture
+def database(data: Path) -> Iterator[sqlite3.Connection]:
+    with closing(connect(data)) as opened:
+        instrument_scores.add(opened, "P01", Score("ARAT", "2026-01-01", 5, ""), author="me", is_new=True)
+        yield opened
+
+
+def told(database: sqlite3.Connection, text: str) -> object:
+    return adverse_events.report(database, "P01", onset="2026-01-01", what=text, severity="mild")
+
+
+def noted(database: sqlite3.Connection, text: str) -> object:
+    return instrument_scores.add(database, "P01", Score("ARAT", "2026-01-02", 5, text), author="me")
+
+
+def reasoned(database: sqlite3.Connection, text: str) -> object:
+    return programmes.save(database, "P01", "keyboard", Programme(), after=0, reason=text)
+
+
+@pytest.mark.parametrize("store", [told, noted, reasoned])
+@pytest.mark.parametrize("text", ["a\x1b[2J", "a\u202eb", "a\x00b", "a\x9bb", "a\udc80b"])
+def test_what_a_terminal_would_obey_is_refused_where_it_is_typed(
+    database: sqlite3.Connection, store: Callable[[sqlite3.Connection, str], object], text: str
+) -> None:
+    with pytest.raises(StoreError, match=r"has control characters|bytes that are not UTF-8") as refused:
+        store(database, text)
+    assert refused.value.bad_input
+
+
+@pytest.mark.parametrize("text", ["Le duele.\r\n\tNo más.", "=2+2", "👩🏽‍⚕️ ñ", "x" * 50])
+def test_other_texts_are_kept(text: str) -> None:
+    assert check_text("The text", f" {text}\n", 50) == text
+
+
+def test_a_text_that_is_too_long_is_refused() -> None:
+    with pytest.raises(StoreError, match="The note is too long: at most 50 characters"):
+        check_text("The note", "x" * 51, 50)
