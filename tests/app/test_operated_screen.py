@@ -9,6 +9,7 @@ from sar_tui.framework.task import Task
 from sar_tui.framework.topics import ACTION, ARBITER_STATE, COMMAND, DECISION, DROPPED, PENDING_APPROVAL, PRESENCE
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
+from tests.app.fake_voice import Voice
 
 APPROVE = {"operator_feedback": "approve", "operator_time_ms": 20_000, "encouragement": False}
 ANA = "operator.ana"
@@ -104,6 +105,28 @@ async def test_a_vetoed_goodbye_is_not_waited_for(data: Path, catalogue: Catalog
         await decide(driver, pending, "veto")
         assert dropped[-1] == pending.proposal.id
         assert "goodbye" not in said
+        assert "Press Enter to finish." in driver.text
+        await driver.wait(300)
+        await driver.press("enter")
+        assert driver.app.live is not None
+        assert driver.app.live.is_closed
+
+
+async def test_a_goodbye_that_was_waited_for_is_heard_to_its_end(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice
+) -> None:
+    spoken = plan(catalogue, keyboard, outputs=["screen", "voice"], **VETO_GOODBYE)
+    async with open_app(data, catalogue, spoken) as driver:
+        driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+        driver.session.bus.post(COMMAND, m.SessionCommand(command="end", actor=ANA))
+        await driver.wait(10_000)
+        await voice.end(driver)  # the greeting
+        assert voice.asked[-1][1] in catalogue.theme("calm").phrases["goodbye_early"]
+        assert "One moment…" in driver.text
+        await driver.press("enter")
+        assert driver.screen_name == "SessionScreen"
+        await voice.begin(driver)
+        await voice.end(driver)
         assert "Press Enter to finish." in driver.text
         await driver.wait(300)
         await driver.press("enter")

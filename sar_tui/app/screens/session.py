@@ -183,9 +183,10 @@ class SessionScreen(KeysScreen):
             compare = functools.partial(self._compare, counted)
             self.run_worker(compare, name="comparison", thread=True, exit_on_error=False)
 
-    def _agent_acted(self, _: AgentActing) -> None:
+    def _agent_acted(self, acting: AgentActing) -> None:
+        self._is_goodbye_held |= self._live.run.session.ended and acting.awaits_operator
         if self._shown == "summary":
-            self.query_one(Summary).wait(awaits_operator=self._awaits_goodbye)
+            self.query_one(Summary).wait(awaits_goodbye=self._awaits_goodbye)
 
     def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
         """Add the last comparable session to the summary. Runs in a thread: it reads all of the person's sessions."""

@@ -18,6 +18,7 @@ class KeysScreen(PausingScreen):
     def __init__(self, live: LiveSession) -> None:
         super().__init__(live)
         self._gc = GcControl()
+        self._is_goodbye_held = False
 
     @property
     def help_text(self) -> str:
@@ -58,12 +59,14 @@ class KeysScreen(PausingScreen):
 
     @property
     def _awaits_goodbye(self) -> bool:
-        """True while an operator may still veto the goodbye: it is given before the screen closes, as all that is due.
+        """True while an operator may still veto the goodbye, and then until it is said: all that is due is given.
 
         A broken session says no goodbye.
         """
         session = self._live.run.session
-        return session.ended and session.awaits_operator and session.broken is None
+        if not session.ended or session.broken:
+            return False
+        return session.awaits_operator or (self._is_goodbye_held and session.is_agent_acting)
 
     def _press_mark(self, key: str, waiting: Waiting) -> None:
         """Mark the trial, or ask for the key again if it would replace another mark. Do nothing in patient mode."""

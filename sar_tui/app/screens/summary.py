@@ -59,13 +59,13 @@ class Summary(Vertical):
         if names:
             facts = [tr("{who}: {words}", who=who, words=words) for who, words in zip(names, facts, strict=True)]
         self.query_one("#facts", Static).update("\n".join(facts))
-        self.wait(awaits_operator=False)
+        self.wait(awaits_goodbye=False)
         self.call_after_refresh(self._draw)
 
-    def wait(self, *, awaits_operator: bool) -> None:
+    def wait(self, *, awaits_goodbye: bool) -> None:
         """Say that the end is near, or how to finish: the goodbye that an operator decides on is waited for."""
         tr = language_of(self.app)
-        self.query_one("#finish", Static).update(tr("One moment…") if awaits_operator else tr("Press Enter to finish."))
+        self.query_one("#finish", Static).update(tr("One moment…") if awaits_goodbye else tr("Press Enter to finish."))
 
     def compare(self, words: str) -> None:
         """Add how the session compares with an earlier one."""
