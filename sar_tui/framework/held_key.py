@@ -1,5 +1,7 @@
 """Tells a key that is held down from one that is tapped. A terminal reports presses only, never releases."""
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Literal
 
 from sar_tui.framework.clock import MS
@@ -9,6 +11,12 @@ LONGEST_DELAY = 700 * MS
 to 660 ms."""
 LONGEST_INTERVAL = 250 * MS
 """Repeats of a held key are closer together than this."""
+
+STREAM, STREAM_LASTS = 5, 220 * MS
+"""So many presses of one key within this time, about 20 a second, are made by the keyboard: no finger taps half as
+often again as the fastest, 12 a second."""
+_NEIGHBOUR = 75 * MS
+"""A repeat is as close as this to the one before or after it, also if a busy machine reads some of them late."""
 
 Press = Literal["first", "held", "tapped"]
 
@@ -36,3 +44,24 @@ class HeldKey:
             return "first"
         self._was_longer = at - last >= LONGEST_INTERVAL
         return "tapped" if was_longer and self._was_longer else "held"
+
+
+def is_stream(stamps: Sequence[int]) -> bool:
+    """Return True if the last presses of a key, at these times (ns), come as fast as a held key is repeated."""
+    return len(stamps) >= STREAM and stamps[-1] - stamps[-STREAM] <= STREAM_LASTS
+
+
+def repeats(stamps: Sequence[int]) -> set[int]:
+    """Return those of the presses of one key (ns, in order) that its keyboard made while it was held.
+
+    The first of them comes a good while after the key went down, so it can be told from a tap by what follows only.
+    """
+    fast = {
+        each
+        for first in range(len(stamps) - STREAM + 1)
+        if is_stream(stamps[first : first + STREAM])
+        for each in range(first, first + STREAM)
+    }
+    close = [after - before <= _NEIGHBOUR for before, after in pairwise(stamps)]
+    found = {at for at in fast if any(close[max(0, at - 1) : at + 1])}
+    return {stamps[at] for at in found if at > 0}

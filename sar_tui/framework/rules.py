@@ -16,5 +16,6 @@ that of the time to peak, too, and each change of a result is reported.
 is looked for since the end of the reach before, and from the rest just before its key, instead of in the three seconds
 before it; and feedback on performance names a quality only if it has changed beyond the person's own noise, instead of
 one at random. Between trials, keys that were down when something else appeared on the screen do nothing, nor do those
-within 600 ms of its appearance; and an attempt begins after 700 ms without keys.
+within 600 ms of its appearance; and an attempt begins after 700 ms without keys. In trials, a key that comes about 20
+times a second is held, from its first repeat on.
 """

@@ -6,6 +6,7 @@ import msgspec
 
 from sar_tui.framework import frames, prompt_data, prompt_texts, tone, typed_text
 from sar_tui.framework.clock import MS
+from sar_tui.framework.held_key import repeats
 from sar_tui.framework.messages import (
     CueGiven,
     FrameDue,
@@ -71,6 +72,7 @@ class OpenTrial:
         self._tone_onsets: dict[int, int] = {}
         self._tone_source = ""
         self._percepts: tuple[Percept, ...] = ()
+        self._repeats: tuple[KeyPerceived, ...] = ()
         self._typed = TypedText()
         self._flags: list[str] = []
 
@@ -306,6 +308,13 @@ class OpenTrial:
         """Add a percept that was judged."""
         self._percepts = (*self._percepts, percept)
 
+    def remember_repeat(self, press: KeyPerceived) -> None:
+        """Forget presses that turn out to be repeats of a held key: the first ones, which come more slowly."""
+        self._repeats = (*self._repeats, press)
+        mine = [one for one in self._percepts if isinstance(one, KeyPerceived) and _is_same(one, press)]
+        held = repeats(sorted(one.at for one in (*mine, *self._repeats) if _is_same(one, press)))
+        self._percepts = tuple(one for one in self._percepts if one not in mine or one.at not in held)
+
     def voided(self, reason: str) -> PromptVoided:
         """Return the message that cancels this presentation."""
         return PromptVoided(
@@ -377,6 +386,11 @@ class OpenTrial:
             details=result.details,
             data=self.stimulus.data,
         )
+
+
+def _is_same(one: KeyPerceived, other: KeyPerceived) -> bool:
+    """Return True for two presses of a key at one seat."""
+    return (one.key, one.seat) == (other.key, other.seat)
 
 
 def stimulus_problem(stimulus: Stimulus) -> str:

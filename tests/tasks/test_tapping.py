@@ -1,9 +1,11 @@
 """The tapping task: the taps of a round, their regularity, and what is no tap."""
 
+import itertools
 from statistics import fmean, stdev
 
 import pytest
 
+from sar_tui.framework.clock import MS
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.framework.topics import PROMPT, TRIAL
@@ -48,6 +50,31 @@ def test_a_held_key_is_one_tap(driver: LoopDriver) -> None:
     driver.hold("space", 900)
     driver.wait(2000)
     assert driver.last(TRIAL).value == 1.0
+
+
+@pytest.mark.parametrize("every_ms", [25, 33, 40, 45, 50])
+@pytest.mark.parametrize("delay_ms", [250, 500, 660])
+def test_a_key_that_its_keyboard_repeats_is_one_tap(driver: LoopDriver, every_ms: int, delay_ms: int) -> None:
+    driver.wait(200)
+    driver.strike("space")
+    driver.wait(delay_ms)
+    late = itertools.cycle((0, 9, 3, 14, 0, 6, 11))  # a busy machine reads them unevenly
+    for _ in range(1000 // every_ms):
+        driver.strike("space", at=driver.clock.now() + next(late) * MS)
+        driver.wait(every_ms)
+    driver.wait(2000)
+    row = driver.last(TRIAL)
+    assert (row.value, row.details["taps"]) == (1.0, 1)
+    assert "repeat_key" in row.timing.flags
+
+
+def test_taps_before_and_after_a_held_key_are_counted(driver: LoopDriver) -> None:
+    tap(driver, 300, 150, 140)
+    driver.wait(400)
+    driver.hold("space", 600, every_ms=33)
+    tap(driver, 120, 150)
+    driver.wait(2000)
+    assert driver.last(TRIAL).value == 5.0
 
 
 def test_a_round_without_taps_is_missed(driver: LoopDriver) -> None:

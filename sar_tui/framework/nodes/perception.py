@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from sar_tui.framework.clock import MS
+from sar_tui.framework.held_key import STREAM, is_stream
 from sar_tui.framework.messages import KeyPerceived, KeyPressed, SessionStarted
 from sar_tui.framework.node import Node, on
 from sar_tui.framework.settings.timing import TimingSettings
@@ -26,11 +27,16 @@ class Perception(Node):
         self._repeat_interval = parameters.repeat_interval_ms * MS
         self._seat_of = seat_of
         self._last: dict[str, KeyPressed] = {}
+        self._same: dict[str, tuple[int, ...]] = {}
+        """Stamps of the last presses of one key, by seat."""
+        self._rules = 3
 
     @on(SESSION)
-    def session_started(self, _: SessionStarted) -> None:
+    def session_started(self, session: SessionStarted) -> None:
         """Forget earlier presses: time stamps of different runs cannot be compared."""
+        self._rules = session.rules
         self._last.clear()
+        self._same.clear()
 
     @on(KEY)
     def key_pressed(self, press: KeyPressed) -> None:
@@ -39,6 +45,9 @@ class Perception(Node):
             raise TypeError(f"seat_of() returned {seat!r:.60} for the key {press.key}, not a seat or an empty text")
         last, self._last[seat] = self._last.get(seat), press
         gap = press.at - last.at if last else None
+        is_same = last is not None and last.key == press.key
+        same = self._same[seat] = (*(self._same.get(seat, ())[1 - STREAM :] if is_same else ()), press.at)
+        is_held = self._rules >= 6 and is_stream(same)
         self.emit(
             PERCEIVED,
             KeyPerceived(
@@ -46,7 +55,7 @@ class Perception(Node):
                 key=press.key,
                 at=press.at,
                 gap=gap,
-                repeat=last is not None and last.key == press.key and press.at - last.at < self._repeat_interval,
+                repeat=is_held or (is_same and gap is not None and gap < self._repeat_interval),
                 delay=self.now - press.at,
                 loop_lag=press.loop_lag,
                 stalled=press.stalled,

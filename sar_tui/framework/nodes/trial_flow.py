@@ -310,6 +310,8 @@ class TrialFlow(TimedNode, ABC):
             return
         if percept.repeat:
             self._trial.flag("repeat_key")
+            if self._rules >= 6 and isinstance(percept, m.KeyPerceived):
+                self._trial.remember_repeat(percept)
             return
         if percept.stalled and self._trial.stimulus.signals:
             self._repeat_stalled()
