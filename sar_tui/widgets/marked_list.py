@@ -2,6 +2,7 @@
 
 from rich.segment import Segment
 from textual.content import Content
+from textual.events import Key
 from textual.strip import Strip
 
 from sar_tui.widgets.option_list import OptionList
@@ -10,7 +11,9 @@ _MARK = "▌"
 
 
 class MarkedList(OptionList):
-    """A list that marks its chosen line with a bar at the left."""
+    """A list that marks its chosen line with a bar at the left. Escape chooses what was chosen on entering it."""
+
+    _before: str | None = None
 
     DEFAULT_CSS = """
     MarkedList, MarkedList:focus { background: $background; background-tint: $foreground 0%; padding: 0; }
@@ -34,6 +37,14 @@ class MarkedList(OptionList):
         names = [option.id for option in self.options if not option.disabled]
         if names:
             self.highlighted = self.get_option_index(name if name in names else names[0])  # type: ignore[arg-type]
+
+    def on_focus(self) -> None:
+        self._before = self.chosen
+
+    def on_key(self, event: Key) -> None:
+        """Take back what was chosen since the list was entered. What else Escape does is up to the screen."""
+        if event.key == "escape" and self._before is not None and self.chosen != self._before:
+            self.choose(self._before)
 
     def render_line(self, y: int) -> Strip:
         """Draw a line, with the bar if it is the chosen one."""

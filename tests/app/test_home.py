@@ -13,7 +13,7 @@ from sar_tui.store import programmes, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.locks import hold
 from sar_tui.store.programmes import Programme
-from sar_tui.widgets.marked_list import PickList
+from sar_tui.widgets.marked_list import MarkedList, PickList
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first
 from tests.sides_task import write_sides
@@ -39,6 +39,34 @@ async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path
         await driver.press("down", "enter", "enter")
         assert driver.sees("Welcome")
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
+
+
+async def test_escape_in_a_list_restores_what_was_chosen_before(data: Path, catalogue: Catalogue) -> None:
+    known(data, "P02")
+    known(data, "P01")
+    async with open_app(data, catalogue) as driver:
+        screen = driver.app.screen
+        chosen = {}
+        for name in ("participant", "task", "theme"):
+            chosen[name] = screen.query_one(f"#{name}", MarkedList).chosen
+        colors = driver.app.theme
+        before = driver.text
+        await driver.press("down")
+        assert driver.text != before
+        await driver.press("escape")
+        assert driver.text == before
+        for way in (("right",), ("right", "right")):
+            await driver.press(*way)
+            assert isinstance(driver.app.focused, PickList)
+            await driver.press("down")
+            assert screen.query_one(f"#{driver.app.focused.id}", MarkedList).chosen != chosen[driver.app.focused.id]
+            await driver.press("escape")
+            assert driver.app.focused.id == "participant"
+        for name, was in chosen.items():
+            assert screen.query_one(f"#{name}", MarkedList).chosen == was
+        assert driver.app.theme == colors
+        await driver.press("right", "down", "enter", "escape")
+        assert screen.query_one("#task", MarkedList).chosen != chosen["task"], "Enter confirms it"
 
 
 @pytest.mark.slow

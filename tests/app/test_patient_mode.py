@@ -381,3 +381,42 @@ async def test_enter_and_escape_in_one_burst_close_the_question_once(data: Path,
         await driver.write("enter", "escape", "escape")
         assert driver.app.is_running
         assert driver.screen_name == "PatientScreen"
+
+
+THERAPISTS_KEYS = (*(f"f{number}" for number in range(3, 12)), "ctrl+p", "ctrl+s", "ctrl+l", "ctrl+d", "delete")
+
+
+@pytest.mark.parametrize("task", ["keyboard", "reaching"])
+async def test_keys_of_therapists_do_nothing_on_any_screen(data: Path, catalogue: Catalogue, task: str) -> None:
+    """The palette, settings, progress, sessions, marks, the operator's panel; F1 and F2 are a participant's, too."""
+    programme(data, "P05", task, ask_wellbeing=True, **(REACHING if task == "reaching" else {"attempts": 1}))
+    async with open_app(data, catalogue, patient="P05") as driver:
+        screens = []
+
+        async def try_keys() -> None:
+            voids = len(driver.messages("event_handler/voided")) if driver.app.live else 0
+            before = [type(screen) for screen in driver.app.screen_stack], driver.app.focused
+            waiting = driver.waiting if driver.app.live else None
+            for key in THERAPISTS_KEYS:
+                await driver.strike(key)
+                assert ([type(screen) for screen in driver.app.screen_stack], driver.app.focused) == before, key
+                assert not driver.sees("palette")
+            if waiting and waiting.stage != "trial":
+                assert driver.waiting == waiting
+            if driver.app.live:
+                assert len(driver.messages("event_handler/voided")) == voids
+                assert {act["actor"] for act in driver.messages("operator/act")} <= {"participant"}
+                assert driver.messages("event_handler/marked") == []
+            screens.append(f"{driver.screen_name} {waiting.stage if waiting else ''}".strip())
+
+        for key in ("", "enter", "0", "3", *(["enter", "enter"] if task == "reaching" else []), "enter", "enter"):
+            await driver.press(*filter(None, [key]))
+            await driver.wait(800)
+            await try_keys()
+        await driver.press("f1")
+        await try_keys()
+        await driver.press("escape", "f12")
+        await try_keys()
+    expected = {"PatientScreen", "WellbeingScreen", "SessionScreen instructions", "SessionScreen attempt",
+                "SessionScreen trial", "HelpScreen paused", "PassphraseScreen paused"}  # fmt: skip
+    assert expected | ({"SensorCheckScreen"} if task == "reaching" else set()) <= set(screens)

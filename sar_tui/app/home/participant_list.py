@@ -35,6 +35,7 @@ class ParticipantList(MarkedList):
         if chosen and self.sought not in chosen:
             self.sought = ""
         self._list(chosen)
+        self._before = self.chosen
 
     @property
     def code(self) -> str | None:
@@ -73,7 +74,7 @@ class ParticipantList(MarkedList):
             self._list(self.chosen)
 
     def on_key(self, event: Key) -> None:
-        """Narrow the list to the codes with the typed characters; Escape shows all again."""
+        """Narrow the list to the codes with the typed characters; Escape shows all again, and who was chosen before."""
         typed = (event.character or "").upper()
         if event.key == "escape" and self.sought:
             sought = ""
@@ -90,7 +91,10 @@ class ParticipantList(MarkedList):
             self.sought = before
             self.app.bell()
             return
-        self._list(self.code if not self.sought else self._best())
+        if event.key == "escape":
+            self._list(self._before)
+        else:
+            self._list(self.code if not self.sought else self._best())
 
     def _best(self) -> str | None:
         """Return the first code that begins with what was typed, or contains it."""
