@@ -185,6 +185,9 @@ class Commands:
         """Skip or repeat the prompt that is shown or about to appear; skip a question, or a rest that must be taken."""
         waiting = self.state.waiting
         if waiting and waiting.step and command == "skip":
+            if waiting.step.step.required and not self.refusal():
+                self.log.report(at, "Nobody else can answer that: the session waits for it. Nothing was sent.")
+                return False
             what = "question" if waiting.step.step.is_question else "step"
             return self.command(f"Skipped the {what}", command, at, reason="step", value=waiting.step.number)
         if waiting and waiting.stage == "rest" and command == "skip":

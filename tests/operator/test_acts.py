@@ -9,8 +9,9 @@ from sar_tui.framework import messages as m
 from sar_tui.framework.bus import Record, Topic
 from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import Message, Role
+from sar_tui.framework.steps.step import Step
 from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STEP_ENDED, STOPPED
+from sar_tui.framework.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STEP_ENDED, STOPPED, WAITING
 from sar_tui.link.peer import Connection, Frame
 from sar_tui.link.session_feed import SENT
 from sar_tui.operator import status_view
@@ -350,6 +351,19 @@ def test_the_operator_skips_a_question_and_no_other_one(calm: Theme) -> None:
     assert panel.last == ("Skipped the question", "good")
     (ended,) = panel.driver.all(STEP_ENDED)
     assert (ended.number, ended.status) == (waiting.step.number, "skipped")
+
+
+def test_a_question_that_the_participant_alone_can_answer_is_not_skipped() -> None:
+    consent = Step(
+        name="consent", text="Do you agree?", kind="choice", labels=("yes", "no"), before=True, required="yes"
+    )
+    commands = Commands()
+    commands.receive(Connection("connected"))
+    commands.receive(b.welcome())
+    asked = m.AskedStep(number=1, step=consent)
+    commands.receive([b.frame(WAITING, b.waiting("step", "step", step=asked))])
+    assert not commands.prompt_command("Skipped the prompt", "skip", b.START)
+    assert "Nobody else can answer that" in commands.log.lines(b.START)[-1].text
 
 
 # --- those who watch -----------------------------------------------------------------------------------------------
