@@ -59,7 +59,7 @@ def test_what_was_long_ago_does_not_count() -> None:
 def test_by_chance_it_is_as_rare_as_was_promised_and_a_true_one_is_found(measures: int) -> None:
     rng = random.Random(measures)
     by_chance = found = 0
-    count, known = 1500, 12
+    count, known = 1500, 15
     for _ in range(count):
         drawn = [[rng.gauss(0, 1) for _ in range(known + 3)] for _ in range(measures)]
         by_chance += any(decline(values[: known + 2], "lower", measures=measures) for values in drawn)
