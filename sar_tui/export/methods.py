@@ -89,8 +89,11 @@ def _software(rows: Sequence[Row], *path: str) -> str:
 
 
 def _timing(rows: Sequence[Row], passports: Sequence[Passport]) -> str:
-    systems = _told(f"{_at(row['machine'], 'system')} ({_at(row['machine'], 'processor')})" for row in rows)
-    sentences = [f"Sessions ran on {systems}."]
+    machines = [row["machine"] for row in rows if _at(row["machine"], "system")]
+    systems = _told(f"{_at(machine, 'system')} ({_at(machine, 'processor')})" for machine in machines)
+    sentences = [f"Sessions ran on {systems or 'a system that is not recorded'}."]
+    if unknown := len(rows) - len(machines):
+        sentences += [f"Of {_count(unknown, 'session')}, the system is not recorded."] if machines else []
     for each in passports:
         median, spread, worst = (each.timing.get(name) for name in ("median_ms", "robust_sd_ms", "p99_ms"))
         if None not in (median, spread, worst):

@@ -16,8 +16,8 @@ import msgspec
 from sar_tui.export.recoding import shifted
 
 _NS_PER_S = 10**9
-_EARLIEST = -600 * _NS_PER_S
-"""A sensor may be attached some minutes before the run of its session begins."""
+_BEFORE = 600 * _NS_PER_S
+"""A sensor may be attached some minutes before the run of its session begins, if the machine is on for longer."""
 _LATEST = 7 * 86_400 * _NS_PER_S
 _LEAST = 100 * _NS_PER_S
 """A number below is a stamp only if its name ends with ``_ns``: it may be anything else."""
@@ -46,7 +46,7 @@ class RunStarts(msgspec.Struct, frozen=True):
             found = [self.since(int(part), run) if part.isdecimal() else None for part in stamp.split()]
             return None if None in found else " ".join(map(str, found))
         since = stamp - start
-        return since if _EARLIEST <= since <= _LATEST else None
+        return since if -min(_BEFORE, start // 2) <= since <= _LATEST else None
 
 
 def run_starts(database: sqlite3.Connection, session: str) -> RunStarts:

@@ -130,7 +130,8 @@ def forget_times(folder: Path, *, files: bool = True) -> None:
     """
     for path in [*folder.rglob("*"), folder]:
         if files or path.is_dir():
-            os.utime(path, ns=(_NO_TIME_NS, _NO_TIME_NS))
+            with contextlib.suppress(PermissionError):  # a folder of another site may be of another login
+                os.utime(path, ns=(_NO_TIME_NS, _NO_TIME_NS))
 
 
 def sync_names(folder: Path) -> None:

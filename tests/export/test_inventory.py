@@ -24,3 +24,15 @@ def test_every_column_of_the_database_is_in_the_inventory(data: Path) -> None:
 def test_a_column_that_must_not_leave_cannot_be_put_into_a_table(source: str) -> None:
     with pytest.raises(ValueError, match="must not leave"):
         stored(source, "string", "A test.")
+
+
+def test_every_stamp_date_and_id_has_the_treatment_that_a_recoded_export_replaces() -> None:
+    """A new column that is said to be open would bring the machine's clock, or a true date, back."""
+    wanted = {"_ns": "clock", "_at": "time", ".session": "id", ".seed": "seed"}
+    found = {
+        source: treatment
+        for source, treatment in SOURCES.items()
+        for ending, right in wanted.items()
+        if source.endswith(ending) and treatment not in (right, "inner")
+    }
+    assert found == {}

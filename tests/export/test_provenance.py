@@ -59,7 +59,10 @@ def test_a_record_without_parameters_has_methods_too(measured: str, tmp_path: Pa
     with closing(connect(tmp_path / "data")) as database:
         database.execute("UPDATE sessions SET parameters='{}', software='{}', machine='{}'")
     export_csv(tmp_path / "data", tmp_path / "out")
-    assert "All that is random follows from the seed" in (tmp_path / "out" / "methods.md").read_text()
+    text = (tmp_path / "out" / "methods.md").read_text()
+    assert "All that is random follows from the seed" in text
+    assert "Sessions ran on a system that is not recorded." in text
+    assert "None" not in text
 
 
 def test_sessions_and_runs_say_by_which_rules_and_numpy_and_in_which_time_zone_they_were_made(

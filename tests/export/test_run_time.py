@@ -26,6 +26,8 @@ STARTS = RunStarts({1: START, 2: 5}, {})
         (1_800_000_000 * 10**9, 1, None),
         (f"{START + 1} 0", 1, None),
         ("soon", 1, None),
+        (5, 2, 0),
+        (0, 2, None),
         (START, 3, None),
         (START, None, None),
     ],
