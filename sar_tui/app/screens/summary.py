@@ -78,7 +78,7 @@ class Summary(Vertical):
 
     def _facts(self, attempts: Sequence[AttemptEnded], status: str) -> str:
         tr, count = language_of(self.app), len(attempts)
-        if status == "refused":
+        if status == "refused" and self._for_participant:
             return tr("That is all right. The session does not begin, and nothing but this answer is kept. Thank you.")
         if status == "completed":
             done = tr("You did 1 attempt") if count == 1 else tr("You did {count} attempts", count=count)
