@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from sar_tui.app.screens.wellbeing import Person, Save, WellbeingScreen
-from sar_tui.framework.policies.wellbeing import Moment, tell_therapist
+from sar_tui.framework.messages import StepEnded
+from sar_tui.framework.policies.wellbeing import Moment, stop_now, tell_therapist
 from sar_tui.framework.settings.wellbeing import pain_limits
+from sar_tui.framework.steps.questions import PAIN
 from sar_tui.framework.task import Task
 from sar_tui.framework.theme import Theme
 from sar_tui.reports.wellbeing import advice
@@ -27,13 +29,34 @@ def ask_before(app: "OpeningApp", task: Task, theme: Theme, codes: Sequence[str]
 
 def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
     """Return the screen that asks after a session, or in a pause of it."""
-    session, codes = live.run.session, dict(live.codes)
+    return _screen(app, live, moment, _people_of(app, live))
+
+
+def advise(app: "OpeningApp", live: "LiveSession", ended: StepEnded) -> WellbeingScreen | None:
+    """Return the screen that advises to stop after a question between attempts; None if no pain speaks against it."""
+    if ended.name != PAIN or ended.kind != "number" or not isinstance(ended.answer, int):
+        return None
+    (person,) = (each for each in _people_of(app, live) if each.seat == ended.seat)
+    if stop_now(person.pain_before, ended.answer, pain_limits(live.run.session.task.parameters)) is None:
+        return None
+    _saving(app, "pause", live.run.id)(person, "pain", str(ended.answer))
+    return _screen(app, live, "pause", [person], told=ended.answer)
+
+
+def _people_of(app: "OpeningApp", live: "LiveSession") -> list[Person]:
+    """Return the participants of a session, with their pain before it."""
     rows = wellbeing.of_session(app.database, live.run.id)
-    before = {seat: wellbeing.ratings(rows, seat).pain_before for seat in codes}
-    people = [person._replace(pain_before=before[person.seat]) for person in _people(session.task, codes)]
+    people = _people(live.run.session.task, dict(live.codes))
+    return [person._replace(pain_before=wellbeing.ratings(rows, person.seat).pain_before) for person in people]
+
+
+def _screen(
+    app: "OpeningApp", live: "LiveSession", moment: Moment, people: Sequence[Person], told: int | None = None
+) -> WellbeingScreen:
+    session = live.run.session
     tr = session_language(session.task).including(session.theme.texts)
     limits = pain_limits(session.task.parameters)
-    return WellbeingScreen(moment, people, limits, _saving(app, moment, live.run.id), tr)
+    return WellbeingScreen(moment, people, limits, _saving(app, moment, live.run.id), tr, told)
 
 
 def warnings(app: "OpeningApp", codes: Sequence[str]) -> list[str]:

@@ -40,8 +40,8 @@ async def test_a_question_is_answered_on_the_screen(data: Path, catalogue: Catal
         assert driver.sees("Tab: I would rather not say.")
         await driver.press("enter")
         assert driver.sees("Please choose first")
-        await driver.press("1", "0")
-        assert driver.sees("[10]")
+        await driver.press("5")
+        assert driver.sees("[5]")
         await driver.press("enter")
         assert driver.sees("How hard was that for you?")
         await driver.wait(500)
@@ -51,10 +51,29 @@ async def test_a_question_is_answered_on_the_screen(data: Path, catalogue: Catal
         await driver.press("o", "k", "enter")
         assert driver.sees("All done")
     assert stored(data, "SELECT step, status, answer FROM answers ORDER BY number") == [
-        ("pain", "answered", "10"),
+        ("pain", "answered", "5"),
         ("effort", "declined", None),
         ("remark", "answered", '"ok"'),
     ]
+
+
+@pytest.mark.parametrize(("key", "status"), [("enter", "ended"), ("g", "paused")])
+async def test_too_much_pain_between_attempts_leads_to_the_advice_to_stop(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, status: str
+) -> None:
+    asked = plan(catalogue, keyboard, prompts_per_attempt=1, questions=("pain",), questions_every=1)
+    async with open_app(data, catalogue, asked) as driver:
+        await driver.do_attempt(await driver.to_first_prompt())
+        await driver.wait(1500)
+        assert driver.sees("How strong is your pain now?")
+        await driver.press("9", "enter")
+        assert driver.sees("Please stop for today Rest, and tell your therapist about the pain now.")
+        assert driver.waiting.reason == "pain"
+        await driver.press(key)
+        assert driver.waiting.stage == status
+    said = stored(data, "SELECT moment, question, answer FROM wellbeing WHERE answer<>'yes' ORDER BY at")
+    advice = "stopped" if key == "enter" else "went on"
+    assert said == [("pause", "pain", "9"), ("pause", "advice", "shown"), ("pause", "advice", advice)]
 
 
 CONSENT = Step(name="consent", kind="choice", text="Do you agree?", labels=("yes", "no"), before=True, required="yes")

@@ -19,7 +19,7 @@ from sar_tui.framework.messages import (
     TrialFeedback,
     Waiting,
 )
-from sar_tui.framework.topics import ACTING, MARKERS, RECALL
+from sar_tui.framework.topics import ACTING, MARKERS, RECALL, STEP_ENDED
 from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
 
@@ -39,6 +39,7 @@ class SessionScreen(KeysScreen):
         self._live.begin(self.app, self._broken)
         self._live.run.session.bus.subscribe(MARKERS, lambda _: self._warn())
         self._live.run.session.bus.subscribe(ACTING, self._agent_acted)
+        self._live.run.session.bus.subscribe(STEP_ENDED, self.step_ended)
         if self.app.sync_flash:
             from sar_tui.app.screens.sync_signal import SyncScreen
 

@@ -6,7 +6,7 @@ from textual.binding import Binding, BindingType
 
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_message import MessageScreen
-from sar_tui.framework.messages import SessionCommand
+from sar_tui.framework.messages import SessionCommand, StepEnded
 
 
 class PausingScreen(MessageScreen):
@@ -42,6 +42,14 @@ class PausingScreen(MessageScreen):
             from sar_tui.app.wellbeing import ask_after
 
             self.app.push_screen(ask_after(self.app, self._live, "pause"), self._told_of_pain)
+
+    def step_ended(self, ended: StepEnded) -> None:
+        """Pause after too much pain in an answer between attempts, and advise to stop."""
+        from sar_tui.app.wellbeing import advise
+
+        if question := advise(self.app, self._live, ended):
+            self._live.operate(SessionCommand(command="pause", reason="pain", seat=ended.seat))
+            self.app.push_screen(question, self._told_of_pain)
 
     def _told_of_pain(self, goes_on: bool | None) -> None:
         """End the session if the participant follows the advice not to go on."""

@@ -98,6 +98,7 @@ class WellbeingScreen(DismissedOnce[bool]):
         limits: of pain, as the therapist set them.
         save: stores each answer as soon as it is given.
         tr: language of the session.
+        told: pain above the limits that the first of them has told already: the screen begins with the advice.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -106,7 +107,15 @@ class WellbeingScreen(DismissedOnce[bool]):
     ]
     AUTO_FOCUS = ""
 
-    def __init__(self, moment: Moment, people: Sequence[Person], limits: PainLimits, save: Save, tr: Language) -> None:
+    def __init__(
+        self,
+        moment: Moment,
+        people: Sequence[Person],
+        limits: PainLimits,
+        save: Save,
+        tr: Language,
+        told: int | None = None,
+    ) -> None:
         super().__init__()
         self.tr = tr
         self._moment: Moment = moment
@@ -116,6 +125,8 @@ class WellbeingScreen(DismissedOnce[bool]):
         self._asked: list[tuple[Person, Question]] = [(people[0], "pain")]
         self._answers: dict[tuple[str, Question], str] = {}
         self._is_advising = False
+        if told is not None:
+            self._answers[people[0].seat, "pain"] = str(told)
 
     @property
     def active_bindings(self) -> dict[str, ActiveBinding]:
@@ -147,7 +158,10 @@ class WellbeingScreen(DismissedOnce[bool]):
         yield KeyFooter()
 
     def on_mount(self) -> None:
-        self._show()
+        if self._in_pain:
+            self._finish()
+        else:
+            self._show()
 
     # --- answers ------------------------------------------------------------------------------------------
 

@@ -6,12 +6,14 @@ from sar_tui.framework.policies.wellbeing import PAIN_ENDS
 from sar_tui.framework.steps.step import Step
 
 _AGREE = ("not at all true", "a little true", "somewhat true", "rather true", "very true")
+PAIN = "pain"
+"""Name of the question about pain now: too much leads to the advice to stop, whoever declares a question like it."""
 QUESTIONS: dict[str, Step] = {
     step.name: step
     for step in (
         Step(name="effort", text="How hard was that for you?", kind="borg"),
         Step(
-            name="pain",
+            name=PAIN,
             text="How strong is your pain now?",
             kind="number",
             labels=PAIN_ENDS,
@@ -36,7 +38,7 @@ QUESTIONS: dict[str, Step] = {
 J Pers Soc Psychol 43:450-461), with five points instead of seven."""
 
 
-_BEFORE_RULES_6 = {"pain": replace(QUESTIONS["pain"], labels=("no pain", "the worst pain you can imagine"))}
+_BEFORE_RULES_6 = {PAIN: replace(QUESTIONS[PAIN], labels=("no pain", "the worst pain you can imagine"))}
 
 
 def chosen(names: tuple[str, ...], every: int, rules: int) -> tuple[Step, ...]:
