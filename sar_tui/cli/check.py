@@ -1,5 +1,7 @@
 """``sar-tui check``: examine all recorded data."""
 
+from collections.abc import Iterable
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +16,13 @@ if TYPE_CHECKING:
     from sar_tui.store.integrity import Flaw
     from sar_tui.store.repair import Repair
 
+_WORDS = {
+    "seats": "participants",
+    "imu_streams": "sensors",
+    "imu_chunks": "blocks of samples",
+    "log_hashes": "hashes of the log",
+}
+"""Tables whose missing rows are told in other words than their names."""
 _COUNTED = {"attempts": "attempts", "trials": "trials", "imu_chunks": "blocks of samples"}
 """Tables whose rows are told, with their names in the plural."""
 
@@ -83,6 +92,7 @@ def _as_json(done: "Repair") -> dict[str, object]:
         "unread": [each._asdict() for each in done.unread],
         "moved": [each._asdict() for each in done.moved],
         "rebuilt": done.rebuilt,
+        "missing": [each._asdict() for each in done.missing],
     }
 
 
@@ -94,13 +104,23 @@ def _print_repair(done: "Repair") -> None:
     if done.kept:
         print(f"All rows that can be read are in a new file. The damaged one is kept: {done.kept}")
     for table, first, last, session in done.unread:
+        if not last:
+            print(f"! {table}: Nothing can be read.")
+            continue
         print(f"! {session or table}: {'events' if session else 'rows'} {first} to {last} cannot be read.")
     for table, rows, reason in done.moved:
         print(f"· {rows} of the rows of {table} moved aside: {reason}.")
     if done.aside:
         print(f"They are in {done.aside}.")
+    for session, lacks in groupby(done.missing, key=lambda each: each.session):
+        print(f"! {session}: Missing: {missing_words((each.table, each.rows) for each in lacks)}.")
     for session in done.rebuilt:
         print(f"· {session}: Its results were made again from its log.")
+
+
+def missing_words(rows: Iterable[tuple[str, int]]) -> str:
+    """Return what is missing of a session in words: "the session itself, 65 messages"."""
+    return ", ".join("the session itself" if t == "sessions" else f"{n} {_WORDS.get(t, t)}" for t, n in rows)
 
 
 def _print(found: "list[Flaw]", waiting: list[str], number: dict[str, int], folder: Path) -> None:

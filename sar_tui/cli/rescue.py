@@ -2,6 +2,7 @@
 
 import typer
 
+from sar_tui.cli.check import missing_words
 from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
@@ -31,6 +32,8 @@ def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, t
         if each.damaged:
             numbers = ", ".join(map(str, each.damaged[:_LISTED])) + (" …" if len(each.damaged) > _LISTED else "")
             print(f"! Messages of it that are damaged are left out: {len(each.damaged)} (number {numbers}).")
+        if each.missing:
+            print(f"! The file is damaged. Missing: {missing_words(each.missing)}.")
     if files and not sessions and not as_json:
         print("The database has all that is in the rescue files.")
     if any(each.problem for each in sessions):

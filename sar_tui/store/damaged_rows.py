@@ -17,6 +17,8 @@ _SESSION_TABLES = (
     "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks", "log_hashes",
     "earlier_events", "wellbeing", "adverse_events",
 )  # fmt: skip
+_WITHOUT_SESSION = ("wellbeing", "adverse_events")
+"""Tables whose rows may have no session."""
 _OF_SESSION = "(SELECT id FROM session_numbers WHERE number=session_number)"
 _JSON = {
     "sessions": ("id", ("parameters", "software", "machine")),
@@ -68,7 +70,9 @@ def _orphans() -> Iterator[Damage]:
     yield _orphan("messages", "events without a topic", "topic NOT IN (SELECT id FROM topics)", _OF_SESSION)
     yield _orphan("imu_chunks", "samples without their stream", f"{_LAYOUT} IS NULL", "session")
     for table in _SESSION_TABLES:
-        lost = "session IS NOT NULL AND session NOT IN (SELECT id FROM sessions)"
+        lost = "session NOT IN (SELECT id FROM sessions)"  # not true without a session, as some rows are
+        if table not in _WITHOUT_SESSION:
+            lost += " OR session IS NULL"
         yield _orphan(table, f"{table} without a session", lost, "session")
 
 

@@ -26,7 +26,10 @@ SAVED = "saved"
 VERSION = 22
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
-_NOT_OURS = "{path} is not a SQLite database. Move it away, or choose another --data folder."
+_NOT_OURS = (
+    "{path} is not a SQLite database. If it was one, `sar-tui check --repair` saves what can be read. Else move it "
+    "away, or choose another --data folder."
+)
 _NOT_TEXT = "Could not decode to UTF-8"
 """Part of the message of Python's module, without an error code of SQLite, if a text is damaged."""
 _LARGE_MB = 200.0
@@ -250,7 +253,10 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
 
 def damaged(path: Path | str = FILE) -> StoreError:
     """Return the error of a database whose bytes have changed."""
-    said = f"{path} is damaged. Restore a backup, or choose another --data folder."
+    said = (
+        f"{path} is damaged. Restore a backup, save what can be read (`sar-tui check --repair`), or choose another "
+        "--data folder."
+    )
     return StoreError(said, bad_input=True, unreadable=True)
 
 

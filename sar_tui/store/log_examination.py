@@ -69,11 +69,13 @@ def _examined(database: sqlite3.Connection, session: str, people: People, deriva
         log.append("The last hash of its log is not the one in the row of the session.")
     if ["adopted"] in listed:  # an earlier version of the program may have derived other rows
         return Examined(True, tuple(log))
+    if log:  # nothing can be told of rows that follow from another log
+        return Examined(True, tuple(log))
     changed = list(_changed_end(database, session, status, ended_at, listed))
-    if derivation.derive(session):
-        changed += derivation.differences(session)
-    else:
+    if not derivation.derive(session):
         log.append("Messages of it cannot be read by this version of sar-tui, so that its rows cannot be compared.")
+        return Examined(True, tuple(log))
+    changed += derivation.differences(session)
     return Examined(True, tuple(log), tuple(changed))
 
 

@@ -5,7 +5,7 @@ import os
 import shutil
 import sqlite3
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,10 +13,12 @@ from typing import NamedTuple
 
 from sar_tui.drivers.new_file import unused
 from sar_tui.store.backup import FOLDER, copy_database
+from sar_tui.store.damaged_file import is_refused, open_wary, readable_copy
 from sar_tui.store.damaged_rows import Damage, damages
-from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, sidecars
+from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, open_file, sidecars
 from sar_tui.store.integrity import Flaw, damaged_pages, flaws
 from sar_tui.store.log_examination import DERIVED, Derivation, altered
+from sar_tui.store.missing_rows import Missing, missing_rows
 from sar_tui.store.salvage import Unread, salvage
 
 _WAIT_S = 0.5
@@ -36,7 +38,8 @@ class Repair(NamedTuple):
 
     ``backup``: copy of the database that was made before. ``kept``: the damaged file, under its new name. ``unread``:
     rows that could not be read from that. ``aside``: database of the rows that were moved. ``rebuilt``: sessions whose
-    rows were made again from their log. ``flaws``: those that remain.
+    rows were made again from their log. ``missing``: rows that could not be read from a damaged file, as far as others
+    know of them. ``flaws``: those that remain.
     """
 
     backup: Path | None
@@ -45,6 +48,7 @@ class Repair(NamedTuple):
     aside: Path | None
     moved: list[Moved]
     rebuilt: list[str]
+    missing: list[Missing]
     flaws: list[Flaw]
 
 
@@ -67,6 +71,7 @@ def repair(folder: Path) -> Repair:
     connect(folder).close()  # brought up to date
     with _exclusive(path) as database:
         found = [each for each in damages(database) if _count(database, each)]
+        lost = missing_rows(database) if kept else []
         backup = aside = None
         moved: list[Moved] = []
         rebuilt: list[str] = []
@@ -78,13 +83,62 @@ def repair(folder: Path) -> Repair:
             moved = _move_aside(database, aside)
             rebuilt = altered(database)
             moved += _rebuild(database, aside, rebuilt)
-        return Repair(backup, kept, unread, aside, moved, rebuilt, list(flaws(database)))
+        missing = [each for each in lost if each.session not in rebuilt or each.table not in DERIVED]
+        return Repair(backup, kept, unread, aside, moved, rebuilt, missing, list(flaws(database)))
 
 
 @contextmanager
-def _exclusive(path: Path) -> Iterator[sqlite3.Connection]:
+def readable(path: Path) -> Iterator[tuple[sqlite3.Connection, list[Missing]]]:
+    """Open a database; or a copy of all that can be read of it if it is damaged, with what is missing.
+
+    Raises:
+        StoreError: nothing can be read, or the copy cannot be written.
+    """
+    try:
+        database = None if is_refused(path) else open_file(path)
+    except StoreError as error:
+        if not error.unreadable:
+            raise
+        database = None
+    if database is not None:
+        with closing(database):
+            if not any(damaged_pages(database)):
+                yield database, []
+                return
+    new = path.with_name(f".{path.stem}-salvaged.part")
+    try:
+        with _readable(path) as damaged:
+            _remove(new)
+            create_file(new)
+            salvage(damaged, path, new)
+        with closing(open_file(new)) as database:
+            yield database, missing_rows(database)
+    finally:
+        _remove(new)
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[sqlite3.Connection]:
+    """Open a database that may be damaged; a copy of it if SQLite would refuse, or change, the file itself."""
+    if not is_refused(path):
+        with _exclusive(path, open_wary) as database:
+            yield database
+        return
+    with readable_copy(path) as copy, _exclusive(copy, open_wary) as database:
+        yield database
+
+
+Open = Callable[[Path, float], sqlite3.Connection]
+
+
+def _open(path: Path, timeout: float) -> sqlite3.Connection:
+    return sqlite3.connect(path, timeout=timeout, isolation_level=None)
+
+
+@contextmanager
+def _exclusive(path: Path, open_file: Open = _open) -> Iterator[sqlite3.Connection]:
     """Open a database that no other program has open, nor can open meanwhile."""
-    with closing(sqlite3.connect(path, timeout=_WAIT_S, isolation_level=None)) as database:
+    with closing(open_file(path, _WAIT_S)) as database:
         try:
             database.execute("PRAGMA locking_mode=EXCLUSIVE")
             database.execute("BEGIN EXCLUSIVE")
@@ -111,8 +165,8 @@ def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
     """Put a new file in place of one whose pages are damaged; return the damaged one, and what it did not yield."""
     new = path.with_name(f".{path.stem}-salvaged.part")
     try:
-        with _exclusive(path) as database:
-            if not any(damaged_pages(database)):
+        with _readable(path) as database:
+            if not any(damaged_pages(database)) and not is_refused(path):
                 return None, []
             _remove(new)
             create_file(new)
@@ -164,7 +218,7 @@ def _link(path: Path, other: Path) -> None:
 
 
 def _remove(new: Path) -> None:
-    for each in (new, new.with_name(f"{new.name}-journal")):
+    for each in (new, new.with_name(f"{new.name}-journal"), *sidecars(new)):
         with contextlib.suppress(OSError):
             each.unlink()
 

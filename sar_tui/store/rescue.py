@@ -7,7 +7,7 @@ session is left. A rescue file is an ordinary database; ``bring_back`` copies it
 import contextlib
 import re
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple, get_args
@@ -28,6 +28,8 @@ from sar_tui.store.database import (
     transaction,
 )
 from sar_tui.store.locks import is_held
+from sar_tui.store.missing_rows import Missing
+from sar_tui.store.repair import readable
 from sar_tui.store.session_copy import copy_rows, copy_session
 
 _FACTS = {
@@ -155,7 +157,7 @@ class BroughtBack(NamedTuple):
     """A session of a rescue file.
 
     ``problem``: why it was left there; empty if it is in the database now. ``damaged``: numbers of its messages that
-    were left there, because they cannot be read.
+    were left there, because they cannot be read. ``missing``: rows that are lost, by table, if the file is damaged.
     """
 
     file: Path
@@ -164,12 +166,14 @@ class BroughtBack(NamedTuple):
     task: str
     problem: str = ""
     damaged: tuple[int, ...] = ()
+    missing: tuple[tuple[str, int], ...] = ()
 
 
 def bring_back(folder: Path) -> list[BroughtBack]:
     """Copy the sessions of all rescue files that the database lacks, or has less of, into the database.
 
-    A file of which nothing is left to bring back gets another name, and stays.
+    Of a file that is damaged, such as one that was cut short, all that can be read is brought back. A file of which
+    nothing is left to bring back gets another name, and stays.
 
     Raises:
         StoreError: the database or a rescue file cannot be used.
@@ -177,14 +181,29 @@ def bring_back(folder: Path) -> list[BroughtBack]:
     found: list[BroughtBack] = []
     with closing(connect(folder)) as database:
         for path in rescue_files(folder):
-            with closing(open_file(path)) as source:
-                here = [each for row in _sessions(source) if (each := _bring(path, row, source, database, folder))]
+            with readable(path) as (source, missing):
+                here = [
+                    each._replace(
+                        missing=tuple((one.table, one.rows) for one in missing if one.session == each.session)
+                    )
+                    for row in _sessions(source)
+                    if (each := _bring(path, row, source, database, folder))
+                ]
+                here += [
+                    BroughtBack(path, one.session, "?", "?", "the session itself cannot be read")
+                    for one in missing
+                    if one.table == "sessions"
+                ]
                 if not any(each.problem for each in here):
                     _bring_participants(source, database)
             found += here
             if not any(each.problem for each in here):
                 _rename(path)
     return found
+
+
+def _of_session(missing: Sequence[Missing], session: str) -> tuple[tuple[str, int], ...]:
+    return tuple((one.table, one.rows) for one in missing if one.session == session)
 
 
 def _sessions(database: sqlite3.Connection) -> list[tuple[str, str, str]]:

@@ -1,13 +1,13 @@
 """Rows of a database whose pages are damaged, read as far as they can be, into a new file."""
 
 import contextlib
+import re
 import sqlite3
-from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.store.database import damaged, explain
+from sar_tui.store.database import VERSION, apply_migrations, damaged, explain, version_of
 
 _MOST_FAILURES = 20_000
 """Largest number of ranges of a table, or of a session's messages, that fail before the rest of it is given up."""
@@ -20,7 +20,8 @@ _AFTER = 2**16
 class Unread(NamedTuple):
     """A range of rows that could not be read: the table, the first and the last row number.
 
-    ``session``: for messages, the session that they are of; the numbers are those of its events.
+    ``session``: for messages, the session that they are of; the numbers are those of its events. Both numbers are 0 if
+    nothing of the table could be read.
     """
 
     table: str
@@ -32,44 +33,69 @@ class Unread(NamedTuple):
 def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]:
     """Copy all rows that can be read into an empty file, and return the ranges that could not.
 
+    The new file has the tables of this program. What else is in the schema of the damaged one is not copied.
+
     Args:
-        database: the damaged database. Nothing is written to it.
+        database: the damaged database, opened by `damaged_file.open_wary`. Nothing is written to it.
         file: its path, for messages.
         new: the file to fill.
 
     Raises:
-        StoreError: not even the names of the tables can be read, or the new file cannot be written.
+        StoreError: not even the table of sessions is known, or the new file cannot be written.
     """
-    try:
-        schema = database.execute("SELECT type, name, sql FROM sqlite_master WHERE sql IS NOT NULL").fetchall()
-        (version,) = database.execute("PRAGMA user_version").fetchone()
-    except (sqlite3.Error, UnicodeDecodeError) as error:
-        raise damaged(file) from error
-    tables = [name for kind, name, _ in schema if kind == "table" and not name.startswith("sqlite_")]
-    if "sessions" not in tables:
+    there = _tables(database)
+    if "sessions" not in there:
         raise damaged(file)
+    with closing(sqlite3.connect(new, isolation_level=None)) as opened:
+        try:
+            apply_migrations(opened, _version(database, file))
+            ours = [name for (name,) in opened.execute(_OURS)]
+        except sqlite3.Error as error:
+            raise explain(error, new) from error
     try:
-        _make(new, [sql for kind, name, sql in schema if kind == "table" and name in tables], version)
         database.execute("ATTACH ? AS salvaged", (str(new),))
         database.execute("PRAGMA salvaged.synchronous=OFF")  # synced as a whole, by the caller
+        found = [Unread(name, 0, 0) for name in ours if name not in there]
         # Numbers of sessions come before the events that are read by them.
-        found = [each for name in sorted(tables, key=lambda name: name == "messages") for each in _copy(database, name)]
+        for name in sorted(ours, key=lambda name: name == "messages"):
+            if name in there:
+                found += _copy(database, name)
         database.execute("DETACH salvaged")
-        _make(new, [sql for kind, _, sql in schema if kind != "table"], version)
     except sqlite3.Error as error:
         raise explain(error, new) from error
     return found
 
 
-def _make(new: Path, statements: Sequence[str], version: int) -> None:
-    with closing(sqlite3.connect(new, isolation_level=None)) as opened:
-        for statement in statements:
-            opened.execute(statement)
-        opened.execute(f"PRAGMA user_version={version}")
+_OURS = "SELECT name FROM sqlite_master WHERE type='table' AND name NOT GLOB 'sqlite_*' AND name NOT GLOB '_*'"
+
+
+def _tables(database: sqlite3.Connection) -> set[str]:
+    """Return the names of the tables, as far as the schema can be read."""
+    found: set[str] = set()
+    for order in ("ASC", "DESC"):
+        with contextlib.suppress(sqlite3.Error, UnicodeDecodeError):
+            for (name,) in database.execute(
+                f"SELECT name FROM main.sqlite_master WHERE type='table' AND rootpage>0 ORDER BY rowid {order}"
+            ):
+                found.add(str(name))
+    return found
+
+
+def _version(database: sqlite3.Connection, file: Path) -> int:
+    """Return the data version of a damaged database: that of its header, or of the migrations that it has seen."""
+    with contextlib.suppress(sqlite3.Error):
+        if version := version_of(database, file):
+            return version
+        names = [str(name) for (name,) in database.execute("SELECT name FROM main._sqlite_migrations")]
+        seen = [int(name.removeprefix("version_")) for name in names if re.fullmatch(r"version_[0-9]{1,4}", name)]
+        return min(max(seen, default=VERSION), VERSION)
+    return VERSION
 
 
 def _copy(database: sqlite3.Connection, table: str) -> list[Unread]:
-    columns = ", ".join(f'"{name}"' for _, name, *_ in database.execute(f'PRAGMA main.table_info("{table}")'))
+    there = {name for _, name, *_ in database.execute(f'PRAGMA main.table_info("{table}")')}
+    ours = [name for _, name, *_ in database.execute(f'PRAGMA salvaged.table_info("{table}")')]
+    columns = ", ".join(f'"{name}"' for name in ours if name in there)
     if table == "messages":  # has no row numbers
         return _copy_messages(database, columns)
     reader = _Reader(database, table, f"rowid, {columns}", "rowid")

@@ -219,7 +219,7 @@ def test_a_damaged_text_in_the_database_is_reported_as_damage(
     change(tmp_path, f"UPDATE sessions SET parameters={damage} WHERE id=?", simulated)
     called = call(*command)
     assert (called.code, called.out) == (2, "")
-    assert called.err.endswith("sar-tui.db is damaged. Restore a backup, or choose another --data folder.\n")
+    assert "sar-tui.db is damaged. Restore a backup, save what can be read (`sar-tui check --repair`)" in called.err
 
 
 def test_reported_changes_stand_beside_their_mdc95(call: Call) -> None:

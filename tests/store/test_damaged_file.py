@@ -1,0 +1,193 @@
+"""All that SQLite reads is saved of a file that is cut short, or has a damaged header; what is missing is told."""
+
+import os
+import shutil
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from sar_tui.plugins import Catalogue
+from sar_tui.runs.plan import make_plan
+from sar_tui.runs.simulate import simulate
+from sar_tui.simulation.participant_model import PEOPLE
+from sar_tui.store.database import FILE, StoreError, connect
+from sar_tui.store.integrity import flaws
+from sar_tui.store.repair import repair
+from sar_tui.store.rescue import bring_back
+from tests.program import Call
+
+PAGE = 4096
+TABLES = ("sessions", "attempts", "trials", "messages")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data folder with six sessions, in one file."""
+    folder = tmp_path_factory.mktemp("whole")
+    catalogue = Catalogue()
+    for seed in range(6):
+        plan = make_plan(
+            catalogue, "keyboard", ["P01"], {"attempts": 5, "prompts_per_attempt": 10}, seed=seed, mode="simulated"
+        )
+        simulate(plan, PEOPLE["average"], folder, catalogue)
+    with closing(sqlite3.connect(folder / FILE)) as database:
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    return folder
+
+
+@pytest.fixture
+def copy(whole: Path, data: Path) -> Path:
+    data.mkdir(parents=True)
+    shutil.copyfile(whole / FILE, data / FILE)
+    return data
+
+
+def counts(folder: Path) -> dict[str, int]:
+    with closing(connect(folder)) as database:
+        return {table: database.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in TABLES}
+
+
+def ids(folder: Path) -> set[str]:
+    with closing(connect(folder)) as database:
+        return {id for (id,) in database.execute("SELECT id FROM sessions")}
+
+
+def overwrite(path: Path, at: int, data: bytes) -> None:
+    with path.open("rb+") as file:
+        file.seek(at)
+        file.write(data)
+
+
+HEADERS: dict[str, Callable[[Path], None]] = {
+    "zeroed": lambda path: overwrite(path, 0, bytes(100)),
+    "garbled": lambda path: overwrite(path, 0, bytes(range(7, 107))),
+    "without its name": lambda path: overwrite(path, 0, b"SQLXte"),
+    "with another page size": lambda path: overwrite(path, 16, b"\x03\xff"),
+}
+
+
+@pytest.mark.parametrize("how", HEADERS)
+def test_all_is_read_of_a_file_with_a_damaged_header(how: str, copy: Path, whole: Path, call: Call) -> None:
+    HEADERS[how](copy / FILE)
+    damaged = (copy / FILE).read_bytes()
+    with pytest.raises(StoreError, match="check --repair"):
+        connect(copy)
+    assert call("check", "--data", copy).code in (1, 2)
+    assert (copy / FILE).read_bytes() == damaged
+    done = repair(copy)
+    assert done.kept
+    assert done.kept.read_bytes() == damaged
+    assert (done.unread, done.moved, done.missing, done.flaws) == ([], [], [], [])
+    assert counts(copy) == counts(whole)
+    assert not list(copy.glob(".*.part*"))
+
+
+def test_a_damaged_header_with_a_log_that_was_not_written_back(copy: Path, data: Path) -> None:
+    with closing(sqlite3.connect(copy / FILE)) as database:
+        database.execute("PRAGMA wal_autocheckpoint=0")
+        database.execute("INSERT INTO participants (code, created_at) VALUES ('P07', '')")
+        database.commit()
+        later = copy.with_name("later")
+        later.mkdir()
+        for name in (FILE, f"{FILE}-wal"):
+            shutil.copyfile(copy / name, later / name)
+    overwrite(later / FILE, 0, bytes(100))
+    assert repair(later).flaws == []
+    with closing(connect(later)) as database:
+        assert database.execute("SELECT code FROM participants").fetchall() == [("P07",)]
+
+
+@pytest.mark.parametrize("share", [0.95, 0.85, 0.7, 0.5, 0.3])
+def test_what_is_left_of_a_file_that_was_cut_short_is_read(share: float, copy: Path, whole: Path) -> None:
+    size = int((copy / FILE).stat().st_size * share)
+    os.truncate(copy / FILE, size + 17)
+    before = counts(whole)
+    done = repair(copy)
+    assert done.kept
+    assert done.kept.stat().st_size == size + 17
+    after = counts(copy)
+    assert all(after[table] <= before[table] for table in TABLES)
+    if share > 0.6:
+        assert after["sessions"] >= 0.5 * before["sessions"], done
+    lost = ids(whole) - ids(copy)
+    told = {each.session for each in done.missing} | {flaw.where for flaw in done.flaws}
+    known = told | {name for name in ids(copy) if not _lacks(copy, whole, name)}
+    assert ids(copy) <= known, "of each session that is there, what it lacks is told"
+    assert done.missing or done.unread
+    if share > 0.8:
+        assert lost <= told, "a session of which anything is left is named"
+
+
+def _lacks(folder: Path, whole: Path, session: str) -> bool:
+    query = "SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE id=?)"
+    found = []
+    for each in (folder, whole):
+        with closing(connect(each)) as database:
+            found.append(database.execute(query, (session,)).fetchone()[0])
+    return found[0] < found[1]
+
+
+def test_the_rows_that_are_missing_are_counted_by_session_and_table(copy: Path, whole: Path) -> None:
+    """A leaf of messages is zeroed: those of its page are lost, and no others."""
+    with closing(connect(whole)) as database:
+        leaves = [
+            page
+            for page, kind in database.execute("SELECT pageno, pagetype FROM dbstat WHERE name='messages'")
+            if kind == "leaf"
+        ]
+    overwrite(copy / FILE, (leaves[len(leaves) // 2] - 1) * PAGE, bytes(PAGE))
+    before = counts(whole)
+    done = repair(copy)
+    after = counts(copy)
+    assert {name for name in TABLES if after[name] != before[name]} == {"messages"}
+    lost = before["messages"] - after["messages"]
+    assert sum(each.rows for each in done.missing) == lost > 0
+    assert {each.table for each in done.missing} == {"messages"}
+    assert {flaw.where for flaw in done.flaws} == {each.session for each in done.missing}
+
+
+def test_a_repair_tells_what_is_missing(copy: Path, call: Call) -> None:
+    os.truncate(copy / FILE, int((copy / FILE).stat().st_size * 0.8))
+    called = call("check", "--repair", "--data", copy)
+    assert "All rows that can be read are in a new file." in called.out
+    assert ": Missing: " in called.out
+    os.truncate(copy / FILE, 3000)
+    called = call("check", "--repair", "--data", copy)
+    assert called.code in (1, 2)
+    assert "Traceback" not in called.out + called.err
+
+
+def test_a_rescue_file_that_is_damaged_is_brought_back_as_far_as_it_can_be_read(
+    copy: Path, whole: Path, call: Call
+) -> None:
+    first, *_ = sorted(ids(whole))
+    rescue = copy / f"sar-tui-rescue-{first}.db"
+    (copy / FILE).rename(rescue)
+    os.truncate(rescue, int(rescue.stat().st_size * 0.8))
+    called = call("rescue", "--data", copy)
+    assert "The file is damaged. Missing: " in called.out
+    assert len(ids(copy)) >= 3
+    with closing(connect(copy)) as database:
+        assert not [flaw for flaw in flaws(database) if flaw.kind == "file"]
+
+
+def test_a_rescue_file_with_a_damaged_header_is_brought_back(copy: Path, whole: Path) -> None:
+    first, *_ = sorted(ids(whole))
+    rescue = copy / f"sar-tui-rescue-{first}.db"
+    (copy / FILE).rename(rescue)
+    overwrite(rescue, 0, bytes(100))
+    assert {each.session for each in bring_back(copy)} == ids(whole)
+    assert counts(copy) == counts(whole)
+    with closing(connect(copy)) as database:
+        assert list(flaws(database)) == []
+
+
+def test_a_file_that_is_no_database_stays_as_it_is(copy: Path) -> None:
+    (copy / FILE).write_bytes(b"a letter to a friend. " * 500)
+    with pytest.raises(StoreError, match="damaged"):
+        repair(copy)
+    assert (copy / FILE).read_bytes() == b"a letter to a friend. " * 500
+    assert not list(copy.glob(".*.part*"))
