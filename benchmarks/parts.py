@@ -8,6 +8,7 @@ from benchmarks import (
     agent,
     commands,
     export,
+    flood,
     frames,
     many_sessions,
     merge,
@@ -62,6 +63,10 @@ def _commands(extent: Extent) -> Any:
     return commands.measure(starts, extent.folder, ended)
 
 
+def _flood(extent: Extent) -> Any:
+    return flood.measure(extent.folder, extent.progress("floods of input", len(flood.UNITS)))
+
+
 def _simulate(extent: Extent) -> Any:
     simulated = extent.progress("simulated sessions", simulate.total_sessions(extent.quick))
     return simulate.measure(extent.quick, extent.folder, simulated)
@@ -113,6 +118,7 @@ PARTS: Mapping[str, Callable[[Extent], Any]] = {
     "frames": _frames,
     "paint": _paint,
     "commands": _commands,
+    "flood": _flood,
     "simulate": _simulate,
     "sessions": _sessions,
     "export": _export,

@@ -52,7 +52,7 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "frames", "sessions", "export", "merge", "motion", "sensor", "agent", "operator"):
+    for name in ("response", "frames", "flood", "sessions", "export", "merge", "motion", "sensor", "agent", "operator"):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -84,6 +84,11 @@ def _commands(commands: Results) -> dict[str, Rows]:
     ratios = {name: f"{ratio:.1f}" for name, ratio in commands["ratios"].items()}
     rows = [[name, f"{seconds:.3f}", ratios.get(name, "1")] for name, seconds in commands["median_s"].items()]
     return {"A command from start to end (s)": [["command", "median", "times Python"], *rows]}
+
+
+def _flood(flood: Results) -> dict[str, Rows]:
+    rows = [[kind, f"{one['read_s']:.2f}", f"{one['f1_s']:.3f}"] for kind, one in flood["kinds"].items()]
+    return {"A megabyte that nobody types (s)": [["kind", "read", "F1 in the middle"], *rows]}
 
 
 def _simulate(tasks: Results) -> dict[str, Rows]:
@@ -236,6 +241,7 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
     "frames": _frames,
     "paint": _paint,
     "commands": _commands,
+    "flood": _flood,
     "simulate": _simulate,
     "sessions": _sessions,
     "export": _export,

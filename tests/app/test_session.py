@@ -179,6 +179,23 @@ async def test_a_repeated_enter_after_the_last_response_does_not_close_the_summa
         assert not driver.app.is_running
 
 
+async def test_an_enter_that_is_held_is_asked_to_be_let_go(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
+        await driver.press("enter")
+        for _ in range(2):
+            await driver.wait(500)
+            await driver.strike("enter")
+        assert not driver.sees("let go")
+        await driver.wait(500)
+        await driver.strike("enter")
+        assert driver.sees("Press Enter to begin attempt 1 of 2. Please let go of the keys for a moment.")
+        await driver.press("enter")
+        assert driver.waiting.stage == "trial"
+        assert not driver.sees("let go")
+
+
 async def test_an_enter_that_closes_the_summary_and_is_held_begins_no_other_session(
     data: Path, catalogue: Catalogue
 ) -> None:

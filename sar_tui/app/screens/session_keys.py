@@ -11,6 +11,9 @@ from sar_tui.framework.clock import SECOND
 from sar_tui.framework.messages import SessionCommand, TrialMarked, Waiting
 from sar_tui.tui.gc_control import GcControl
 
+_IN_VAIN = 3
+"""Presses of Enter, for one that is awaited, after which the participant is asked to let go of it."""
+
 
 class KeysScreen(PausingScreen):
     """The part of a session's screen that reads its keys."""
@@ -19,6 +22,7 @@ class KeysScreen(PausingScreen):
         super().__init__(live)
         self._gc = GcControl()
         self._is_goodbye_held = False
+        self._enters: tuple[Waiting | None, int] = (None, 0)
 
     @property
     def help_text(self) -> str:
@@ -78,12 +82,20 @@ class KeysScreen(PausingScreen):
             self._show_position(waiting)
 
     def _correct_key(self, key: str, waiting: Waiting) -> None:
-        """Say which key is awaited after Enter was pressed for the start key, or the other way round."""
+        """Say which key is awaited after Enter was pressed for the start key, or the other way round.
+
+        Ask to let go of the keys if Enter has no effect, because it is held or pressed again too soon.
+        """
         start = self._live.run.session.task.start_key
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
         if start and wanted and key in ("enter", start) and key != wanted:
             later = self.tr("({key} comes later.)", key=key_name(key, self.tr))
             self.query_one(MessagePanel).correct(later)
+        elif wanted == key == "enter":
+            last, count = self._enters
+            self._enters = waiting, count + 1 if waiting is last else 1
+            if self._enters[1] == _IN_VAIN:
+                self.query_one(MessagePanel).correct(self.tr("Please let go of the keys for a moment."))
 
     def on_paste(self, event: events.Paste) -> None:
         event.stop()
