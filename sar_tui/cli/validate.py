@@ -144,14 +144,15 @@ def _prepare_folder(folder: Path, names: Sequence[str]) -> None:
 
 def _store(folder: Path, name: str, title: str, report: "Report") -> None:
     """Write a validation's rows and its printed text."""
-    import csv
-
     from rich.console import Console
 
+    from sar_tui.export.csv_file import CsvWriter
+
     with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, list(report.rows[0]) if report.rows else [])
-        writer.writeheader()
-        writer.writerows(report.rows)
+        writer = CsvWriter(file)
+        heads = list(report.rows[0]) if report.rows else []
+        writer.row(heads)
+        writer.rows([row[head] for head in heads] for row in report.rows)
     with (folder / f"{name}.txt").open("w", encoding="utf-8") as file:
         _print(Console(file=file, width=_PAGE), title, report)
     if report.chart is not None:

@@ -15,6 +15,7 @@ from typing import TypeVar
 import filelock
 import msgspec
 
+from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.errors import ExportError
 from sar_tui.export.place import made_beside
 
@@ -152,9 +153,9 @@ def _write(path: Path, made: Recoding) -> None:
     number, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.absolute().parent)
     try:
         with open(number, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(HEAD)
-            writer.writerows((code, each.code, each.shift_days, made.key) for code, each in sorted(made.people.items()))
+            writer = CsvWriter(file)
+            writer.row(HEAD)
+            writer.rows((code, each.code, each.shift_days, made.key) for code, each in sorted(made.people.items()))
             file.flush()
             os.fsync(file.fileno())
         Path(name).replace(path)

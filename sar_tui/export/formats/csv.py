@@ -1,6 +1,5 @@
 """A CSV file a table (RFC 4180), and ``datapackage.json``, which describes every column (Table Schema)."""
 
-import csv
 import hashlib
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -13,6 +12,7 @@ import msgspec
 from sar_tui import __version__
 from sar_tui.export.columns import Column, Table, Values
 from sar_tui.export.contents import Contents
+from sar_tui.export.csv_file import CsvWriter, cell
 
 _BLOCK = 1 << 20
 _ROWS = 4096
@@ -47,15 +47,15 @@ class CsvFormat:
 def write_table(path: Path, table: Table, contents: Contents, progress: Callable[[], None]) -> None:
     """Write the rows of a table as a CSV file."""
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([column.name for column in table.columns])
+        writer = CsvWriter(file)
+        writer.row(column.name for column in table.columns)
         booleans = [index for index, column in enumerate(table.columns) if column.type == "boolean"]
         for owner in contents.owners(table):
             rows = contents.rows(table, owner)
             if _is_numeric(table) and _PLAIN.fullmatch(owner):
                 file.writelines(numeric_lines(rows, owner))
             else:
-                writer.writerows(_with_booleans(rows, booleans))
+                writer.rows(_with_booleans(rows, booleans))
             progress()
 
 
@@ -127,7 +127,7 @@ def _field(column: Column) -> dict[str, Any]:
     if column.required:
         constraints["required"] = True
     if column.levels:
-        constraints["enum"] = list(column.levels)
+        constraints["enum"] = [cell(level) for level in column.levels]
     return {
         "name": column.name,
         "type": column.type,

@@ -1,12 +1,12 @@
 """The codebook of MATLAB files: every field of every table."""
 
-import csv
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import msgspec
 
 from sar_tui.export.columns import Column, Table
+from sar_tui.export.csv_file import CsvWriter
 from sar_tui.export.formats.mat_values import is_stamp, matlab_type, short_names
 
 STREAM = {
@@ -82,9 +82,9 @@ def seconds_name(column: Column) -> str:
 def write_codebook(path: Path, lines: Iterable[Entry]) -> None:
     """Write the codebook as a CSV file."""
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(Entry.__struct_fields__)
-        writer.writerows(msgspec.structs.astuple(line) for line in lines)
+        writer = CsvWriter(file)
+        writer.row(Entry.__struct_fields__)
+        writer.rows(msgspec.structs.astuple(line) for line in lines)
 
 
 def _entry(

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from sar_tui.export.columns import Column
+from sar_tui.export.csv_file import cell
 
 MISSING = "n/a"
 _ESCAPES = str.maketrans({"\t": "\\t", "\n": "\\n", "\r": "\\r", "\\": "\\\\"})
@@ -17,11 +18,11 @@ def text(of: str) -> str:
     """Return a text as it is written.
 
     Tabs, line ends and backslashes are written as in JSON, and a quote at its beginning, which other programs would
-    take for the beginning of a quoted text.
+    take for the beginning of a quoted text. Formulas and other control characters are written as in CSV.
     """
     if of.isalnum():
         return of
-    escaped = of.translate(_ESCAPES)
+    escaped: str = cell(of.translate(_ESCAPES))
     return f"\\{escaped}" if escaped.startswith('"') else escaped or MISSING
 
 
@@ -70,7 +71,7 @@ def description(column: Column, levels: Mapping[str, str] | None = None) -> dict
         levels: the meaning of each level, where the name of a level does not say enough.
     """
     if levels is None:
-        levels = _BOOLEANS if column.type == "boolean" else dict(zip(column.levels, column.levels, strict=True))
+        levels = _BOOLEANS if column.type == "boolean" else {text(level): level for level in column.levels}
     return {
         "Description": column.meaning,
         **({"Units": column.unit} if column.unit else {}),
