@@ -3,12 +3,15 @@
 import os
 import sys
 
+from sar_tui.drivers.file_limit import largest_file
 from sar_tui.tui.exit_codes import INTERRUPTED
 
 
 def main() -> None:
     """Run the program, and end it in order on Ctrl-C, even while it is loading."""
     try:
+        if largest_file() is not None:
+            sys.dont_write_bytecode = True  # Python would keep modules that it could only write in part
         from sar_tui.cli import main as run
 
         run()

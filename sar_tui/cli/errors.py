@@ -101,7 +101,24 @@ def _expected(error: Exception) -> tuple[int, str] | None:
             return _expected(database.explain(error))
         case OSError() if error.filename or error.errno in _DISK:
             return _unusable(error)
-    return None
+    return _of_python(error)
+
+
+def _of_python(error: Exception) -> tuple[int, str] | None:
+    """Return the exit code and the message of an error that is known by Python's own words only, else None."""
+    import shlex
+    import sysconfig
+    from pathlib import Path
+
+    folders = (Path(__file__).parents[1], sysconfig.get_path("purelib"))
+    known = {
+        "can't start new thread": "The system starts no more threads for this login: close other programs, or raise "
+        "the limit of processes (ulimit -u) or of memory (ulimit -v).",
+        "marshal data too short": "A module that Python keeps compiled is cut short, as by a full disk. Make all anew: "
+        f"{sys.executable} -m compileall -fq {shlex.join(map(str, folders))}",
+    }
+    sentence = next((known[said] for said in known if said in str(error)), None)
+    return None if sentence is None else (FAILED, sentence)
 
 
 def _unusable(error: OSError) -> tuple[int, str]:

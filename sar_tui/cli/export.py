@@ -1,5 +1,6 @@
 """``sar-tui export``: sessions as files that other programs read."""
 
+import sys
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
@@ -106,7 +107,14 @@ def export(
 
         form = load(format)
         to = to or new_folder(home.folder, form, options)
-        exported = write(database, home.folder, home.catalogue(), request, form, to, start, options)
+        had_map = recode is None or recode.exists()
+        try:
+            exported = write(database, home.folder, home.catalogue(), request, form, to, start, options)
+        except BaseException:
+            if recode and not had_map and recode.exists():
+                said = f"! {recode} was made, and nothing was exported with it. Keep it for the next try, or delete it."
+                print(said, file=sys.stderr)
+            raise
     for written in (to, *([recode] if recode else ())):
         warn_of_git(written)
     if as_json:

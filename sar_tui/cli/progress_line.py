@@ -45,14 +45,17 @@ def progress_line(
 
     line = _Line(what, now, write, on_terminal=stream.isatty())
     over = Event()
-    ticking = Thread(target=line.keep_drawn, args=(over,), daemon=True)
-    if not still:
-        ticking.start()
+    ticking = None if still else Thread(target=line.keep_drawn, args=(over,), daemon=True)
+    if ticking:
+        try:
+            ticking.start()
+        except RuntimeError:  # this login may start no more: the line is drawn when the block calls
+            ticking = None
     try:
         yield line.show
     finally:
         over.set()
-        if not still:
+        if ticking:
             ticking.join()
         line.erase()
 

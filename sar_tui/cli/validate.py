@@ -58,7 +58,7 @@ def validate(
         ),
     ] = None,
     full: Annotated[
-        bool, typer.Option("--full", help="With all repetitions, as for a paper: a quarter of an hour of computing.")
+        bool, typer.Option("--full", help="With all repetitions, as for a paper: up to a quarter of an hour.")
     ] = False,
     session: Annotated[
         str | None,

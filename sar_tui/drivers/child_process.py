@@ -16,7 +16,8 @@ def python(module: str, *arguments: str) -> list[str]:
 
     With ``-P``, no module in the current folder can replace a library.
     """
-    return [sys.executable, "-P", "-m", module, *arguments]
+    without_cache = ["-B"] if sys.dont_write_bytecode else []
+    return [sys.executable, *without_cache, "-P", "-m", module, *arguments]
 
 
 def start(program: Sequence[str]) -> subprocess.Popen[bytes]:

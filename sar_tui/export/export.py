@@ -24,7 +24,7 @@ from sar_tui.export.recoding import recoding, shuffled
 from sar_tui.export.registry import Format
 from sar_tui.export.site_target import check_folder, site_target
 from sar_tui.export.sites import Part, parts
-from sar_tui.export.target import check, forget_times, sync, target
+from sar_tui.export.target import MANIFEST, check, forget_times, sync, target
 from sar_tui.store.database import StoreConnection
 from sar_tui.store.exports import record
 from sar_tui.store.selection import Request, Selection, select
@@ -119,10 +119,11 @@ def export(
         check_folder(folder)
     else:
         check(folder, format.name)
-    if options.recode is not None and options.recode.resolve().is_relative_to(folder):
-        raise ExportError(
-            "The map of codes must not be in the folder that leaves. Name a file outside.", bad_input=True
-        )
+    if options.recode is not None and (
+        options.recode.resolve().is_relative_to(folder)
+        or any((each / MANIFEST).exists() for each in options.recode.resolve().parents)
+    ):
+        raise ExportError("The map of codes must not be in a folder that leaves. Name a file outside.", bad_input=True)
     written: list[_Written] = []
     with ExitStack() as targets, ExitStack() as snapshot:
         snapshot.enter_context(_snapshot(database))

@@ -3,6 +3,7 @@
 import csv
 import hmac
 import os
+import re
 import secrets
 import sqlite3
 import tempfile
@@ -74,9 +75,11 @@ def recoding(database: sqlite3.Connection, path: Path, codes: Iterable[str]) -> 
     """
     wanted = list(codes)
     found = _read(path)
-    if found.key and all(code in found.people for code in wanted):
+    if found.key and all(code in found.people for code in wanted) and not _left_behind(path):
         return found
     with _locked(path):
+        for left in _left_behind(path):
+            left.unlink(missing_ok=True)
         found = _read(path)  # again: another export may have added the same codes meanwhile
         known = dict(found.people)
         for code in wanted:
@@ -86,6 +89,13 @@ def recoding(database: sqlite3.Connection, path: Path, codes: Iterable[str]) -> 
         made = Recoding(known, found.key or secrets.token_hex(_KEY_BYTES))
         _write(path, made)
     return made
+
+
+def _left_behind(path: Path) -> list[Path]:
+    """Return the copies of a map that killed programs have left beside it: they hold its codes, too."""
+    half = re.compile(rf"\.{re.escape(path.name)}\.[a-z0-9_]{{8}}")
+    folder = path.absolute().parent
+    return [each for each in folder.iterdir() if half.fullmatch(each.name)] if folder.is_dir() else []
 
 
 def shuffled(values: Iterable[T]) -> list[T]:

@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 import platformdirs
 
+from sar_tui.drivers.file_limit import largest_file
 from sar_tui.drivers.private_folder import make_private
 
 FILE = "sar-tui.db"
@@ -229,6 +230,8 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
     code = (getattr(error, "sqlite_errorcode", 0) or 0) & 0xFF
     if code == sqlite3.SQLITE_CORRUPT or is_not_text(error):
         return damaged(path)
+    limit = largest_file()
+    limited = "" if limit is None else f" This login may write no file larger than {limit:,} bytes (ulimit -f)."
     known = {
         sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
         sqlite3.SQLITE_READONLY: (
@@ -238,7 +241,7 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
         sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you write to it?",
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
         sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
-        sqlite3.SQLITE_IOERR: f"The disk cannot write {path}.",
+        sqlite3.SQLITE_IOERR: f"The disk cannot write {path}.{limited}",
         sqlite3.SQLITE_NOMEM: "This machine has no memory left. Close other programs.",
     }
     wrong_file = code == sqlite3.SQLITE_NOTADB

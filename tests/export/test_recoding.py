@@ -1,6 +1,7 @@
 """With a map of codes, persons leave under random codes, and all dates of a person are shifted alike."""
 
 import csv
+import errno
 import os
 from collections import Counter
 from contextlib import closing
@@ -200,9 +201,38 @@ def test_a_file_that_is_no_map_is_not_touched(data: Path, tmp_path: Path, text: 
 
 
 def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
-    with pytest.raises(ExportError, match="must not be in the folder that leaves"):
+    with pytest.raises(ExportError, match="must not be in a folder that leaves"):
         export_csv(data, tmp_path / "out", recode=tmp_path / "out" / "map.csv")
     assert not (tmp_path / "out").exists()
+    export_csv(data, tmp_path / "earlier")
+    with pytest.raises(ExportError, match="must not be in a folder that leaves"):
+        export_csv(data, tmp_path / "out", recode=tmp_path / "earlier" / "map.csv")
+
+
+def test_copies_of_the_map_that_a_killed_program_left_are_removed(data: Path, tmp_path: Path) -> None:
+    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+    for name in (".map.csv.a1_b2c3d", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"):
+        (tmp_path / name).write_bytes((tmp_path / "map.csv").read_bytes())
+    export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
+    kept = {path.name for path in tmp_path.iterdir() if path.is_file()} - {".map.csv.lock"}
+    assert kept == {"map.csv", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"}
+
+
+def test_a_new_map_of_an_export_that_failed_is_named(
+    call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ("export", "--all", "--simulated", "--to", tmp_path / "out", "--recode", tmp_path / "map.csv")
+
+    def fail(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patched:
+        patched.setattr("sar_tui.export.export.write_manifest", fail)
+        failed = call(*words)
+        assert failed.code == 1
+        assert f"! {tmp_path / 'map.csv'} was made, and nothing was exported with it" in failed.err
+        assert "was made" not in call(*words).err, "it was there before"
+    assert call(*words).code == 0
 
 
 def test_two_exports_at_once_agree_on_the_codes(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
