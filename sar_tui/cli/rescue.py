@@ -1,5 +1,8 @@
 """``sar-tui rescue``: bring back what rescue files hold."""
 
+import sys
+from pathlib import Path
+
 import typer
 
 from sar_tui.cli.check import missing_words
@@ -16,12 +19,18 @@ def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, t
 
     A rescue file is written if the database was removed during a session, or locked at its end.
     """
+    from sar_tui.store.database import StoreError
     from sar_tui.store.rescue import bring_back, rescue_files
 
     home = Home.of(context, data, tasks)
     files = rescue_files(home.folder)
-    with progress_line("Bringing back"):
-        sessions = bring_back(home.folder) if files else []
+    try:
+        with progress_line("Bringing back"):
+            sessions = bring_back(home.folder) if files else []
+    except StoreError:
+        for path in files:
+            print(f"! {path} waits, and is kept as it is. It holds {_held(path)}.", file=sys.stderr)
+        raise
     if as_json:
         print_json({"sessions": [each._asdict() | {"file": str(each.file)} for each in sessions]})
     elif not files:
@@ -38,3 +47,22 @@ def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, t
         print("The database has all that is in the rescue files.")
     if any(each.problem for each in sessions):
         raise typer.Exit(FAILED)
+
+
+def _held(path: Path) -> str:
+    """Return what a rescue file holds, in words."""
+    from sar_tui.store.database import StoreError
+    from sar_tui.store.rescue import waiting
+
+    try:
+        found = waiting(path)
+    except StoreError as error:
+        return f"what cannot be read now ({error})"
+    return (
+        "; ".join(
+            f"session {each.session} of {each.participants} ({each.task}), {each.trials} "
+            f"trial{'' if each.trials == 1 else 's'}"
+            for each in found
+        )
+        or "no session"
+    )

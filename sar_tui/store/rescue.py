@@ -153,6 +153,22 @@ def remove(path: Path) -> None:
 # --- bringing back --------------------------------------------------------------------------------------------------
 
 
+class Waiting(NamedTuple):
+    """A session that a rescue file holds, with the number of its trials there."""
+
+    session: str
+    participants: str
+    task: str
+    trials: int
+
+
+def waiting(path: Path) -> list[Waiting]:
+    """Return what a rescue file holds. Raises StoreError if it cannot be read."""
+    count = "SELECT count(*) FROM trials WHERE session=?"
+    with readable(path) as (source, _):
+        return [Waiting(*row, *source.execute(count, row[:1]).fetchone()) for row in _sessions(source)]
+
+
 class BroughtBack(NamedTuple):
     """A session of a rescue file.
 

@@ -1,5 +1,6 @@
 """``sar-tui rescue`` brings rescue files back; every command says that they wait, and that data was lost."""
 
+import re
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -146,3 +147,19 @@ def test_doctor_reports_rescue_files(call: Call, waiting: str, tmp_path: Path) -
     call("rescue")
     assert saved_data(tmp_path / "data").state == "ok"
     assert saved_data(tmp_path / "none").state == "ok"
+
+
+def test_beside_a_damaged_database_the_file_and_what_is_in_it_are_named(
+    call: Call, waiting: str, tmp_path: Path
+) -> None:
+    (path,) = rescue_files(tmp_path / "data")
+    held = path.read_bytes()
+    (tmp_path / "data" / FILE).write_bytes(b"no database" * 1000)
+    called = call("rescue")
+    assert (called.code, called.out) == (2, "")
+    said, why = called.err.splitlines()
+    begins = f"! {path} waits, and is kept as it is. It holds session {waiting} of P01 (keyboard), "
+    assert said.startswith(begins)
+    assert re.fullmatch(r"\d+ trials?\.", said.removeprefix(begins))
+    assert str(tmp_path / "data" / FILE) in why
+    assert path.read_bytes() == held
