@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 import msgspec
 
 from sar_tui.framework.bus import Record
-from sar_tui.framework.messages import RecordChanged
-from sar_tui.framework.topics import ALL, RECORD_CHANGED
+from sar_tui.framework.topics import ALL
 from sar_tui.store import log_hashes, messages, rows
 from sar_tui.store.log_hashes import Entry
 from sar_tui.store.merge.people import People, in_full, stored_pairs
-from sar_tui.store.record_changes import ends_and_changes, status_after
+from sar_tui.store.record_changes import changes, ends_and_changes, erased_hashes, status_after
 from sar_tui.store.wellbeing import IN_PAUSE
 
 DERIVED = ("trials", "attempts", "actions", "answers", "notes")
@@ -108,12 +107,13 @@ def _changed_groups(
 ) -> Iterator[str]:
     """Yield the groups whose hash is not that of their messages and of what is stored with them."""
     stored = messages.stored_rows(database, session)
+    erased = erased_hashes(database, session)
     waiting = next(stored, None)
     before, first = "", 1
     for position, group in enumerate(groups, start=1):
         digests = []
         while waiting is not None and waiting.seq <= group.until:
-            digests.append(log_hashes.message_hash(waiting))
+            digests.append(erased.get(waiting.seq) or log_hashes.message_hash(waiting))
             waiting = next(stored, None)
         beside = [_possible_hashes(database, session, people, entry) for entry in group.beside]
         holds = any(log_hashes.group_hash(before, (*digests, *some)) == group.hash for some in product(*beside))
@@ -150,8 +150,8 @@ def _codes_at_first(database: sqlite3.Connection, session: str, people: People, 
     have been moved to another participant since.
     """
     possible = _codes_of(people, code)
-    for change in reversed(_moves(database, session)):
-        if change.seat == seat:
+    for change in reversed(changes(database, session)):
+        if change.change == "moved" and change.seat == seat:
             after = str(change.details.get("after"))
             possible = _codes_of(people, str(change.details.get("before"))) if after in possible else []
     return possible
@@ -165,14 +165,6 @@ def _codes_of(people: People, code: str) -> list[str]:
 def _people(database: sqlite3.Connection) -> People:
     own = database.execute("SELECT code FROM site").fetchone()
     return People(own[0] if own else "", stored_pairs(database))
-
-
-def _moves(database: sqlite3.Connection, session: str) -> list[RecordChanged]:
-    found = database.execute(
-        "SELECT message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, RECORD_CHANGED.name)
-    )
-    changes = [msgspec.json.decode(text, type=RecordChanged) for (text,) in found]
-    return [change for change in changes if change.change == "moved"]
 
 
 def _added(database: sqlite3.Connection, session: str, groups: Sequence[_Group], listed: list[Entry]) -> Iterator[str]:
@@ -231,9 +223,7 @@ class Derivation:
         number = 0
         waiting: list[Record] = []
         run = 0
-        for row in messages.stored_rows(self._database, session):
-            if row.topic not in _TOPICS:
-                continue
+        for row in messages.stored_rows(self._database, session, topics=_TOPICS):
             while number < len(ends) and row.seq > ends[number]:
                 self._store(session, run, waiting)
                 waiting, number = [], number + 1
@@ -270,10 +260,14 @@ class Derivation:
 
     def _difference(self, table: str, session: str) -> Iterator[str]:
         stored, derived = (self._rows(database, table, session) for database in (self._database, self._memory))
-        if stored == derived:
-            return
         here, there = Counter(stored), Counter(derived)
+        here, there = here - there, there - here
+        if not here and not there:
+            return
+        here, there = (Counter(tuple(map(_comparable, row)) for row in each.elements()) for each in (here, there))
         more, less = (here - there).total(), (there - here).total()
+        if not more and not less:
+            return
         changed = min(more, less)
         parts = [
             f"{count} {words}"
@@ -285,7 +279,7 @@ class Derivation:
     def _rows(self, database: sqlite3.Connection, table: str, session: str) -> list[tuple[Any, ...]]:
         listed = ", ".join(f'"{name}"' for name in self._columns[table])
         found = database.execute(f"SELECT {listed} FROM {table} WHERE session=? ORDER BY rowid", (session,))
-        return sorted((tuple(map(_comparable, row)) for row in found), key=repr)
+        return found.fetchall()
 
     def rebuild(self, session: str) -> None:
         """Put the derived rows in place of those of a session, in a transaction of the caller."""

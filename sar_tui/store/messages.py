@@ -6,7 +6,7 @@ stay in ``earlier_events``.
 """
 
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache
 from heapq import merge
 from itertools import chain
@@ -184,6 +184,19 @@ def extent(database: sqlite3.Connection, session: str) -> tuple[int, int]:
     return min(numbers, default=0), max(numbers, default=0)
 
 
+def replace(connection: sqlite3.Connection, session: str, seq: int, topic: Topic[Any], message: Message) -> None:
+    """Store another message in place of one with the same number and topic, in a transaction of the caller."""
+    numbers = add_numbers(connection, session)
+    connection.execute(
+        "UPDATE messages SET topic=?, message=? WHERE session_number=? AND seq=?",
+        (numbers.topics[topic.name], encoder(topic)(message), numbers.session, seq),
+    )
+    connection.execute(
+        "UPDATE earlier_events SET message=? WHERE session=? AND seq=?",
+        (_json.encode(message).decode(), session, seq),
+    )
+
+
 def last(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
     """Return number, run and time of the last message of a session; number 0, and run 1, if there is none."""
     found = database.execute(
@@ -276,21 +289,35 @@ def decoded(row: StoredRow) -> Message:
     return _decoder(ALL[row.topic], row.fields)(row.text)
 
 
-def stored_rows(database: sqlite3.Connection, session: str, after: int = 0) -> Iterator[StoredRow]:
-    """Yield the messages of a session whose number is above ``after`` as they are stored, in order."""
+def stored_rows(
+    database: sqlite3.Connection, session: str, after: int = 0, topics: Collection[str] | None = None
+) -> Iterator[StoredRow]:
+    """Yield the messages of a session as they are stored, in order.
+
+    Args:
+        database: only read.
+        session: its id.
+        after: only messages whose number is above it.
+        topics: the names of their topics; None: all.
+    """
+    wanted = None if topics is None else set(topics)
     earlier = database.execute(
         "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? ORDER BY seq",
         (session, after),
     )
-    topics = {id: (name, stored) for id, name, stored in database.execute("SELECT id, name, fields FROM topics")}
+    known = {id: (name, stored) for id, name, stored in database.execute("SELECT id, name, fields FROM topics")}
+    of_topics = ""
+    if wanted is not None:
+        of_topics = f" AND topic IN ({', '.join(str(int(id)) for id, (name, _) in known.items() if name in wanted)})"
     rows = database.execute(
         "SELECT seq, run, at_ns, topic, message FROM messages"
-        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>? ORDER BY seq",
+        f" WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>?{of_topics} ORDER BY seq",
         (session, after),
     )
     unknown = ("", "")  # a damaged number, whose message cannot be read
-    present = (StoredRow(seq, run, at, *topics.get(topic, unknown), text) for seq, run, at, topic, text in rows)
+    present = (StoredRow(seq, run, at, *known.get(topic, unknown), text) for seq, run, at, topic, text in rows)
     if (first := earlier.fetchone()) is None:
         yield from present
     else:
-        yield from merge((StoredRow(*row) for row in chain([first], earlier)), present)
+        before = (StoredRow(*row) for row in chain([first], earlier) if wanted is None or row[3] in wanted)
+        yield from merge(before, present)

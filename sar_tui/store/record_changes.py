@@ -1,14 +1,16 @@
 """Changes of a session's record after the session. Each is a message in its log, stored with the change of its rows."""
 
+import contextlib
 import sqlite3
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
+from msgspec.structs import replace
 
-from sar_tui.framework.messages import RecordChange, RecordChanged
-from sar_tui.framework.topics import RECORD_CHANGED, SESSION_ENDED
+from sar_tui.framework.messages import Json, NoteAdded, RecordChange, RecordChanged
+from sar_tui.framework.topics import NOTE_ADDED, RECORD_CHANGED, SESSION_ENDED
 from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
 
@@ -49,14 +51,70 @@ def change_status(
     return True
 
 
+def erase_note(db: sqlite3.Connection, folder: Path, session: str, seq: int, *, actor: str, reason: str) -> bool:
+    """Erase the text and the label of an operator's note, such as one with a name in it.
+
+    Its message stays without them. The hash of the message as it was goes into the log, so that all hashes still hold.
+
+    Args:
+        db, folder, session: the session, which no program has open.
+        seq: the number of the note's message.
+        actor, reason: who erases it, and why.
+
+    Returns:
+        False if this is no note of a session of this site; nothing has changed then.
+
+    Raises:
+        StoreError: a program has the session open, or the disk cannot write.
+    """
+    held = locks.hold(folder, "session", session)
+    try:
+        db.execute("PRAGMA secure_delete=ON")  # or the text would stay in parts of the file that are free
+        with transaction(db) as connection:
+            rows = messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,))
+            row = next(rows, None)
+            is_own = connection.execute("SELECT 1 FROM sessions WHERE id=? AND site=''", (session,)).fetchone()
+            if row is None or row.seq != seq or not is_own:
+                return False
+            note = messages.decoded(row)
+            assert isinstance(note, NoteAdded)
+            connection.execute(
+                "UPDATE notes SET text='', label='' WHERE session=? AND at_ns=? AND author=? AND text=? AND label=?",
+                (session, note.at or row.at, note.actor, note.text, note.label),
+            )
+            messages.replace(connection, session, seq, NOTE_ADDED, replace(note, text="", label=""))
+            erased: Json = {str(seq): log_hashes.message_hash(row).hex()}
+            said = RecordChanged(change="redacted", actor=actor, at=_utc(), reason=reason, details=erased)
+            log(connection, session, said)
+        db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()  # or the text would stay in the write-ahead log
+    finally:
+        held.release()
+    return True
+
+
+def erased_hashes(db: sqlite3.Connection, session: str) -> dict[int, bytes]:
+    """Return the hashes of messages as they were before texts of them were erased, by their numbers."""
+    found: dict[int, bytes] = {}
+    for change in changes(db, session):
+        if change.change == "redacted":
+            for seq, erased in change.details.items():
+                with contextlib.suppress(ValueError):
+                    found.setdefault(int(seq), bytes.fromhex(str(erased)))
+    return found
+
+
+def changes(db: sqlite3.Connection, session: str) -> list[RecordChanged]:
+    """Return what was done to a session later, in order."""
+    found = db.execute(
+        "SELECT message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, RECORD_CHANGED.name)
+    )
+    return [msgspec.json.decode(text, type=RecordChanged) for (text,) in found]
+
+
 def why_discarded(db: sqlite3.Connection, session: str) -> RecordChanged | None:
     """Return by whom and why a session was discarded; None if it is not."""
     found: RecordChanged | None = None
-    texts = db.execute(
-        "SELECT message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, RECORD_CHANGED.name)
-    )
-    for (text,) in texts:
-        said = msgspec.json.decode(text, type=RecordChanged)
+    for said in changes(db, session):
         if said.change in ("discarded", "restored"):
             found = said if said.change == "discarded" else None
     return found

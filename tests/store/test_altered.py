@@ -21,11 +21,11 @@ from sar_tui.runs.sensors import simulated_nodes
 from sar_tui.simulation.operator import PROFILES, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import log_hashes, sessions
+from sar_tui.store import log_hashes, messages, sessions
 from sar_tui.store.backup import back_up, rehearse
 from sar_tui.store.database import FILE, connect, transaction
 from sar_tui.store.integrity import Flaw, flaws, without_hashes
-from sar_tui.store.record_changes import change_status, log
+from sar_tui.store.record_changes import change_status, erase_note, log
 from sar_tui.store.repair import repair
 from sar_tui.store.session_copy import copy_session
 from tests.program import Call
@@ -279,6 +279,20 @@ def test_a_session_that_was_moved_to_another_participant_is_whole(recorded: tupl
     assert found(data) == []
     alter(data, "UPDATE seats SET participant='P01' WHERE session=:s", recorded[KEYS])
     assert [flaw.where for flaw in found(data)] == [recorded[KEYS]]
+
+
+def test_a_note_that_was_erased_leaves_its_hash(recorded: tuple[str, str], data: Path) -> None:
+    session = recorded[KEYS]
+    with closing(connect(data)) as database:
+        seq = next(one.seq for one in messages.read(database, session) if isinstance(one.message, NoteAdded))
+        assert not erase_note(database, data, session, seq + 1, actor="ana", reason="no note")
+        assert erase_note(database, data, session, seq, actor="ana", reason="a name")
+        assert list(flaws(database)) == []
+        assert database.execute("SELECT text, label FROM notes WHERE session=?", (session,)).fetchall() == [("", "")]
+        assert replay(database, data, Catalogue(), sessions.find(database, data, session)).identical
+    assert (data / FILE).read_bytes().count(b"sits well") == 2, "the message and the row of the other session"
+    alter(data, f"UPDATE messages SET at_ns=at_ns+1 WHERE session_number={_LOG} AND seq={seq + 1}", session)
+    assert {flaw.where for flaw in found(data)} == {session}
 
 
 def test_a_session_that_was_discarded_and_restored_is_whole(recorded: tuple[str, str], data: Path) -> None:
