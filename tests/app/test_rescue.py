@@ -130,7 +130,7 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
     class Rescued:
         unsaved, rescued, can_be_joined, is_mistake = 0, WHERE, False, False
         run = type("Run", (), {"id": "x", "session": type("Session", (), {"ended": True, "broken": None})})
-        is_closed, trouble = True, ""
+        is_closed, is_mistake, trouble = True, False, ""
 
         def close(self, app: SarTui) -> None: ...
 

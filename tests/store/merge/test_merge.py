@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from sar_tui.framework.messages import RecordChange
+from sar_tui.store import sessions
 from sar_tui.store.database import FILE, connect
 from sar_tui.store.merge.merge import Merged
+from sar_tui.store.record_changes import BY_MISTAKE, change_status
 from tests.store.merge.sites import change, copy, go_on, holds, merge, play, save_programme, site
 
 
@@ -49,6 +52,23 @@ def test_both_databases_hold_the_same_after_each_got_the_other(zurich: Path, ber
     merge(zurich, bern)
     merge(bern, zurich)
     assert holds(bern) == holds(zurich)
+
+
+def test_a_session_started_by_mistake_counts_no_more_and_a_restored_one_again(zurich: Path, bern: Path) -> None:
+    def here() -> str | None:
+        with closing(connect(zurich)) as database:
+            return sessions.stored_status(database, "b1")
+
+    def do(change: RecordChange) -> None:
+        with closing(connect(bern)) as database:
+            assert change_status(database, bern, "b1", change, actor="participant", reason=BY_MISTAKE)
+        assert merge(zurich, bern).conflicts == []
+
+    merge(zurich, bern)
+    do("discarded")
+    assert here() == "discarded"
+    do("restored")
+    assert here() == "interrupted", "as its log knows no end"
 
 
 def test_a_session_that_went_on_at_its_site_is_brought_up_to_date(zurich: Path, bern: Path, tmp_path: Path) -> None:
