@@ -17,6 +17,7 @@ from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports import comparison_words, dose_words, progress_words
 from sar_tui.reports.dose import days_of, recent
 from sar_tui.reports.progress import Progress, compare, progress
+from sar_tui.reports.progress_charts import result_chart
 from sar_tui.reports.progress_figures import level_figure, result_figure
 from sar_tui.reports.progress_parts import level_part, results_part
 from sar_tui.reports.session_chart import Columns
@@ -376,6 +377,25 @@ def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type
     drawn = result_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard))
     assert drawn[-2].split() == ["correct", "95%", "95%"]
     assert drawn[-1].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
+
+
+@pytest.mark.parametrize("better", ["lower", "higher"])
+def test_a_better_result_is_higher_up_whichever_way_is_better(
+    keyboard: type[Task], better: Literal["lower", "higher"]
+) -> None:
+    metric = Metric("reaction_time", unit="ms", better=better)
+    played = [session(n, [AttemptResult(3, mean, 20)] * 6, metric=metric) for n, mean in enumerate((1200.0, 900.0))]
+    (line,) = of(keyboard, *played).lines
+    tr = progress_words.words("en", keyboard)
+    drawn = result_figure(line, 80, 16, tr)
+    first, second = sorted((row.index("●"), n) for n, row in enumerate(drawn) if n and "●" in row)
+    assert (second[1] < first[1]) == (better == "lower"), "rows count from above"
+    ticks = [float(row.split("┤")[0]) for row in drawn if "┤" in row]
+    assert ticks == sorted(ticks, reverse=better == "higher")
+    spec = result_chart(line, tr)
+    assert spec is not None
+    assert spec["layer"][0]["encoding"]["y"]["scale"]["reverse"] == (better == "lower")
+    assert ("better is up" in drawn[0]) == (better == "lower")
 
 
 def test_the_words_of_a_task_do_not_change_those_of_the_charts(keyboard: type[Task]) -> None:

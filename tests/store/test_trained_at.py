@@ -60,7 +60,7 @@ def test_progress_and_dose_are_dated_where_the_person_trained(
 
 
 def test_what_was_done_on_a_day_is_counted_where_it_was_done(played: sqlite3.Connection) -> None:
-    noon = datetime(2026, 3, 2, 12, tzinfo=timezone(timedelta(hours=1)))
+    noon = datetime(2026, 3, 2, 12, tzinfo=timezone(timedelta(hours=-8)))
     assert done_on_day(played, "P01", "keyboard", noon).attempts == 2
     assert done_on_day(played, "P01", "keyboard", noon - timedelta(days=1)) == Dose()
 
