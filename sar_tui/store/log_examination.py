@@ -68,7 +68,7 @@ def _examined(database: sqlite3.Connection, session: str, people: People, deriva
         log.append("The last hash of its log is not the one in the row of the session.")
     if ["adopted"] in listed:  # an earlier version of the program may have derived other rows
         return Examined(True, tuple(log))
-    if log:  # nothing can be told of rows that follow from another log
+    if log and messages.count(database, session, groups[-1].until) < groups[-1].until:  # what follows is lost, too
         return Examined(True, tuple(log))
     changed = list(_changed_end(database, session, status, ended_at, listed))
     if not derivation.derive(session):

@@ -197,6 +197,16 @@ def replace(connection: sqlite3.Connection, session: str, seq: int, topic: Topic
     )
 
 
+def count(database: sqlite3.Connection, session: str, until: int) -> int:
+    """Return how many messages of a session there are with numbers up to ``until``."""
+    (stored,) = database.execute(
+        "SELECT (SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE"
+        " id=:session) AND seq<=:until) + (SELECT count(*) FROM earlier_events WHERE session=:session AND seq<=:until)",
+        {"session": session, "until": until},
+    ).fetchone()
+    return int(stored)
+
+
 def last(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
     """Return number, run and time of the last message of a session; number 0, and run 1, if there is none."""
     found = database.execute(

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.store import log_hashes
+from sar_tui.store import log_hashes, messages
 
 _KNOWN_BY = ("log_hashes", "seats", "runs", "attempts", "trials", "actions", "imu_streams", "imu_chunks")
 """Tables that may know a session whose own row is lost."""
@@ -63,12 +63,7 @@ def _count_log(database: sqlite3.Connection, session: str, counts: Counter[str])
         return
     last, until, _ = groups[-1]
     counts["log_hashes"] = last - len(groups)
-    number = "(SELECT number FROM session_numbers WHERE id=?)"
-    there = _one(
-        database, f"SELECT count(*) FROM messages WHERE session_number={number} AND seq<={int(until)}", session
-    )
-    there += _one(database, f"SELECT count(*) FROM earlier_events WHERE session=? AND seq<={int(until)}", session)
-    counts["messages"] = max(0, until - there)
+    counts["messages"] = max(0, until - messages.count(database, session, until))
     stored = {tuple(entry) for entry in log_hashes.entries_there(database, session)}
     for _, _, beside in groups:
         for kind, *key in _entries(beside):

@@ -235,12 +235,18 @@ def contents(data: Path) -> dict[str, list[Any]]:
         }
 
 
+def test_altered_results_are_told_beside_altered_facts(recorded: tuple[str, str], data: Path) -> None:
+    alter(data, ALTERATIONS["the seed"][1], recorded[KEYS])
+    alter(data, ALTERATIONS["a response"][1], recorded[KEYS])
+    assert [flaw.kind for flaw in found(data)] == ["log", "rows"]
+
+
 def test_a_repair_leaves_a_session_as_it_is_whose_log_was_altered(recorded: tuple[str, str], data: Path) -> None:
     alter(data, ALTERATIONS["a message's text"][1], recorded[KEYS])
     alter(data, ALTERATIONS["a note"][1], recorded[KEYS])
     before = contents(data)
     done = repair(data)
-    assert (done.rebuilt, {flaw.kind for flaw in done.flaws}) == ([], {"log"})
+    assert (done.rebuilt, {flaw.kind for flaw in done.flaws}) == ([], {"log", "rows"})
     assert contents(data) == before
 
 
