@@ -1,5 +1,6 @@
 """``sar-tui backup``: copy all recorded data."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -35,11 +36,11 @@ def backup(
 
     home = Home.of(context, data, tasks)
     with progress_line("Copying") as show:
-        made = back_up(home.folder, to, lambda done, of: show("Copying", done, of))
+        made = back_up(home.folder, to, partial(show, "Copying"))
     warn_of_git(made.path if to is None or to == made.path else to)
     left_out = rescue_files(home.folder)
-    with progress_line("Trying the copy"):
-        found = rehearse(made.path) if verify else []
+    with progress_line("Trying the copy") as show:
+        found = rehearse(made.path, partial(show, "Trying the copy")) if verify else []
     if as_json:
         whole = {"verified": verify and not found, "flaws": [flaw._asdict() for flaw in found]} if verify else {}
         rescue = [str(path) for path in left_out]

@@ -1,6 +1,7 @@
 """``sar-tui check``: examine all recorded data."""
 
 from collections.abc import Iterable
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -55,8 +56,9 @@ def check(
         raise Refused(f"There is no data in {home.folder} yet.")
     with progress_line("Repairing"):
         done = repair(home.folder) if mend else None
-    with home.database() as database, progress_line("Checking"):
-        found = list(flaws(database)) if done is None else done.flaws
+    with home.database() as database, progress_line("Checking") as show:
+        told = partial(show, "Checking")
+        found = list(flaws(database, progress=told)) if done is None else done.flaws
         waiting = troubles(database, home.folder)
         is_readable = not any(flaw.kind == "file" for flaw in found)
         number = counts(database) if is_readable else {}

@@ -6,7 +6,7 @@ import shutil
 import sqlite3
 import tempfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import NamedTuple
 from sar_tui.drivers.new_file import unused
 from sar_tui.drivers.private_folder import make_private
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read, explain
-from sar_tui.store.integrity import Flaw, counts, flaws
+from sar_tui.store.integrity import Flaw, Progress, counts, flaws
 from sar_tui.store.locks import Held, hold
 
 _KEPT = ("participants", "sessions", "seats", "runs", "attempts", "trials", "messages", "imu_chunks", "programmes")
@@ -32,10 +32,6 @@ class Backup(NamedTuple):
     path: Path
     sessions: int
     bytes: int
-
-
-Progress = Callable[[int, int], None]
-"""Called with what is done and what there is."""
 
 
 def back_up(folder: Path, to: Path | None = None, progress: Progress = lambda done, of: None) -> Backup:
@@ -199,7 +195,7 @@ def _give_name(copy: Path, path: Path) -> None:
             os.close(number)
 
 
-def rehearse(backup: Path) -> list[Flaw]:
+def rehearse(backup: Path, progress: Progress = lambda done, of: None) -> list[Flaw]:
     """Restore a backup into an empty data folder, open it there as the program does, and return its flaws.
 
     The folder is removed afterwards; the backup is only read.
@@ -216,7 +212,7 @@ def rehearse(backup: Path) -> list[Flaw]:
         except OSError as error:
             raise StoreError(f"{backup} cannot be restored: {error.strerror}.") from error
         with closing(connect(folder)) as database:
-            found = list(flaws(database))
+            found = list(flaws(database, progress=progress))
             listed = len(listing(database, folder))
             (stored,) = database.execute("SELECT count(*) FROM sessions").fetchone()
             if listed != stored:

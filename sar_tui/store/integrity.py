@@ -1,7 +1,7 @@
 """The whole database examined: damaged pages, rows without their session, gaps, damaged samples and texts."""
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,6 +38,10 @@ _GAPS = {
 }
 
 
+Progress = Callable[[int, int], None]
+"""Called with what is done and what there is."""
+
+
 class Flaw(NamedTuple):
     """A flaw of the database. ``where``: a session or a participant; empty for the file. ``what``: in words."""
 
@@ -46,10 +50,13 @@ class Flaw(NamedTuple):
     what: str
 
 
-def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
+def flaws(
+    database: sqlite3.Connection, *, gaps: bool = True, progress: Progress = lambda done, of: None
+) -> Iterator[Flaw]:
     """Yield the flaws of a database, as it was when the first of them was looked for.
 
     Nothing is written, and a session may go on meanwhile. Gaps are looked for unless they do not matter.
+    ``progress`` is called with the number of sessions that were examined, and of all.
 
     Raises:
         StoreError: the database cannot be read at all.
@@ -67,7 +74,7 @@ def flaws(database: sqlite3.Connection, *, gaps: bool = True) -> Iterator[Flaw]:
                 if gaps:
                     yield from _gaps(database)
                     yield from _lost_trials(database)
-                yield from _changed(database)
+                yield from _changed(database, progress)
         finally:
             database.text_factory = texts
             if database.in_transaction:
@@ -112,9 +119,11 @@ def _without_participant(database: sqlite3.Connection) -> Iterator[Flaw]:
             yield Flaw("orphan", str(whose), f"There are {table} without a participant.")
 
 
-def _changed(database: sqlite3.Connection) -> Iterator[Flaw]:
+def _changed(database: sqlite3.Connection, progress: Progress) -> Iterator[Flaw]:
     """Yield the sessions whose log or rows were changed."""
-    for session, examined in examine(database):
+    (of,) = database.execute("SELECT count(*) FROM sessions").fetchone()
+    for done, (session, examined) in enumerate(examine(database), 1):
+        progress(done, of)
         yield from (Flaw("log", session, fault) for fault in examined.log)
         yield from (Flaw("rows", session, fault) for fault in examined.rows)
 
