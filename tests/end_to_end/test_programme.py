@@ -43,7 +43,19 @@ def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_run
         + "".join(f"{name} = {value}\n" for name, value in START.items())
     )
     where = ("--data", str(data))
-    called("programme", "import", "P07", "keyboard", str(file), "--reason", "First visit", "--author", "Ana", *where)
+    called(
+        "programme",
+        "import",
+        "P07",
+        "keyboard",
+        str(file),
+        "--new",
+        "--reason",
+        "First visit",
+        "--author",
+        "Ana",
+        *where,
+    )
 
     with Terminal(command(*where)) as terminal:
         terminal.wait_for("P07 · Keyboard reaction")
