@@ -14,6 +14,7 @@ import pytest
 from sar_tui.framework.topics import STORAGE, STORED, TRIAL, WAITING
 from sar_tui.store import participants, programmes, sessions
 from sar_tui.store.database import FILE, Moved, StoreConnection, StoreError, connect, open_file, transaction
+from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
 from sar_tui.store.rescue import bring_back, rescue_files
 from sar_tui.store.safeguard import Safeguard
@@ -151,6 +152,7 @@ def test_what_followed_is_added_to_what_the_database_has(data: Path, monkeypatch
         assert list(sessions.history(database, recorded.id)) == recorded.records
         assert len(sessions.rows(database, "trials", recorded.id)) == 6
         assert sessions.stored_status(database, recorded.id) == "completed"
+        assert [flaw for flaw in flaws(database) if flaw.kind in ("log", "rows")] == []
 
 
 def test_a_file_system_whose_file_numbers_change_does_not_fill_up(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -329,6 +331,7 @@ def test_what_a_locked_database_lacked_is_brought_back(data: Path, locked: Safe)
     assert [brought.session for brought in bring_back(data)] == [locked.id]
     with closing(connect(data)) as database:
         assert list(sessions.history(database, locked.id)) == locked.records
+        assert [flaw for flaw in flaws(database) if flaw.kind in ("log", "rows")] == []
 
 
 def test_files_that_were_brought_back_are_all_kept(data: Path) -> None:
