@@ -93,7 +93,7 @@ class EventHandler(StepFlow):
         self._blockers = Blockers(task.sensor_seats(task.parameters))
         self._status: m.EndStatus = "completed"
         self._on_screen: object = None
-        """What a participant is asked for at present."""
+        """The thing that a participant is asked for at present."""
 
     @property
     def is_recording_over(self) -> bool:
