@@ -58,14 +58,14 @@ def store_people(data: Path, monkeypatch: pytest.MonkeyPatch, many: int = MANY) 
             monkeypatch.setattr("sar_tui.runs.simulate.VirtualClock", lambda at=clock: VirtualClock(at))
             session = simulate(plan, PEOPLE["average"], data, catalogue)
             with closing(connect(data)) as database:
-                _date(database, session, code, number, start)
+                _date(database, session, code, number, start, clock)
                 _stamp(database, session, clock, start)
                 _tell(database, session, code, start)
         moment += timedelta(days=random.randint(1, 5), minutes=random.randint(-40, 40), microseconds=number * 977)
     return Study(data, began)
 
 
-def _date(database: sqlite3.Connection, session: str, code: str, number: int, moment: datetime) -> None:
+def _date(database: sqlite3.Connection, session: str, code: str, number: int, moment: datetime, clock: int) -> None:
     """Give a session its date, and the versions of that time."""
     participants.add(database, code)
     database.execute("UPDATE participants SET created_at=? WHERE code=?", (moment.isoformat(), code))
@@ -79,6 +79,8 @@ def _date(database: sqlite3.Connection, session: str, code: str, number: int, mo
         (f"0.{number // 10}", f"3.11.{number // 6}", f"2.{number // 5}", f"{number // 3:064x}",
          f"{number // 7:064x}", session),
     )  # fmt: skip
+    started = json.dumps({"rules": 1 + number // 10})
+    database.execute("INSERT INTO earlier_events VALUES (?, 0, 1, ?, 'session/started', ?)", (session, clock, started))
     timing = json.dumps(_TIMING | {"n": 300 + number // 8})
     database.execute(
         "UPDATE sessions SET machine=json_set(machine, '$.timing', json(?), '$.terminal', ?) WHERE id=?",
