@@ -154,7 +154,7 @@ def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:
 def _gaps(database: sqlite3.Connection) -> Iterator[Flaw]:
     for what, query in _GAPS.items():
         for session, of, first, last, count in database.execute(query):
-            if session is None or last is None:  # a row of damaged pages, which is told elsewhere
+            if session is None or not isinstance(last, int):  # a row of damaged pages, which is told elsewhere
                 continue
             if missing := last - count:
                 yield Flaw("gap", session, f"Of {last} {what}{of}, {missing} are missing.")

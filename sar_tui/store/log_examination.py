@@ -92,14 +92,12 @@ def _groups(database: sqlite3.Connection, session: str) -> list[_Group]:
     found = database.execute(
         "SELECT number, seq, beside, hash FROM log_hashes WHERE session=? ORDER BY number", (session,)
     )
-    return [_Group(number, until, _entries(beside), stored) for number, until, beside, stored in found]
-
-
-def _entries(beside: str) -> list[Entry]:
-    try:
-        return msgspec.json.decode(beside, type=list[list[Any]]) if beside else []
-    except msgspec.DecodeError:
-        return [["damaged"]]
+    return [
+        _Group(number, until, log_hashes.entries(beside), str(stored))
+        if isinstance(until, int)
+        else _Group(-1, 0, [], "")  # damaged
+        for number, until, beside, stored in found
+    ]
 
 
 def _changed_groups(

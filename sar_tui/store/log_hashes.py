@@ -134,7 +134,7 @@ def _values_hash(kind: str, values: Iterable[Any], data: bytes = b"") -> bytes:
 
 def _as_stored(value: Any) -> Any:
     """Return a value that is the same before it is stored and when it is read: SQLite makes 100.0 of 100 for a REAL."""
-    if isinstance(value, bool | float) and value == int(value):
+    if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
         return int(value)
     return value
 
@@ -165,7 +165,8 @@ def facts_hash(database: sqlite3.Connection, session: str, participants: Mapping
 
 def seats(database: sqlite3.Connection, session: str) -> dict[str, str]:
     """Return the participants of a session, by seat."""
-    return dict(database.execute("SELECT seat, participant FROM seats WHERE session=?", (session,)).fetchall())
+    found = database.execute("SELECT seat, participant FROM seats WHERE session=?", (session,))
+    return {str(seat): str(participant) for seat, participant in found}
 
 
 def entries_there(database: sqlite3.Connection, session: str) -> Iterator[Entry]:
@@ -174,3 +175,23 @@ def entries_there(database: sqlite3.Connection, session: str) -> Iterator[Entry]
         listed = ", ".join(names)
         for key in database.execute(f"SELECT {listed} FROM {table} WHERE session=? ORDER BY {listed}", (session,)):
             yield [kind, *key]
+
+
+_KEY_TYPES: dict[str, tuple[type, ...]] = {
+    "facts": (), "adopted": (), "ended": (str,), "run": (int,), "stream": (int,), "chunk": (int, int),
+}  # fmt: skip
+
+
+def entries(beside: str) -> list[Entry]:
+    """Return the rows beside the messages of a group as ``log_hashes.beside`` has them; damaged ones as ``damaged``."""
+    try:
+        found = msgspec.json.decode(beside, type=list[list[Any]]) if beside else []
+    except msgspec.DecodeError:
+        return [["damaged"]]
+    return [entry if _is_entry(entry) else ["damaged"] for entry in found]
+
+
+def _is_entry(entry: list[Any]) -> bool:
+    if not entry or not isinstance(entry[0], str) or entry[0] not in _KEY_TYPES:
+        return False
+    return tuple(type(part) for part in entry[1:]) == _KEY_TYPES[entry[0]]

@@ -2,9 +2,7 @@
 
 import sqlite3
 from collections import Counter
-from typing import Any, NamedTuple
-
-import msgspec
+from typing import NamedTuple
 
 from sar_tui.store import log_hashes, messages
 
@@ -57,7 +55,9 @@ def _sessions(database: sqlite3.Connection) -> list[str]:
 def _count_log(database: sqlite3.Connection, session: str, counts: Counter[str]) -> None:
     """Count what the hashes of a session's log know of, and is not there."""
     groups = database.execute(
-        "SELECT number, seq, beside FROM log_hashes WHERE session=? ORDER BY number", (session,)
+        "SELECT number, seq, beside FROM log_hashes WHERE session=? AND typeof(number)='integer' AND"
+        " typeof(seq)='integer' ORDER BY number",
+        (session,),
     ).fetchall()
     if not groups:
         return
@@ -66,16 +66,9 @@ def _count_log(database: sqlite3.Connection, session: str, counts: Counter[str])
     counts["messages"] = max(0, until - messages.count(database, session, until))
     stored = {tuple(entry) for entry in log_hashes.entries_there(database, session)}
     for _, _, beside in groups:
-        for kind, *key in _entries(beside):
+        for kind, *key in log_hashes.entries(beside):
             if kind in _TABLES and (kind, *key) not in stored:
                 counts[_TABLES[kind]] += 1
-
-
-def _entries(beside: str) -> list[list[Any]]:
-    try:
-        return msgspec.json.decode(beside, type=list[list[Any]]) if beside else []
-    except msgspec.DecodeError:
-        return []
 
 
 def _one(database: sqlite3.Connection, query: str, session: str) -> int:

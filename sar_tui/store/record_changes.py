@@ -2,14 +2,14 @@
 
 import contextlib
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.framework.messages import Json, NoteAdded, RecordChange, RecordChanged
+from sar_tui.framework.messages import Json, Message, NoteAdded, RecordChange, RecordChanged, SessionEnded
 from sar_tui.framework.topics import NOTE_ADDED, RECORD_CHANGED, SESSION_ENDED
 from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
@@ -105,10 +105,14 @@ def erased_hashes(db: sqlite3.Connection, session: str) -> dict[int, bytes]:
 
 def changes(db: sqlite3.Connection, session: str) -> list[RecordChanged]:
     """Return what was done to a session later, in order."""
-    found = db.execute(
-        "SELECT message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, RECORD_CHANGED.name)
-    )
-    return [msgspec.json.decode(text, type=RecordChanged) for (text,) in found]
+    return [one for one in _readable(db, session, RECORD_CHANGED.name) if isinstance(one, RecordChanged)]
+
+
+def _readable(db: sqlite3.Connection, session: str, *topics: str) -> Iterator[Message]:
+    """Yield a session's messages of some topics, except those that are damaged, which `integrity` finds."""
+    for row in messages.stored_rows(db, session, topics=topics):
+        with contextlib.suppress(KeyError, TypeError, msgspec.MsgspecError):
+            yield messages.decoded(row)
 
 
 def why_discarded(db: sqlite3.Connection, session: str) -> RecordChanged | None:
@@ -158,12 +162,13 @@ def status_after(ends_and_changes: Iterable[str]) -> str:
 
 def ends_and_changes(db: sqlite3.Connection, session: str) -> list[str]:
     """Return the ends of a session and what was done to it later, in order, as `status_after` takes them."""
-    found = db.execute(
-        "SELECT coalesce(json_extract(message, '$.change'), json_extract(message, '$.status')) FROM events"
-        " WHERE session=? AND topic IN (?, ?) ORDER BY seq",
-        (session, RECORD_CHANGED.name, SESSION_ENDED.name),
-    )
-    return [text for (text,) in found]
+    found: list[str] = []
+    for one in _readable(db, session, RECORD_CHANGED.name, SESSION_ENDED.name):
+        if isinstance(one, RecordChanged):
+            found.append(one.change)
+        elif isinstance(one, SessionEnded):
+            found.append(one.status)
+    return found
 
 
 def _utc() -> str:

@@ -235,6 +235,50 @@ def contents(data: Path) -> dict[str, list[Any]]:
         }
 
 
+@pytest.mark.parametrize("text", ["{", "[]", "7", '["x"]', "[7, 7, 7, 7, 7, 7]", "null", "", '[{"a": [[["b"]]]}]'])
+@pytest.mark.parametrize(
+    "topic", ["event_handler/session_ended", "record/status", "event_handler/trial", "store/stored"]
+)
+def test_no_text_of_a_message_stops_the_check(
+    topic: str, text: str, recorded: tuple[str, str], data: Path, call: Call
+) -> None:
+    with closing(connect(data)) as database:
+        change_status(database, data, recorded[KEYS], "discarded", actor="ana")
+    of = f"session_number={_LOG} AND topic IN (SELECT id FROM topics WHERE name='{topic}')"
+    alter(data, f"UPDATE messages SET message='{text}' WHERE {of}", recorded[KEYS])
+    told = found(data)
+    assert [flaw for flaw in told if flaw.where == recorded[KEYS] and flaw.kind == "log"]
+    assert call("check").code == 1
+    assert call("sessions").code == 0
+
+
+@pytest.mark.parametrize(
+    "beside", ["{", "[7]", '[["chunk"]]', '[["run", "x", []]]', '[[["a"]]]', "[[]]", '[["facts", 1]]']
+)
+def test_no_text_beside_a_hash_stops_the_check(beside: str, recorded: tuple[str, str], data: Path) -> None:
+    alter(data, f"UPDATE log_hashes SET beside='{beside}' WHERE session=:s AND number=2", recorded[SENSOR])
+    assert {flaw.where for flaw in found(data)} == {recorded[SENSOR]}
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE log_hashes SET seq='x' WHERE session=:s AND number=2",
+        "UPDATE log_hashes SET number='x' WHERE session=:s AND number=2",
+        "UPDATE log_hashes SET hash=x'ff' WHERE session=:s AND number=2",
+        "UPDATE log_hashes SET beside=x'ff' WHERE session=:s AND number=2",
+        "UPDATE sessions SET log_hash=x'ff' WHERE id=:s",
+        "UPDATE seats SET participant=NULL WHERE session=:s",
+        "UPDATE imu_streams SET rate_hz=9e999 WHERE session=:s",
+        "UPDATE trials SET reaction_time_ms=9e999, trial=x'00' WHERE session=:s AND trial=1 AND attempt=1",
+        "UPDATE attempts SET metric='fast', started_ns=NULL WHERE session=:s AND attempt=1",
+    ],
+)
+def test_no_value_of_another_type_stops_the_check(statement: str, recorded: tuple[str, str], data: Path) -> None:
+    alter(data, statement, recorded[SENSOR])
+    assert recorded[SENSOR] in {flaw.where for flaw in found(data)}
+
+
 def test_altered_results_are_told_beside_altered_facts(recorded: tuple[str, str], data: Path) -> None:
     alter(data, ALTERATIONS["the seed"][1], recorded[KEYS])
     alter(data, ALTERATIONS["a response"][1], recorded[KEYS])
