@@ -82,7 +82,7 @@ def check(
         for session in stopped:
             print(f"· {session}: This session was interrupted; what was recorded is here.")
         if unhashed:
-            print(f"· Sessions recorded before data version 22: {unhashed}. Nothing would show that they were changed.")
+            print(f"· Sessions recorded before data version 22: {unhashed}. A change of their log would not show.")
     if found or waiting:
         raise typer.Exit(FAILED)
 

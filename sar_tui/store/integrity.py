@@ -129,7 +129,7 @@ def _changed(database: sqlite3.Connection, progress: Progress) -> Iterator[Flaw]
 
 
 def without_hashes(database: sqlite3.Connection) -> int:
-    """Return the number of sessions that were recorded before there were hashes: no change of them would be found."""
+    """Return the number of sessions that were recorded before there were hashes: no change of their log is found."""
     (count,) = database.execute(
         "SELECT count(*) FROM sessions WHERE log_hash='' AND id NOT IN (SELECT session FROM log_hashes)"
     ).fetchone()

@@ -1,8 +1,9 @@
 """Sessions examined by the hashes of their logs, and their rows derived again from the log."""
 
+import json
 import sqlite3
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from itertools import product
 from typing import Any, NamedTuple
@@ -30,7 +31,8 @@ class Examined(NamedTuple):
     """A session, examined.
 
     Attributes:
-        is_hashed: False if it was recorded before there were hashes: nothing shows a change then.
+        is_hashed: False if it, or its beginning, was recorded before there were hashes: nothing shows a change of the
+            log then, and rows are compared with the log as far as the program kept them at that time.
         log: what was changed in its log and what is stored with it, in sentences.
         rows: what was changed in the rows that follow from the log.
     """
@@ -51,7 +53,7 @@ def examine(database: sqlite3.Connection) -> Iterator[tuple[str, Examined]]:
 
 def altered(database: sqlite3.Connection) -> list[str]:
     """Return the sessions whose rows are not as they follow from their log, where the log is as it was recorded."""
-    return [session for session, found in examine(database) if found.rows and not found.log]
+    return [session for session, found in examine(database) if found.is_hashed and found.rows and not found.log]
 
 
 def _examined(database: sqlite3.Connection, session: str, people: People, derivation: "Derivation") -> Examined:
@@ -61,21 +63,26 @@ def _examined(database: sqlite3.Connection, session: str, people: People, deriva
         return Examined(False)
     status, ended_at, last = found
     if not groups:
-        return Examined(bool(last), ("The hashes of its log were removed.",) if last else ())
+        log = ["The hashes of its log were removed."] if last else []
+        return _with_rows(Examined(False, tuple(log)), session, derivation)
     listed = [entry for group in groups for entry in group.beside]
     log = [*_changed_groups(database, session, people, groups), *_added(database, session, groups, listed)]
     if groups[-1].hash != last:
         log.append("The last hash of its log is not the one in the row of the session.")
-    if ["adopted"] in listed:  # an earlier version of the program may have derived other rows
-        return Examined(True, tuple(log))
+    if ["adopted"] in listed:
+        return _with_rows(Examined(False, tuple(log)), session, derivation)
     if log and messages.count(database, session, groups[-1].until) < groups[-1].until:  # what follows is lost, too
         return Examined(True, tuple(log))
-    changed = list(_changed_end(database, session, status, ended_at, listed))
+    ends = _changed_end(database, session, status, ended_at, listed)
+    return _with_rows(Examined(True, tuple(log), tuple(ends)), session, derivation)
+
+
+def _with_rows(found: Examined, session: str, derivation: "Derivation") -> Examined:
+    """Return what was found, and how the rows of a session differ from those that follow from its log."""
     if not derivation.derive(session):
-        log.append("Messages of it cannot be read by this version of sar-tui, so that its rows cannot be compared.")
-        return Examined(True, tuple(log))
-    changed += derivation.differences(session)
-    return Examined(True, tuple(log), tuple(changed))
+        unread = "Messages of it cannot be read by this version of sar-tui, so that its rows cannot be compared."
+        return found._replace(log=(*found.log, unread)) if found.is_hashed else found
+    return found._replace(rows=(*found.rows, *derivation.differences(session, as_kept=not found.is_hashed)))
 
 
 # --- the log --------------------------------------------------------------------------------------------------------
@@ -213,7 +220,11 @@ class Derivation:
         self._memory.close()
 
     def derive(self, session: str) -> bool:
-        """Derive the rows of a session. Return False if a message cannot be read."""
+        """Derive the rows of a session. Return False if a message cannot be read.
+
+        Without hashes nothing tells the groups: all messages of a run are taken for one. Then a topic that is not known
+        here is not passed over, either.
+        """
         for table in DERIVED:
             self._memory.execute(f"DELETE FROM {table}")
         self._pauses = []
@@ -221,17 +232,26 @@ class Derivation:
         number = 0
         waiting: list[Record] = []
         run = 0
+        if not ends and not self._knows_topics(session):  # rows may have followed from one once
+            return False
         for row in messages.stored_rows(self._database, session, topics=_TOPICS):
             while number < len(ends) and row.seq > ends[number]:
                 self._store(session, run, waiting)
                 waiting, number = [], number + 1
+            if row.run != run:
+                self._store(session, run, waiting)
+                waiting, run = [], row.run
             try:
                 waiting.append(Record(row.seq, row.at, ALL[row.topic], messages.decoded(row)))
             except (TypeError, msgspec.MsgspecError):
                 return False
-            run = row.run
         self._store(session, run, waiting)
         return True
+
+    def _knows_topics(self, session: str) -> bool:
+        """Return True if this version knows all topics of a session's messages."""
+        found = self._database.execute("SELECT DISTINCT topic FROM events WHERE session=?", (session,))
+        return all(topic in ALL for (topic,) in found)
 
     def _store(self, session: str, run: int, records: list[Record]) -> None:
         if not records:
@@ -242,10 +262,17 @@ class Derivation:
             if found[kind]:
                 self._memory.executemany(statement, found[kind])
 
-    def differences(self, session: str) -> Iterator[str]:
-        """Yield how the rows of a session differ from those that were derived."""
+    def differences(self, session: str, *, as_kept: bool = False) -> Iterator[str]:
+        """Yield how the rows of a session differ from those that were derived.
+
+        Args:
+            as_kept: compare only columns, and fields of JSON, that are filled in some row of the session: an earlier
+                version of the program kept no others.
+        """
         for table in DERIVED:
-            yield from self._difference(table, session)
+            yield from self._difference(table, session, as_kept)
+        if as_kept:
+            return
         said = Counter((seat, question) for _, seat, question, _ in self._pauses)
         stored = Counter(
             self._database.execute(
@@ -256,14 +283,17 @@ class Derivation:
         if said != stored:
             yield "Its pauses for pain or tiredness are not those of its log."
 
-    def _difference(self, table: str, session: str) -> Iterator[str]:
+    def _difference(self, table: str, session: str, as_kept: bool) -> Iterator[str]:
         stored, derived = (self._rows(database, table, session) for database in (self._database, self._memory))
         here, there = Counter(stored), Counter(derived)
         here, there = here - there, there - here
         if not here and not there:
             return
-        here, there = (Counter(tuple(map(_comparable, row)) for row in each.elements()) for each in (here, there))
-        more, less = (here - there).total(), (there - here).total()
+        kept = [_kept(values) for values in zip(*stored, strict=True)] if as_kept else []
+        more_rows, fewer_rows = (
+            Counter(_comparable_row(row, kept) for row in each.elements()) for each in (here, there)
+        )
+        more, less = (more_rows - fewer_rows).total(), (fewer_rows - more_rows).total()
         if not more and not less:
             return
         changed = min(more, less)
@@ -296,24 +326,43 @@ class Derivation:
         )
 
 
+def _kept(stored: Sequence[Any]) -> Callable[[Any], Any]:
+    """Return what remains of a value of a column to compare it, by what rows of an earlier version have in it."""
+    values = [_comparable(value) for value in stored]
+    if all(value in (None, "", {}) for value in values):
+        return lambda value: None
+    fields = {name for value in values if isinstance(value, dict) for name in value}
+    return lambda value: (
+        {name: part for name, part in value.items() if name in fields} if isinstance(value, dict) else value
+    )
+
+
+def _comparable_row(row: tuple[Any, ...], kept: Sequence[Callable[[Any], Any]]) -> str:
+    """Return a row as a text that is the same for rows that agree."""
+    values = map(_comparable, row)
+    return repr([one(value) for one, value in zip(kept, values, strict=True)] if kept else list(values))
+
+
 def _comparable(value: Any) -> Any:
-    """Return a value of a row so that JSON with 3 and with 3.0 is the same: a message that was read has the second."""
+    """Return a value of a row so that JSON with 3 and with 3.0 is the same: a message that was read has the second.
+
+    A text in which an object has a name twice is no JSON that was stored: SQLite would read the first value of it.
+    """
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:
-            return repr(_with_floats(msgspec.json.decode(value)))
-        except msgspec.DecodeError:
+            return json.loads(value, object_pairs_hook=_object, parse_int=_number)
+        except (ValueError, RecursionError):
             return value
     return value
 
 
-def _with_floats(value: Any) -> Any:
-    match value:
-        case bool():
-            return value
-        case int():
-            return float(value) if abs(value) < 2**53 else value
-        case dict():
-            return {name: _with_floats(part) for name, part in sorted(value.items())}
-        case list():
-            return [_with_floats(part) for part in value]
-    return value
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(sorted(pairs))
+    if len(found) < len(pairs):
+        raise ValueError("a name stands twice")
+    return found
+
+
+def _number(digits: str) -> float:
+    number = int(digits)
+    return float(number) if abs(number) < 2**53 else number

@@ -1,5 +1,6 @@
 """A change by hand of results, of the log, of samples or of a session's facts is found, and names the session."""
 
+import gzip
 import shutil
 import sqlite3
 import zlib
@@ -9,6 +10,7 @@ from typing import Any
 
 import pytest
 
+import tests.replay
 from sar_tui.framework.clock import VirtualClock
 from sar_tui.framework.messages import NoteAdded, RecordChanged, SessionCommand
 from sar_tui.framework.node import Node
@@ -111,6 +113,8 @@ ALTERATIONS: dict[str, tuple[int, str]] = {
     "the flags of a trial": (KEYS, "UPDATE trials SET timing=json_set(timing, '$.flags', json('[]'),"
                              " '$.handler_delay_ms', 9) WHERE session=:s AND trial=1"),
     "the measures of a reach": (SENSOR, "UPDATE trials SET details=json_set(details, '$.valid', 7) WHERE session=:s"),
+    "a name that stands twice in JSON": (SENSOR, "UPDATE trials SET details='{\"reach_time_ms\": 5,' ||"
+                                         " substr(details, 2) WHERE session=:s"),
     "trials that were exchanged": (KEYS, "UPDATE trials SET trial=-1 WHERE session=:s AND trial=1 AND attempt=1;"
                                    "UPDATE trials SET trial=1 WHERE session=:s AND trial=2 AND attempt=1;"
                                    "UPDATE trials SET trial=2 WHERE session=:s AND trial=-1"),
@@ -373,7 +377,7 @@ def test_a_session_of_an_earlier_version_is_whole_and_counted(data: Path, call: 
     alter(
         data, f"UPDATE messages SET message=replace(message, '1', '2') WHERE session_number={_LOG} AND seq=9", session
     )
-    assert [flaw.kind for flaw in found(data)] == ["log"]
+    assert [flaw.kind for flaw in found(data)] == ["log", "rows"]
 
 
 def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(data: Path, tmp_path: Path) -> None:
@@ -386,3 +390,31 @@ def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(dat
         target.execute("INSERT INTO topics (name, fields) VALUES ('x', '')")
         copy_session(database, target, session)
         assert [flaw for flaw in flaws(target) if flaw.where == session] == []
+
+
+# --- sessions that were recorded before there were hashes ------------------------------------------------------------
+
+EARLIER = sorted(Path(tests.replay.__file__).with_name("golden").glob("rules-*.db.gz"))
+OF_EARLIER = (*(name for name in OF_ROWS if name != "an answer"), "a result of an attempt", "a decision on a proposal")
+
+
+@pytest.mark.parametrize("packed", [Path(__file__).with_name("earlier.db.gz"), *EARLIER], ids=lambda path: path.name)
+def test_results_of_earlier_versions_follow_from_their_logs(packed: Path, data: Path) -> None:
+    data.mkdir(parents=True)
+    (data / FILE).write_bytes(gzip.decompress(packed.read_bytes()))
+    assert found(data) == []
+    alter(data, "UPDATE trials SET reaction_time_ms=reaction_time_ms-50 WHERE trial=1", "")
+    assert {flaw.kind for flaw in found(data)} == {"rows"}
+
+
+@pytest.mark.parametrize("name", OF_EARLIER)
+def test_altered_results_are_found_also_without_hashes(
+    name: str, recorded: tuple[str, str], data: Path, call: Call
+) -> None:
+    alter(data, "DELETE FROM log_hashes WHERE session=:s;UPDATE sessions SET log_hash='' WHERE id=:s", recorded[KEYS])
+    assert found(data) == []
+    alter(data, ALTERATIONS[name][1], recorded[KEYS])
+    assert {(flaw.kind, flaw.where) for flaw in found(data)} == {("rows", recorded[KEYS])}
+    before = contents(data)
+    assert repair(data).rebuilt == [], "nothing proves that the log is as it was recorded"
+    assert contents(data) == before
