@@ -24,7 +24,7 @@ define install
 endef
 
 .venv/program: pyproject.toml
-	$(call install,link$(comma)serve,half a minute)
+	$(call install,link$(comma)serve,under a minute)
 
 .venv/ready: pyproject.toml
 	$(call install,dev,about two minutes)
