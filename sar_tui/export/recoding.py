@@ -120,7 +120,7 @@ def _locked(path: Path) -> Iterator[None]:
 def _partners(database: sqlite3.Connection, code: str) -> list[str]:
     rows = database.execute(
         "SELECT DISTINCT other.participant FROM seats AS own JOIN seats AS other USING (session)"
-        " WHERE own.participant=?1 AND other.participant<>?1 ORDER BY other.participant",
+        " WHERE own.participant=? AND other.participant<>own.participant ORDER BY other.participant",
         (code,),
     )
     return [other for (other,) in rows]

@@ -52,8 +52,8 @@ class RunStarts(msgspec.Struct, frozen=True):
 def run_starts(database: sqlite3.Connection, session: str) -> RunStarts:
     """Return the starts of the runs of a session: by their anchors, or by the first message if one is damaged."""
     first = (
-        "SELECT run, min(at_ns) FROM (SELECT run, at_ns FROM earlier_events WHERE session=?1 UNION ALL"
-        " SELECT run, at_ns FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE id=?1))"
+        "SELECT run, min(at_ns) FROM (SELECT run, at_ns FROM earlier_events WHERE session=? UNION ALL"
+        " SELECT run, at_ns FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE id=?))"
         " GROUP BY run"
     )
     anchors = dict(
@@ -61,7 +61,7 @@ def run_starts(database: sqlite3.Connection, session: str) -> RunStarts:
     )
     clocks = {run: start for run, anchor in anchors.items() if (start := _start(anchor)) is not None}
     if not clocks or len(clocks) < len(anchors):
-        clocks = {run: at for run, at in database.execute(first, (session,)) if isinstance(at, int)} | clocks
+        clocks = {run: at for run, at in database.execute(first, (session, session)) if isinstance(at, int)} | clocks
     streams = database.execute("SELECT stream, run FROM imu_streams WHERE session=?", (session,))
     return RunStarts(clocks, dict(streams.fetchall()))
 

@@ -37,9 +37,9 @@ def missing_rows(database: sqlite3.Connection) -> list[Missing]:
         )
         counts["attempts"] = _one(
             database,
-            "SELECT count(*) FROM (SELECT DISTINCT attempt, seat FROM trials WHERE session=?1 AND attempt<"
-            " (SELECT max(attempt) FROM trials WHERE session=?1) EXCEPT SELECT attempt, seat FROM attempts"
-            " WHERE session=?1)",
+            "WITH given (session) AS (VALUES (?)) SELECT count(*) FROM (SELECT DISTINCT attempt, seat FROM trials"
+            " JOIN given USING (session) WHERE attempt<(SELECT max(attempt) FROM trials JOIN given USING (session))"
+            " EXCEPT SELECT attempt, seat FROM attempts JOIN given USING (session))",
             session,
         )
         found += [Missing(session, table, count) for table, count in counts.items() if count]

@@ -21,8 +21,10 @@ IN_PAUSE = "yes"
 """Answer that is stored of each pause for pain or tiredness, before any question."""
 _COLUMNS = ("session", "seat", "participant", "moment", "question", "answer", "at")
 PAUSES = (
-    "INSERT OR IGNORE INTO wellbeing (session, seat, participant, moment, question, answer, at)"
-    f" SELECT ?1, seat, participant, 'pause', ?3, '{IN_PAUSE}', ?4 FROM seats WHERE session=?1 AND seat=?2"
+    "WITH given (session, seat, question, at) AS (VALUES (?, ?, ?, ?))"
+    " INSERT OR IGNORE INTO wellbeing (session, seat, participant, moment, question, answer, at)"
+    f" SELECT session, seat, participant, 'pause', question, '{IN_PAUSE}', at"
+    " FROM given JOIN seats USING (session, seat)"
 )
 """Statement that stores what was said in a pause: session, seat, question, time."""
 

@@ -46,8 +46,8 @@ def compare(db: sqlite3.Connection, sessions: Iterable[str]) -> dict[str, Relati
     db.execute("CREATE TEMP TABLE IF NOT EXISTS compared (id TEXT PRIMARY KEY, here INTEGER, there INTEGER)")
     db.execute("DELETE FROM temp.compared")
     db.executemany(
-        "INSERT INTO temp.compared SELECT ?1, (SELECT number FROM main.session_numbers WHERE id=?1),"
-        " (SELECT number FROM other.session_numbers WHERE id=?1)",
+        "INSERT INTO temp.compared SELECT id, (SELECT number FROM main.session_numbers WHERE id=given.id),"
+        " (SELECT number FROM other.session_numbers WHERE id=given.id) FROM (SELECT ? AS id) AS given",
         [(session,) for session in sessions],
     )
     here, there, common = Counter[str](), Counter[str](), Counter[str]()
