@@ -32,6 +32,7 @@ _RECORDS = (
 )
 _OTHERWISE = "The {what} is {own}'s by what {site} has, and is not so here. It is left out."
 _ANOTHERS = "The {what} is {author}'s by what {site} has, but {code} is of {home}. It is left out."
+_NOT_THERE = "The {what} is of session {id} by what {site} has, and {code} was not in it. It is left out."
 _PAIR = "{site} says that {first} and {second} are one person. If they are: sar-tui merge --same {first}={second}"
 
 
@@ -140,6 +141,19 @@ def _records(
             if home := _home(known, code, author):
                 db.execute(f"DELETE FROM other.{records.table} WHERE rowid=?", (row,))
                 yield _ANOTHERS.format(what=what, author=author, site=site, home=home, code=code)
+    if "session" in names:
+        yield from _of_strangers(db, site, records)
+
+
+def _of_strangers(db: sqlite3.Connection, site: str, records: _Records) -> Iterator[str]:
+    """Take out records of people who did not sit in the session that they name: they would be read as another's."""
+    sat = "SELECT 1 FROM {}.seats WHERE seats.session=there.session AND seats.participant=there.participant"
+    for row, what, id, code in db.execute(
+        f"SELECT rowid, {records.words}, session, participant FROM other.{records.table} AS there WHERE session IS NOT"
+        f" NULL AND NOT EXISTS ({sat.format('main')}) AND NOT EXISTS ({sat.format('other')}) ORDER BY rowid"
+    ).fetchall():
+        db.execute(f"DELETE FROM other.{records.table} WHERE rowid=?", (row,))
+        yield _NOT_THERE.format(what=what, id=id, site=site, code=code)
 
 
 def _same(records: _Records, name: str) -> str:

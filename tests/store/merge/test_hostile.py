@@ -122,6 +122,38 @@ def test_ones_own_session_is_never_added_or_changed_by_another_site(
         assert {row[0] for row in holds(zurich)[table] - before[table]} == {"b1"}
 
 
+_SAID_IN_ANOTHERS = {
+    "answer of P01@BERN on pain of 2026-03-09": (
+        "INSERT INTO wellbeing VALUES ('a1','A','P01','before','pain','9','2026-03-09','')"
+    ),
+    "version 1 of the adverse event abc@BERN": (
+        "INSERT INTO adverse_events VALUES ('abc',1,'P01','a1','2026-03-09','fell','severe','','','2026-03-09','','')"
+    ),
+}
+
+
+@pytest.mark.parametrize("what", _SAID_IN_ANOTHERS)
+def test_a_record_of_somebody_who_was_not_in_its_session_is_refused(zurich: Path, bern: Path, what: str) -> None:
+    """It would be read as said by the person of this site who has the same seat."""
+    before = holds(zurich)
+    change(bern, _SAID_IN_ANOTHERS[what])
+    merged = merge(zurich, bern)
+    assert merged.refused == [
+        f"The {what} is of session a1 by what BERN has, and P01@BERN was not in it. It is left out."
+    ]
+    assert merged.added == ["b1"]
+    for table in ("wellbeing", "adverse_events"):
+        assert holds(zurich)[table] == before[table]
+
+
+def test_a_record_of_somebody_in_a_session_elsewhere_is_added(zurich: Path, bern: Path) -> None:
+    for statement in _SAID_IN_ANOTHERS.values():
+        change(bern, statement.replace("'a1'", "'b1'"))
+    merged = merge(zurich, bern)
+    assert merged.refused == []
+    assert (merged.records["wellbeing"], merged.records["adverse_events"]) == (1, 1)
+
+
 def test_the_status_of_ones_own_session_is_never_changed_by_another_site(zurich: Path, bern: Path) -> None:
     change(bern, "UPDATE sessions SET status='completed' WHERE id='a2'")
     assert merge(zurich, bern).updated == []
