@@ -70,9 +70,8 @@ def _orphans() -> Iterator[Damage]:
     yield _orphan("messages", "events without a topic", "topic NOT IN (SELECT id FROM topics)", _OF_SESSION)
     yield _orphan("imu_chunks", "samples without their stream", f"{_LAYOUT} IS NULL", "session")
     for table in _SESSION_TABLES:
-        lost = "session NOT IN (SELECT id FROM sessions)"  # not true without a session, as some rows are
-        if table not in _WITHOUT_SESSION:
-            lost += " OR session IS NULL"
+        lost = "session NOT IN (SELECT id FROM sessions)"
+        lost = f"session IS NOT NULL AND {lost}" if table in _WITHOUT_SESSION else f"{lost} OR session IS NULL"
         yield _orphan(table, f"{table} without a session", lost, "session")
 
 
