@@ -16,7 +16,7 @@ from sar_tui.store.database import transaction
 
 _FROM: dict[RecordChange, tuple[str, ...]] = {
     "dismissed": ("running", "interrupted"),
-    "discarded": ("running", "interrupted", "dismissed", "completed", "aborted"),
+    "discarded": ("running", "interrupted", "dismissed", "completed", "aborted", "refused"),
     "restored": ("dismissed", "discarded"),
 }
 """The statuses of a session in which a change of its status is possible."""

@@ -523,7 +523,8 @@ EndStatus = Literal["completed", "aborted", "refused"]
 class SessionEnded(Message, frozen=True, kw_only=True):
     """The session is over.
 
-    ``completed``: every attempt is done. ``aborted``: a person ended it. ``refused``: a required answer was not given.
+    ``completed``: every attempt is done. ``aborted``: a person ended it. ``refused``: a required answer was not given,
+    or it was ended before.
     """
 
     status: EndStatus

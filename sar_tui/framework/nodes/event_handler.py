@@ -152,8 +152,7 @@ class EventHandler(StepFlow):
             case "end":
                 self._end_result()
                 self._void("ended")
-                from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
-                self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
+                self._close_early()
             case "level":
                 self._set_level(act.value if act.value is not None else self._attempts.level)
             case "hold" | "release":
@@ -288,6 +287,14 @@ class EventHandler(StepFlow):
             self._end()
         else:
             self._wait(Phase.CLOSING)
+
+    def _close_early(self) -> None:
+        """End the session at an operator's or participant's command; without agreement nothing else of it is kept."""
+        from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
+        if self.awaits_agreement:
+            self._refuse()
+        else:
+            self._close("completed" if self._is_all_done_in(from_phase) else "aborted")
 
     def _refuse(self) -> None:
         self._close("refused")

@@ -288,6 +288,24 @@ def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree(keyboard
     assert driver.all(STEP_ENDED) == []
 
 
+@pytest.mark.parametrize("is_asked", [False, True])
+def test_a_session_that_is_ended_before_all_agreed_is_kept_as_refused(keyboard: type[Task], is_asked: bool) -> None:
+    driver = questioned(keyboard, CONSENT, FEELING)
+    if is_asked:
+        driver.enter()
+    settle(driver)
+    driver.operate("end")
+    assert driver.last(SESSION_ENDED).status == "refused"
+
+
+def test_a_session_that_is_ended_after_all_agreed_is_aborted(keyboard: type[Task]) -> None:
+    driver = questioned(keyboard, CONSENT, FEELING)
+    driver.enter()
+    answer(driver, "1")
+    driver.operate("end")
+    assert driver.last(SESSION_ENDED).status == "aborted"
+
+
 def test_in_a_task_for_two_one_refusal_ends_the_session(catalogue: Catalogue) -> None:
     driver = questioned(catalogue.task("pairs"), CONSENT, prompts_per_attempt=2)
     driver.enter()
