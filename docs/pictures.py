@@ -46,9 +46,8 @@ async def _draw() -> None:
         app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], seed=3), clock)
         async with app.run_test(size=(80, 24)) as pilot:
             await _settle(pilot, clock)
-            await pilot.press("enter")
-            await _settle(pilot, clock)
-            await pilot.press("enter")
+            await _enter(pilot, clock)
+            await _enter(pilot, clock)
             await _settle(pilot, clock)
             for _ in range(60):
                 clock.advance(50 * MS)
@@ -106,9 +105,8 @@ async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
     clock = VirtualClock(SECOND)
     app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P03"], settings, seed=3), clock)
     async with app.run_test(size=(80, 24)) as pilot:
-        for key in ("enter", "enter"):
-            await _settle(pilot, clock)
-            await pilot.press(key)
+        for _ in range(2):
+            await _enter(pilot, clock)
         shown = None
         while not (shown := re.search(r"Press: (\S)", app.export_screenshot().replace("&#160;", " "))):
             clock.advance(50 * MS)
@@ -137,7 +135,7 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
         await _settle(pilot, clock)
         await do("t", 6000)
         _save(app, "sensor-check")
-        for key, wait_ms in (("enter", 500), ("enter", 500), ("enter", 500), ("space", 3000), ("space", 2000)):
+        for key, wait_ms in (("enter", 800), ("enter", 800), ("enter", 800), ("space", 3000), ("space", 2000)):
             await do(key, wait_ms)
         _save(app, "reaching")
 
@@ -148,9 +146,8 @@ async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
     clock = VirtualClock(SECOND)
     app = SarTui(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=3), clock)
     async with app.run_test(size=(80, 24)) as pilot:
-        for key in ("enter", "enter"):
-            await _settle(pilot, clock)
-            await pilot.press(key)
+        for _ in range(2):
+            await _enter(pilot, clock)
         await _until_asked(pilot, clock, app)
         _save(app, "pairs")
 
@@ -218,10 +215,10 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
         events: tuple[BrokerEvent | BrokerEnded, ...] = (PeerJoined(_Peer.name), SnapshotRequested(_Peer.name))
         for event in events:
             channel.listener(event)
-        for key in ("enter", "enter"):
+        for _ in range(2):
             for _ in range(20):
                 await _settle(pilot, clock)
-            await pilot.press(key)
+            await _enter(pilot, clock)
         for wait_ms in (412, 655, 523):
             key = await _until_asked(pilot, clock, app)
             clock.advance(wait_ms * MS)
@@ -280,6 +277,14 @@ async def _until_asked(pilot: Any, clock: VirtualClock, app: SarTui) -> str:
         if found := re.search(r"(?:Press|Left|Right): (\S) *<", shown):
             return found[1]
     raise RuntimeError("no prompt appeared")
+
+
+async def _enter(pilot: Any, clock: VirtualClock) -> None:
+    """Press Enter after the time in which it does nothing."""
+    for _ in range(16):
+        clock.advance(50 * MS)
+        await pilot.pause()
+    await pilot.press("enter")
 
 
 async def _settle(pilot: object, clock: VirtualClock) -> None:

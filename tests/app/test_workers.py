@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.app import SarTui
+from sar_tui.app.screen_keys import ScreenKeys
 from sar_tui.framework.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, plan, stored
@@ -26,7 +27,10 @@ async def test_session_and_storage_are_workers_that_end_with_the_app(
 
 
 @pytest.mark.slow
-async def test_workers_end_with_the_session_when_the_app_continues(data: Path, catalogue: Catalogue) -> None:
+async def test_workers_end_with_the_session_when_the_app_continues(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ScreenKeys, "pass_on", lambda *_, **__: True)  # in real time, nobody is that fast
     known(data, "P01")
     app = SarTui(data, catalogue)
     async with app.run_test() as pilot:
