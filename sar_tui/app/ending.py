@@ -64,6 +64,10 @@ class EndingApp(BeginningApp):
             self.note_trouble(self.live.trouble)
         self.check_database()
         self._exercise_left(ended=self.live.run.session.ended, is_mistake=self.live.is_mistake)
+        from sar_tui.app import wellbeing
+
+        if self.live.run.session.ended and wellbeing.had_better_rest(self, self.live):
+            self._stopped_by_pain()
 
     def close_session(self) -> None:
         """Close the live session and its workers, if there is one, and stop sensors that are being checked."""

@@ -156,7 +156,7 @@ class PatientModeApp(OpeningApp):
             self._patient_screen.cannot_begin(resumed=resumed)
 
     def _stopped_by_pain(self) -> None:
-        """Let the participant rest, who is in too much pain to begin."""
+        """Let the participant rest, who is in too much pain to begin, or to go on with the next exercise."""
         if self._patient_screen is not None and self.patient:
             self._patient_screen.stopped_by_pain()
 

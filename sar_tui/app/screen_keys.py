@@ -64,7 +64,8 @@ class ScreenKeys:
             return press.is_new or is_typed
         if event.key in _MOVES or getattr(screen, "judges_keys", False):
             return press.counts
-        passes = press.counts and press.is_new
+        completes = getattr(screen, "completes_answer", None)
+        passes = press.is_new and (press.counts or (completes is not None and completes(event.key)))
         if passes:
             self._note()
         return passes

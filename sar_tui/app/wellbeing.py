@@ -43,6 +43,13 @@ def advise(app: "OpeningApp", live: "LiveSession", ended: StepEnded) -> Wellbein
     return _screen(app, live, "pause", [person], told=ended.answer)
 
 
+def had_better_rest(app: "OpeningApp", live: "LiveSession") -> bool:
+    """Return True if a participant was advised to stop, in a session or after it, and did not choose to go on."""
+    rows, limits = wellbeing.of_session(app.database, live.run.id), pain_limits(live.run.session.task.parameters)
+    said = [wellbeing.ratings(rows, seat, limits) for seat in live.codes]
+    return any(each.is_reason_to_stop and each.advice in ("shown", "stopped") for each in said)
+
+
 def _people_of(app: "OpeningApp", live: "LiveSession") -> list[Person]:
     """Return the participants of a session, with their pain before it."""
     rows = wellbeing.of_session(app.database, live.run.id)

@@ -104,6 +104,30 @@ async def test_one_enter_never_begins_an_exercise_in_severe_pain(data: Path, cat
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 
+async def test_after_too_much_pain_in_an_exercise_nothing_invites_to_the_next(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P01", "keyboard", ask_wellbeing=True)
+    async with open_app(data, catalogue, patient="P01") as driver:
+        await driver.press("enter", "3", "5", "1")
+        await driver.do_session()
+        await driver.press("enter", "6", "5", "4")
+        assert driver.sees("Please rest now")
+        await driver.press("enter")
+        assert driver.sees("You can rest now. Rest, and tell your therapist about the pain now.")
+        assert not driver.sees("Press Enter to start.")
+        await driver.press("enter")
+        assert driver.sees("Exercise 2 of 2")
+
+
+async def test_who_ends_an_exercise_in_too_much_pain_is_asked_to_rest(data: Path, catalogue: Catalogue) -> None:
+    programme(data, "P77", "keyboard", ask_wellbeing=True)
+    async with open_app(data, catalogue, patient="P77") as driver:
+        await driver.press("enter", "0", "1", "enter", "escape", "down", "down", "enter", "8", "2", "enter")
+        await driver.wait(300)
+        await driver.press("enter", "0", "1")
+        assert driver.sees("You can rest now. Rest, and tell your therapist about the pain now.")
+        assert not driver.sees("Well done")
+
+
 async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "enter")

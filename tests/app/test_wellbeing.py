@@ -73,6 +73,20 @@ async def test_an_answer_can_be_corrected_and_the_last_one_counts(
         assert answers(driver) == [("before", "pain", "9"), ("before", "pain", "0"), ("before", "fatigue", "3")]
 
 
+@pytest.mark.parametrize("ms", [120, 2_000])
+async def test_ten_can_be_typed_with_two_keys(data: Path, catalogue: Catalogue, keyboard: type[Task], ms: int) -> None:
+    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
+        await driver.wait(700)
+        await driver.write("1")
+        await driver.wait(ms)
+        await driver.write("0")
+        assert driver.sees("Where does it hurt? ")
+        assert driver.sees("You said: 10. Backspace goes back.")
+        await driver.press("backspace", "1", "5", "2")
+        assert driver.screen_name == "SessionScreen", "10 was corrected"
+        assert [answer[2] for answer in answers(driver)] == ["1", "10", "1", "left shoulder", "2"]
+
+
 async def test_a_key_that_is_held_answers_one_question_only(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:

@@ -160,7 +160,7 @@ class PatientScreen(Screen[None]):
             self.show_exercise(trouble=True)
 
     def stopped_by_pain(self) -> None:
-        """Let a participant rest who is in too much pain to begin."""
+        """Let a participant rest who is in too much pain to begin, or to go on with the next exercise."""
         self._rest = "pain"
         self.show_exercise()
 

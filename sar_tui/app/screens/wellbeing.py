@@ -165,6 +165,15 @@ class WellbeingScreen(DismissedOnce[bool]):
 
     # --- answers ------------------------------------------------------------------------------------------
 
+    def completes_answer(self, key: str) -> bool:
+        """Return True if a key makes 10 of the 1 before it: so the worst pain is often typed, and would be taken for 1.
+
+        No place has the key 0, and the key may follow the 1 sooner than the screen can be read.
+        """
+        person, question = self._asked[-1]
+        is_one = self._answers.get((person.seat, "pain")) == "1"
+        return key == "0" and question == "place" and is_one and not self._is_advising
+
     def on_key(self, event: events.Key) -> None:
         if event.key in ("backspace", "escape", "f1", "question_mark", "ctrl+p", "ctrl+q"):
             return
@@ -175,8 +184,12 @@ class WellbeingScreen(DismissedOnce[bool]):
             elif (event.character or event.key).lower() == _GO_ON_KEY and self._moment != "after":
                 self._close_advice(goes_on=True)
             return
+        key = (event.character or event.key).lower()
+        if self.completes_answer(key):
+            self._asked.pop()
+            key = _TEN_KEYS[0]
         person, question = self._asked[-1]
-        answer = self._answer(question, (event.character or event.key).lower())
+        answer = self._answer(question, key)
         if answer is None:
             self._show(hint=True)
             return
