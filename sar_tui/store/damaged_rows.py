@@ -9,9 +9,10 @@ from typing import Literal, NamedTuple
 import msgspec
 
 Kind = Literal["file", "orphan", "gap", "samples", "text", "log", "rows"]
-"""``file``: its pages are damaged. ``orphan``: rows that belong to nothing. ``gap``: numbers that are missing in a row
-of events, attempts or trials. ``samples``: a block of a sensor's samples. ``text``: characters, or JSON. ``log``: a
-session's log is not as its hashes have it. ``rows``: rows are not as they follow from the log."""
+"""``file``: its pages are damaged, or its views are not the program's. ``orphan``: rows that belong to nothing.
+``gap``: numbers that are missing in a row of events, attempts or trials. ``samples``: a block of a sensor's samples.
+``text``: characters, or JSON. ``log``: a session's log is not as its hashes have it. ``rows``: rows are not as they
+follow from the log."""
 
 _SESSION_TABLES = (
     "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks", "log_hashes",

@@ -2,12 +2,14 @@
 
 import sqlite3
 from collections.abc import Callable, Iterator
+from contextlib import closing
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 from sar_tui.store.counted import LIVE
 from sar_tui.store.damaged_rows import Kind, damages
-from sar_tui.store.database import explain
+from sar_tui.store.database import VERSION, apply_migrations, explain
 from sar_tui.store.locks import is_held
 from sar_tui.store.log_examination import examine
 
@@ -66,9 +68,9 @@ def flaws(
     try:
         database.execute("BEGIN")
         try:
-            found = list(damaged_pages(database))
+            found = list(damaged_pages(database)) or list(changed_schema(database))
             yield from found
-            if not found:  # the rest is read from these pages
+            if not found:  # the rest is read from these pages, and through these views
                 yield from _damaged_rows(database)
                 yield from _without_participant(database)
                 if gaps:
@@ -98,6 +100,35 @@ def damaged_pages(database: sqlite3.Connection, attached: str = "") -> Iterator[
         if getattr(error, "sqlite_errorcode", 0) & 0xFF != sqlite3.SQLITE_CORRUPT:
             raise
         yield Flaw("file", "", f"The file is damaged: {error}.")
+
+
+def changed_schema(database: sqlite3.Connection) -> Iterator[Flaw]:
+    """Yield views and triggers that would show, or store, something else than those of this version do.
+
+    Views that somebody added are none of them: only their author reads them. A database of an earlier version has none
+    either, as it is brought up to date first.
+    """
+    (version,) = database.execute("PRAGMA user_version").fetchone()
+    if version != VERSION:
+        return
+    here, own = _schema(database), _own_schema()
+    for name in sorted(here.keys() | own.keys()):
+        kind, text = here.get(name, ("", ""))
+        if (kind, text) != own.get(name) and (name in own or kind == "trigger"):
+            yield Flaw("file", "", f"The {own.get(name, (kind, ''))[0]} {name} is not as sar-tui makes it.")
+
+
+def _schema(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
+    """Return type and text of each view and trigger, by name."""
+    found = database.execute("SELECT name, type, sql FROM main.sqlite_master WHERE type IN ('view', 'trigger')")
+    return {name: (kind, text) for name, kind, text in found}
+
+
+@cache
+def _own_schema() -> dict[str, tuple[str, str]]:
+    with closing(sqlite3.connect(":memory:", isolation_level=None)) as database:
+        apply_migrations(database)
+        return _schema(database)
 
 
 def _damaged_rows(database: sqlite3.Connection) -> Iterator[Flaw]:

@@ -16,7 +16,7 @@ from sar_tui.store.backup import FOLDER, copy_database
 from sar_tui.store.damaged_file import is_refused, open_wary, readable_copy
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, open_file, sidecars
-from sar_tui.store.integrity import Flaw, damaged_pages, flaws
+from sar_tui.store.integrity import Flaw, changed_schema, damaged_pages, flaws
 from sar_tui.store.log_examination import DERIVED, Derivation, altered
 from sar_tui.store.missing_rows import Missing, missing_rows
 from sar_tui.store.salvage import Unread, salvage
@@ -55,10 +55,10 @@ class Repair(NamedTuple):
 def repair(folder: Path) -> Repair:
     """Repair the database of a data folder.
 
-    If pages of its file are damaged, all rows that can be read go into a new file, and the damaged one is kept. Then
-    damaged rows, and those that belong to nothing, move into a database beside it. A row is written there, and on the
-    disk, before it is removed here. Rows that are not as they follow from a session's log are made again from it, if
-    the log is as it was recorded; those that were there move aside, too.
+    If pages of its file are damaged, or its views and triggers are not the program's, all rows that can be read go into
+    a new file, and the damaged one is kept. Then damaged rows, and those that belong to nothing, move into a database
+    beside it. A row is written there, and on the disk, before it is removed here. Rows that are not as they follow from
+    a session's log are made again from it, if the log is as it was recorded; those that were there move aside, too.
 
     Raises:
         StoreError: there is no database, another program has it open, it cannot be read at all, or the disk is full.
@@ -166,7 +166,8 @@ def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
     new = path.with_name(f".{path.stem}-salvaged.part")
     try:
         with _readable(path) as database:
-            if not any(damaged_pages(database)) and not is_refused(path):
+            is_whole = not any(damaged_pages(database)) and not any(changed_schema(database))
+            if is_whole and not is_refused(path):
                 return None, []
             _remove(new)
             create_file(new)

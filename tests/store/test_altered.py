@@ -418,3 +418,31 @@ def test_altered_results_are_found_also_without_hashes(
     before = contents(data)
     assert repair(data).rebuilt == [], "nothing proves that the log is as it was recorded"
     assert contents(data) == before
+
+
+# --- views and triggers ----------------------------------------------------------------------------------------------
+
+_ENDLESS = "WITH RECURSIVE more (x) AS (SELECT 1 UNION ALL SELECT x+1 FROM more)"
+OF_SCHEMA = {
+    "view v_attempts": "DROP VIEW v_attempts;CREATE VIEW v_attempts AS SELECT session, metric*0.9 AS m FROM attempts",
+    "view events": f"DROP VIEW events;CREATE VIEW events AS {_ENDLESS} SELECT x AS session, 0 AS seq, 0 AS run, 0 AS"
+    " at_ns, '' AS topic, '' AS message FROM more",
+    "view v_reaches": "DROP VIEW v_reaches",
+    "trigger better": "CREATE TRIGGER better AFTER INSERT ON instrument_scores BEGIN DELETE FROM adverse_events; END",
+}
+
+
+@pytest.mark.parametrize("name", OF_SCHEMA)
+def test_a_view_or_trigger_that_is_not_the_programs_is_found_and_repaired(
+    name: str, recorded: tuple[str, str], data: Path, call: Call
+) -> None:
+    before = contents(data)
+    with closing(sqlite3.connect(data / FILE, isolation_level=None)) as database:
+        database.executescript(OF_SCHEMA[name])
+    told = found(data)  # with a view its triggers are gone, too
+    assert {flaw.kind for flaw in told} == {"file"}
+    assert f"The {name} is not as sar-tui makes it." in [flaw.what for flaw in told]
+    assert call("check").code == 1
+    assert repair(data).flaws == []
+    assert contents(data) == before
+    assert found(data) == []
