@@ -225,7 +225,7 @@ async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalog
         assert "F1 Ayuda" in driver.rows[-1]
         await driver.press("escape", "up", "up", "enter", "down", "enter")
         await driver.wait(300)
-        assert driver.sees("Terminado antes de tiempo, tras 0 intentos.")
+        assert driver.sees("Terminado antes de acabar el primer intento.")
         await driver.press("enter")
         assert driver.screen_name == "HomeScreen"
         assert "F1 Help" in driver.rows[-1]

@@ -207,6 +207,8 @@ async def test_a_mistake_can_be_said_at_the_end_that_is_chosen_in_a_pause(
         assert driver.sees("It was started by mistake")
         await driver.press("down", "down", "enter")
         await driver.wait(300)
+        assert driver.sees("That is all right. This session does not count.")
+        assert not driver.sees("Ended early")
         await driver.press("enter")
         assert driver.app.return_code == 0, "nothing more is asked"
     assert stored(data, "SELECT status FROM sessions") == [("discarded",)]

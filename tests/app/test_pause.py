@@ -107,7 +107,7 @@ async def test_only_ending_asks_for_confirmation(
         await driver.press(*keys)
         assert driver.session.ended is not goes_on
         if not goes_on:
-            assert driver.sees("Ended early, after 0 attempts.")
+            assert driver.sees("Ended before the first attempt was finished.")
             await driver.wait(300)
             await driver.press("enter")
             assert driver.app.return_code == 0

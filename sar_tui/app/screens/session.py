@@ -176,7 +176,8 @@ class SessionScreen(KeysScreen):
         attempts = {seat: bus.call(RECALL, Recall(seat=seat)).attempts for seat in task.seats}
         codes = self._live.run.participants if len(task.seats) > 1 else {}
         names = [f"{task.seat_name(seat)} ({code})" for seat, code in codes.items()]
-        self.query_one(Summary).show(*attempts.values(), status=ended.status, names=names)
+        status = "mistake" if self._live.is_mistake else ended.status
+        self.query_one(Summary).show(*attempts.values(), status=status, names=names)
         self._stage("summary")
         self.app.screen_keys.changed(self)
         if ended.status == "completed" and len(task.seats) == 1 and not self._live.run.rescue_file:

@@ -53,7 +53,13 @@ class Summary(Vertical):
         yield Static("", id="finish", markup=False)
 
     def show(self, *attempts: Sequence[AttemptEnded], status: str = "completed", names: Sequence[str] = ()) -> None:
-        """Show the scored attempts, of each seat if there are several; ``names`` are the participants', by seat."""
+        """Show the scored attempts, of each seat if there are several.
+
+        Args:
+            attempts: of each seat.
+            status: of the session; ``mistake`` if it was started by mistake.
+            names: the participants', by seat.
+        """
         self._attempts, self._names, tr = attempts, names, language_of(self.app)
         facts = [self._facts(each, status) for each in attempts]
         if names:
@@ -80,13 +86,15 @@ class Summary(Vertical):
         tr, count = language_of(self.app), len(attempts)
         if status == "refused" and self._for_participant:
             return tr("That is all right. The session does not begin, and nothing but this answer is kept. Thank you.")
+        if status == "mistake":
+            return tr("That is all right. This session does not count.")
         if status == "completed":
             done = tr("You did 1 attempt") if count == 1 else tr("You did {count} attempts", count=count)
         elif status == "running":
             done = tr("1 attempt so far") if count == 1 else tr("{count} attempts so far", count=count)
         else:
-            done = tr("Ended early, after 1 attempt")
-            if count != 1:
+            done = tr("Ended early, after 1 attempt") if count else tr("Ended before the first attempt was finished")
+            if count > 1:
                 done = tr("Ended early, after {count} attempts", count=count)
         reached = [a.metric for a in attempts if a.outcome == "success" and a.metric is not None]
         more = "".join(f" {fact}" for fact in self._more_facts(attempts))
