@@ -48,6 +48,8 @@ def exit_message(
         yield "Stopped with Ctrl-C."
     if live and live.rescued:
         yield f"{live.rescued} Bring it back into the database: {command('rescue')}"
+    if live and live.trouble:
+        yield live.trouble
     if live and live.is_mistake and not live.trouble:
         yield "The session does not count, as it was started by mistake. It is kept; F6 in sar-tui restores it."
     elif live and not live.run.session.ended and not live.run.session.broken:

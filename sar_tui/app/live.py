@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from sar_tui.link.node import LinkNode
     from sar_tui.outputs.markers.node import MarkerNode
 
+_NOT_MARKED = "The session was started by mistake, but it could not be marked as such, and counts."
 LAST_WRITE_SECONDS = 5.0
 """Longest wait for the disk at the end of a session."""
 
@@ -248,14 +249,18 @@ class LiveSession:
         self.stop(app)
         self._closed = True
         if not self.is_written(LAST_WRITE_SECONDS):
+            self.trouble = _NOT_MARKED if self.is_mistake else self.trouble
             return
         if not isinstance(self.clock, LiveClock):
             with contextlib.suppress(StoreError):
                 self.run.recorder.write()
         is_stored = not (self.rescued or self.unsaved)
         self.run.close()
-        if self.is_mistake and is_stored:
-            self._discard()
+        if self.is_mistake:
+            if is_stored:
+                self._discard()
+            else:
+                self.trouble = _NOT_MARKED
 
     def _discard(self) -> None:
         """Mark the session as started by mistake, so that it does not count."""
@@ -265,4 +270,4 @@ class LiveSession:
             with closing(connect(self._folder)) as database:
                 change_status(database, self._folder, self.run.id, "discarded", actor="participant", reason=BY_MISTAKE)
         except StoreError as error:
-            self.trouble = f"The session was started by mistake, but it could not be marked as such. {error}"
+            self.trouble = f"{_NOT_MARKED} {error}"

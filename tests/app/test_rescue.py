@@ -82,6 +82,25 @@ async def test_a_database_that_is_removed_in_a_session_costs_nothing(
     assert second.startswith("The session is kept. Resume it: sar-tui resume")
 
 
+@posix
+async def test_a_mistake_that_could_not_be_noted_is_told(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sar_tui.framework.key_guard.UNREAD", 0)
+    app = SarTui(data, catalogue, plan(catalogue, keyboard))
+    async with app.run_test() as pilot:
+        await pilot.press("enter")
+        delete(data)
+        await _settled(app, lambda: rescue_files(data))
+        await pilot.press("ctrl+c")
+        assert app.live
+        app.live.is_mistake = True
+    app.close_session()
+    said = "\n".join(app.exit_lines(1))
+    assert "The session does not count" not in said
+    assert "The session was started by mistake, but it could not be marked as such, and counts." in said
+
+
 async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescue_file(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
