@@ -65,8 +65,8 @@ def test_other_commands_take_it(call: Call, rated: tuple[Path, str], tmp_path: P
 
 @pytest.mark.parametrize("kind", ["csv", "bids", "psych-ds", "parquet", "mat", "elan"])
 def test_it_is_exported(call: Call, rated: tuple[Path, str], tmp_path: Path, kind: str) -> None:
-    _, session = rated
-    called = call("export", session, "--simulated", "--format", kind, "--to", tmp_path / "out")
+    tasks, session = rated
+    called = call("export", session, "--simulated", "--format", kind, "--to", tmp_path / "out", "--tasks", tasks)
     assert (called.code, called.err) == (0, "")
 
 
