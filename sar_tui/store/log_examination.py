@@ -118,7 +118,8 @@ def _changed_groups(
     for position, group in enumerate(groups, start=1):
         digests = []
         while waiting is not None and waiting.seq <= group.until:
-            digests.append(erased.get(waiting.seq) or log_hashes.message_hash(waiting))
+            digest = log_hashes.message_hash(waiting)
+            digests.append(erased.get(digest, digest))
             waiting = next(stored, None)
         beside = [_possible_hashes(database, session, people, entry) for entry in group.beside]
         holds = any(log_hashes.group_hash(before, (*digests, *some)) == group.hash for some in product(*beside))

@@ -54,7 +54,8 @@ def change_status(
 def erase_note(db: sqlite3.Connection, folder: Path, session: str, seq: int, *, actor: str, reason: str) -> bool:
     """Erase the text and the label of an operator's note, such as one with a name in it.
 
-    Its message stays without them. The hash of the message as it was goes into the log, so that all hashes still hold.
+    Its message stays without them. The hashes of the message as it was, and as it is then, go into the log, so that all
+    hashes still hold, and nothing else can be put in its place.
 
     Args:
         db, folder, session: the session, which no program has open.
@@ -83,7 +84,9 @@ def erase_note(db: sqlite3.Connection, folder: Path, session: str, seq: int, *, 
                 (session, note.at or row.at, note.actor, note.text, note.label),
             )
             messages.replace(connection, session, seq, NOTE_ADDED, replace(note, text="", label=""))
-            erased: Json = {str(seq): log_hashes.message_hash(row).hex()}
+            rest = next(messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,)))
+            hashes = " ".join(log_hashes.message_hash(each).hex() for each in (row, rest))
+            erased: Json = {str(seq): hashes}
             said = RecordChanged(change="redacted", actor=actor, at=_utc(), reason=reason, details=erased)
             log(connection, session, said)
         db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()  # or the text would stay in the write-ahead log
@@ -92,14 +95,15 @@ def erase_note(db: sqlite3.Connection, folder: Path, session: str, seq: int, *, 
     return True
 
 
-def erased_hashes(db: sqlite3.Connection, session: str) -> dict[int, bytes]:
-    """Return the hashes of messages as they were before texts of them were erased, by their numbers."""
-    found: dict[int, bytes] = {}
+def erased_hashes(db: sqlite3.Connection, session: str) -> dict[bytes, bytes]:
+    """Return the hashes of messages as they were before texts of them were erased, by those of what remains of them."""
+    found: dict[bytes, bytes] = {}
     for change in changes(db, session):
         if change.change == "redacted":
-            for seq, erased in change.details.items():
+            for hashes in change.details.values():
                 with contextlib.suppress(ValueError):
-                    found.setdefault(int(seq), bytes.fromhex(str(erased)))
+                    before, after = map(bytes.fromhex, str(hashes).split())
+                    found[after] = before
     return found
 
 

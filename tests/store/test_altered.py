@@ -349,6 +349,16 @@ def test_a_note_that_was_erased_leaves_its_hash(recorded: tuple[str, str], data:
     assert {flaw.where for flaw in found(data)} == {session}
 
 
+def test_nothing_else_can_be_put_in_place_of_a_note_that_was_erased(recorded: tuple[str, str], data: Path) -> None:
+    session = recorded[KEYS]
+    with closing(connect(data)) as database:
+        seq = next(one.seq for one in messages.read(database, session) if isinstance(one.message, NoteAdded))
+        assert erase_note(database, data, session, seq, actor="ana", reason="a name")
+        messages.replace(database, session, seq, NOTE_ADDED, NoteAdded(text="sits badly", actor="operator.ana"))
+        database.execute("UPDATE notes SET text='sits badly' WHERE session=?", (session,))
+        assert {flaw.kind for flaw in flaws(database)} == {"log"}
+
+
 def test_a_session_that_was_discarded_and_restored_is_whole(recorded: tuple[str, str], data: Path) -> None:
     with closing(connect(data)) as database:
         assert change_status(database, data, recorded[KEYS], "discarded", actor="ana", reason="by mistake")

@@ -152,7 +152,7 @@ class RecordChanged(Message, frozen=True, kw_only=True):
     """Something was done to a session's record after the session.
 
     ``actor``: who did it, the login name. ``at``: when, UTC. ``details``: for ``moved``, the participant ``before`` and
-    ``after``; for ``redacted``, the hash of each message as it was, by its number.
+    ``after``; for ``redacted``, by the number of each message its hash as it was and that of what remains of it.
     """
 
     change: RecordChange
