@@ -51,7 +51,7 @@ def exit_message(
     if live and live.trouble:
         yield live.trouble
     if live and live.is_mistake and not live.trouble:
-        yield "The session does not count, as it was started by mistake. It is kept; F6 in sar-tui restores it."
+        yield "The session does not count, as it was started by mistake. It is kept: in sar-tui, F6 and Del restore it."
     elif live and not live.run.session.ended and not live.run.session.broken:
         yield f"The session is kept. Resume it: {command('resume', live.run.id)}"
     elif live and names_ended_session:

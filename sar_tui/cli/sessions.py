@@ -217,7 +217,7 @@ def _discarded_words(discarded: Row) -> str:
     from sar_tui.store.sessions import local_time
 
     who = f"{discarded['actor']}, {local_time(discarded['at'])}"
-    return f"It does not count: {discarded['reason']} ({who}). F6 in the app restores it."
+    return f"It does not count: {discarded['reason']} ({who}). In the app, F6 and Del restore it."
 
 
 def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Metric") -> None:
