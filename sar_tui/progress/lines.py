@@ -75,8 +75,8 @@ class Point(msgspec.Struct, frozen=True):
         results: of the session.
         mean, sd: of the results of its attempts; None without any, or with one.
         estimate: its level at goal; None if it is not known.
-        side: ``easier`` if all results were better than the goal, so that the levels played were all too easy;
-            ``harder`` if none was.
+        side: ``easier`` if all attempts reached the goal, so that the levels played were all too easy; ``harder`` if no
+            result was better than it.
     """
 
     results: SessionResults
@@ -244,7 +244,11 @@ def _point(results: SessionResults, attempts: Sequence[Attempt], shared: Slope |
     values = [result.metric for result in results.results if result.metric is not None]
     side: Side = ""
     if attempts and not brackets_goal(attempts):
-        side = "easier" if attempts[0].distance < 0 else "harder"
+        is_missed = results.reached is not None and results.reached < len(results.results)  # of errors, if not of time
+        if attempts[0].distance >= 0:
+            side = "harder"
+        elif not is_missed:
+            side = "easier"
     mean = statistics.fmean(values) if values else None
     return Point(
         results=results,

@@ -14,7 +14,11 @@ from sar_tui.progress.task_level import AttemptResult, places, to_level
 
 
 def line_with(
-    sessions: Iterable[SessionResults], task: Task, session: str, results: Sequence[AttemptResult]
+    sessions: Iterable[SessionResults],
+    task: Task,
+    session: str,
+    results: Sequence[AttemptResult],
+    reached: int | None = None,
 ) -> Line | None:
     """Return the line that ends with a session that has just ended; None if no earlier one can be compared with it.
 
@@ -23,13 +27,14 @@ def line_with(
         task: with the settings of the session that has ended.
         session: its id, which may be among the sessions.
         results: its results.
+        reached: number of its attempts that reached the goal; None if that is not known, or none had a goal.
     """
     settings = settings_of(task)
     until = takewhile(lambda each: each.session != session, sessions)
     earlier = [each for each in until if is_comparable(each, task, settings)]
     if not earlier or not results:
         return None
-    ended = msgspec.structs.replace(earlier[-1], session=session, status="completed", results=results)
+    ended = msgspec.structs.replace(earlier[-1], session=session, status="completed", results=results, reached=reached)
     return comparable([*earlier, ended], task)
 
 

@@ -29,11 +29,12 @@ def beside_earlier_sessions(
         tr: the language of the session.
     """
     results = [AttemptResult(attempt.level, attempt.metric, attempt.correct) for attempt in attempts]
+    judged = [attempt.outcome == "success" for attempt in attempts if attempt.outcome != "none"]
     try:
         with closing(connect(folder)) as database:
             codes = [row["participant"] for row in sessions.rows(database, "seats", session)]
             played = sessions_of(database, codes[0], task.name) if codes else ()
-            line = line_with(played, task, session, results)
+            line = line_with(played, task, session, results, sum(judged) if judged else None)
     except (StoreError, sqlite3.Error):
         return ""
     return beside_previous(line, date.today(), tr) if line else ""

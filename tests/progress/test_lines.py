@@ -70,6 +70,12 @@ def test_a_session_on_one_side_of_the_goal_says_so(keyboard: type[Task]) -> None
     assert [(point.estimate, point.side) for point in line.points] == [(None, "easier"), (None, "harder")]
 
 
+def test_fast_attempts_with_too_many_errors_are_not_too_easy(keyboard: type[Task]) -> None:
+    hasty = [*at_one_level(1, 500.0), AttemptResult(3, 450.0, 6), AttemptResult(3, None, 0)]
+    (line,) = found(keyboard, session(1, hasty, reached=12))
+    assert line.points[0].side == ""
+
+
 def test_where_the_level_never_changed_the_result_is_the_measure(keyboard: type[Task]) -> None:
     (line,) = found(keyboard, session(1, at_one_level(1, 960.0)), session(2, at_one_level(2, 900.0)))
     assert (line.measure, line.fixed_level) == ("result", 3)
