@@ -12,10 +12,8 @@ task has ten levels, some of them far apart.
 whatever has just been said.
 4: reaches are found about one axis, and measured about it; and praise for a quality needs a fixed margin only,
 that of the time to peak, too, and each change of a result is reported.
-6: the question about pain between attempts has the words of the one before and after a session at its ends; a reach
-is looked for since the end of the reach before, and from the rest just before its key, instead of in the three seconds
-before it; and feedback on performance names a quality only if it has changed beyond the person's own noise, instead of
-one at random. Between trials, keys that were down when something else appeared on the screen do nothing, nor do those
-within 600 ms of its appearance; and an attempt begins after 700 ms without keys. In trials, a key that comes about 20
-times a second is held, from its first repeat on.
+5: the question about pain between attempts has other words at its ends; a reach is looked for in the three seconds
+before its key, whatever was done in them; feedback on performance names a quality at random where none has changed;
+keys count as soon as something appears on the screen, also those that were down before, and Enter begins an attempt
+whatever was pressed just before it; and each repeat of a held key counts where presses are counted.
 """

@@ -109,6 +109,7 @@ class _Performer(Node):
         self._seed = seed
         self._move = move
         self._seat = seat
+        self._responds_until = 0
 
     def _perform(self, prompt: Prompt, shown: int) -> None:
         """Respond to a prompt shown at ``shown`` (ns): with keys if the node emits any, and with movements."""
@@ -119,6 +120,7 @@ class _Performer(Node):
                 if self._move:
                     self._move(at, act)
             elif KEY in self.emits:
+                self._responds_until = max(self._responds_until, at)
                 self._press(act, at)
 
     def _press(self, key: str, at: int) -> Handle:
@@ -138,7 +140,8 @@ class SimulatedParticipant(_Performer):
     def waiting(self, waiting: Waiting) -> None:
         """Press the key that the session waits for, or the key that requests feedback.
 
-        A press that is due is cancelled if the session waits for something else by then.
+        A response that is late for its prompt comes first: a key just after it would not count. A press that is due is
+        cancelled if the session waits for something else by then.
         """
         if self._next:
             self._next.cancel()
@@ -148,7 +151,7 @@ class SimulatedParticipant(_Performer):
         key = {"enter": "" if waiting.until else "enter", "start": self._task.start_key}.get(waiting.what)
         if waiting.ask and self._wants_feedback(waiting):
             key = waiting.ask
-        self._next = self._press(key, self.now + READING) if key else None
+        self._next = self._press(key, max(self.now, self._responds_until) + READING) if key else None
 
     def _answer(self, asked: AskedStep) -> None:
         """Press the next of the keys that answer a question; each changes what the session waits for."""
