@@ -96,7 +96,7 @@ def _program(name: str, outputs: str) -> Program:
         ordered = SAR_TUI.command(folder, block)
         settings = [f"outputs={outputs}", f"attempts={attempts}", f"prompts_per_attempt={per_attempt}"]
         said = [word for setting in settings for word in ("--set", setting)]
-        return [sys.executable, "-m", "benchmarks.silent_app", str(folder), *ordered[3:], *said]
+        return [sys.executable, "-m", "benchmarks.silent_app", str(folder), *ordered[ordered.index("run") :], *said]
 
     def recorded(folder: Path) -> list[Row]:
         rows = SAR_TUI.read_trials(folder)

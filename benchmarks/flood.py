@@ -11,6 +11,8 @@ from sar_tui.timing.pty import Terminal
 SIZE, PART = 1_000_000, 10_000
 UNITS = {"escape sequences": b"\x1b[A", "letters": b"abcdefghij", "coloured text": b"\x1b[31mhello\x1b[0m"}
 LONGEST_S, LONGEST_F1_S = 5.0, 0.2
+AFTER_S = 1.0
+"""Time after which a key is no part of what came before it."""
 _HELP = "Press Enter to close this."
 
 
@@ -42,6 +44,7 @@ def _flood(folder: Path, part: bytes) -> dict[str, float]:
                 answered = terminal.read_at
         read_s = (time.monotonic_ns() - began - (answered - asked)) / 1e9
         terminal.settle()
+        time.sleep(AFTER_S)
         terminal.press("ctrl+c")
         terminal.wait()
     return {"read_s": read_s, "f1_s": (answered - asked) / 1e9}

@@ -22,7 +22,7 @@ from sar_tui.runs.run import resume, start
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.store import participants
+from sar_tui.store import log_hashes, participants
 from sar_tui.store.database import FILE, connect
 
 FEW, MANY = 10, 1000
@@ -95,6 +95,9 @@ def fill(data: Path, catalogue: Catalogue, count: int, ids: str = "c0de") -> Non
         for number in range(2, count + 1):
             _copy(database, session, f"{ids}{number:06}")
         database.execute("UPDATE sessions SET mode='live'")
+        database.execute("DELETE FROM log_hashes")  # of the first session, as it was before
+        for (name,) in database.execute("SELECT id FROM sessions").fetchall():
+            log_hashes.extend(database, name, ["run", 1])
         database.execute("COMMIT")
         participants.add(database, _WHO)
 

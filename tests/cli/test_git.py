@@ -1,4 +1,4 @@
-"""What git would take of people's data: nothing after a day of use in a checkout, and a warning of what it has."""
+"""Data of people and git: nothing is added after a day of use in a checkout, and tracked data are warned of."""
 
 import os
 import shutil

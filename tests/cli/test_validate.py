@@ -44,7 +44,7 @@ def test_people_read_tables_and_claims(call: Call) -> None:
 
 @pytest.mark.slow
 def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
-    called = call("validate", "--only", "reach", "--reaches", 3, "--json")
+    called = call("validate", "--full", "--only", "reach", "--reaches", 3, "--json")
     assert called.code == 0
     rows = {row["scenario"]: row for row in called.json["reach"]}
     assert {"clean", "tilted", "twitch", "all combined", "slow, submovements"} <= set(rows)
