@@ -63,6 +63,8 @@ def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None
         ("export", "--all", "--simulated"),
         ("export", "--all", "--simulated", "--format", "bids"),
         ("programme", "export", "P01", "keyboard", "--preset", "left-arm"),
+        ("programme", "export", "P01", "keyboard", "--to", "p01.toml"),
+        ("progress", "P01", "--html", "p01.html"),
         ("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1"),
         ("adverse", "list"),
         ("show", "last"),
@@ -92,8 +94,8 @@ def test_an_export_goes_into_the_data_folder_by_default(checkout: Path, call: Ca
     [
         ("export", "last", "--simulated", "--to", "study"),
         ("backup", "--to", "copies"),
-        ("programme", "export", "P01", "keyboard", "--to", "p01.toml"),
-        ("progress", "P01", "--html", "p01.htm"),
+        ("programme", "export", "P01", "keyboard", "--to", "p01.txt"),
+        ("progress", "P01", "--html", "p01.xhtml"),
     ],
 )
 @pytest.mark.usefixtures("programme")
