@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 
 from benchmarks.tasks.sequence.task import DURATIONS_MS, frame_text
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.timing.closed_loop import FOREPERIOD_MS, QUIET_MS
 from sar_tui.timing.error_statistics import error_statistics
 from sar_tui.timing.pty import Terminal

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from sar_tui.app.home.contents import read_card, read_participants, read_sessions
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.node import Node
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start

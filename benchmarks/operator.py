@@ -16,7 +16,7 @@ from typing import Any
 import msgspec
 
 from benchmarks.unattended_panel import panel
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.commands import TOO_SOON
 from sar_tui.operator.keymap import KEY_COMMANDS, key_name
 from sar_tui.store.database import FILE

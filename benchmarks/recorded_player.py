@@ -11,7 +11,7 @@ from typing import Any
 
 import miniaudio
 
-from sar_tui.framework.clock import host_now
+from sar_tui.loop.clock import host_now
 from sar_tui.outputs.sound import voice_main
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.fake_phidget import SERVO_LIMITS
 from sar_tui.cli import main as program
-from sar_tui.framework.clock import host_now
+from sar_tui.loop.clock import host_now
 from sar_tui.outputs.servo import servo
 from sar_tui.outputs.sound import mixer
 

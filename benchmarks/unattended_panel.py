@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.timing.pty import Terminal
 
 

@@ -13,12 +13,13 @@ from textual.app import App
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.progress import ProgressScreen
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.messages import Role
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.peer import Connection, Frame, PeerEvent
 from sar_tui.link.protocol import BrokerEvent, PeerJoined, SnapshotRequested
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.messages import Role
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue

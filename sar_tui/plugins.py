@@ -15,16 +15,15 @@ from typing import TYPE_CHECKING, Literal
 import platformdirs
 
 import sar_tui
-from sar_tui.framework.entry_points import entry_points
-from sar_tui.framework.plugin_calls import TASKS, calling
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.task_pictures import SUFFIXES, pictures_in
-from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
+from sar_tui.loop.entry_points import entry_points
+from sar_tui.loop.task_pictures import SUFFIXES, pictures_in
+from sar_tui.model.theme import ENGLISH, Theme, ThemeError
+from sar_tui.plugin_calls import PLUGIN_ERRORS, TASKS, calling
 
 if TYPE_CHECKING:  # loaded with the first task: the app's first screen is shown before
     from importlib.metadata import EntryPoint
 
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
 
 _GROUP = "sar_tui.tasks"
 DEFAULT_THEME = "calm"
@@ -234,20 +233,20 @@ def _make_package(name: str, path: list[str]) -> None:
 
 def _missing_methods(values: list[object]) -> list[str]:
     """Return the methods that an incomplete task among the values does not define."""
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
 
     unfinished = (value for value in values if isinstance(value, type) and issubclass(value, Task))
     return sorted(next((value.__abstractmethods__ for value in unfinished), frozenset()))
 
 
 def _is_task(value: object) -> bool:
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
 
     return isinstance(value, type) and issubclass(value, Task) and value is not Task and not inspect.isabstract(value)
 
 
 def _checked(task: "type[Task]", name: str) -> "type[Task]":
-    from sar_tui.framework.task_declaration import problem as declaration_problem
+    from sar_tui.loop.task_declaration import problem as declaration_problem
 
     missing = [attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)]
     if missing:

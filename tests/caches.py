@@ -11,7 +11,7 @@ from textual.css import stylesheet
 from textual.css.model import RuleSet
 
 from sar_tui import plugins, theme_folder
-from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.model.theme import ENGLISH, Theme
 
 
 def _cached_parse(parse: Callable[..., Any]) -> Callable[..., list[RuleSet]]:

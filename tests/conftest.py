@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from sar_tui.cli.doctor.data_in_git import examine_data_in_git
-from sar_tui.framework.clock import MS
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation.simulated_sessions import SessionRunner, Simulated

@@ -5,13 +5,10 @@
 
 from typing import Annotated, Any, Literal
 
-from sar_tui.framework.attempt_state import AttemptScore
-from sar_tui.framework.attempts import Attempts
-from sar_tui.framework.clock import MS
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import (
+from sar_tui.loop.attempt_state import AttemptScore
+from sar_tui.loop.attempts import Attempts
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import (
     Again,
     Details,
     Mark,
@@ -24,6 +21,9 @@ from sar_tui.framework.trial_types import (
     Target,
     Trial,
 )
+from sar_tui.model.units import MS
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 from tests.loop_driver import LoopDriver
 
 SLIPPED = "The weight slipped. Please lift it once more."

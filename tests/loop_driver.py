@@ -3,17 +3,12 @@
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.key_guard import QUIET, UNREAD
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.parameters import build
-from sar_tui.framework.rules import RULES
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import (
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import (
     COMMAND,
     FOCUS,
     FRAME,
@@ -28,6 +23,12 @@ from sar_tui.framework.topics import (
     TRIAL,
     WAITING,
 )
+from sar_tui.model import messages as m
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
+from sar_tui.rules.key_guard import QUIET, UNREAD
+from sar_tui.rules.parameters import build
+from sar_tui.rules.version import RULES
 
 M = TypeVar("M", bound=m.Message)
 

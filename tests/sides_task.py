@@ -3,9 +3,9 @@
 from pathlib import Path
 
 TASK = """
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric, Result, Stimulus
+from sar_tui.rules.parameters import TaskParameters
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Metric, Result, Stimulus
 
 
 class Sides(Task):
@@ -41,8 +41,8 @@ class Sides(Task):
 VIEW = """
 from rich.text import Text
 
-from sar_tui.framework.node import on
-from sar_tui.framework.topics import TRIAL
+from sar_tui.loop.node import on
+from sar_tui.loop.topics import TRIAL
 from sar_tui.widgets.task_view import TaskView
 
 from .task import Sides

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Mark, Metric, PastAttempt, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Mark, Metric, PastAttempt, Result, Situation, Stimulus, Trial
 
 
 class Contrast(Task):

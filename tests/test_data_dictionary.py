@@ -9,12 +9,12 @@ from typing import get_args
 import pytest
 from sqlite_utils import Database
 
-from sar_tui.framework import messages
-from sar_tui.framework.messages import FeedbackChoice
-from sar_tui.framework.policies import feedback
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ALL
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ALL
+from sar_tui.model import messages
+from sar_tui.model.messages import FeedbackChoice
 from sar_tui.plugins import Catalogue
+from sar_tui.rules import feedback
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES

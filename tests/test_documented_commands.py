@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.rules.parameters import build
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

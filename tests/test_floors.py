@@ -27,8 +27,8 @@ def loaded(package: str) -> tuple[list[str], set[str]]:
 
 
 def test_the_framework_stands_alone() -> None:
-    modules, names = loaded("sar_tui.framework")
-    assert {"sar_tui.framework.bus", "sar_tui.framework.nodes.event_handler"} <= set(modules)
+    modules, names = loaded("sar_tui.loop")
+    assert {"sar_tui.loop.bus", "sar_tui.loop.nodes.event_handler"} <= set(modules)
     forbidden = {"textual", "rich", "Phidget22", "sqlite3", "sqlite_utils", "zenoh", "numpy", "filelock", "typer"}
     assert not forbidden & names
 

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.bus import FAULT
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.bus import FAULT
+from sar_tui.loop.node import Node
+from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import (
     Catalogue,
     PluginError,
@@ -21,6 +20,7 @@ from sar_tui.plugins import (
     task_source,
     user_folder,
 )
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
@@ -32,10 +32,10 @@ from tests.program import Call
 TAPS = '''
 from typing import Annotated, Any
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Act, Metric, Performance, Result, Situation, Stimulus, Task, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.loop.task import Act, Metric, Performance, Result, Situation, Stimulus, Task, Trial
 
 from .words import INSTRUCTIONS
 
@@ -73,7 +73,7 @@ class Taps(Task):
 '''
 
 MINIMAL = """
-from sar_tui.framework.task import Metric, Result, Stimulus, Task
+from sar_tui.loop.task import Metric, Result, Stimulus, Task
 
 
 class Minimal(Task):
@@ -202,8 +202,8 @@ def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
     [
         ("from sar_tui.no_such_package.imu import Imu", "No module named 'sar_tui.no_such_package'"),
         (
-            "from sar_tui.framework.task import NoSuchName",
-            "cannot import name 'NoSuchName' from 'sar_tui.framework.task'",
+            "from sar_tui.loop.task import NoSuchName",
+            "cannot import name 'NoSuchName' from 'sar_tui.loop.task'",
         ),
         ("from sar_tui import no_such_package", "cannot import name 'no_such_package' from 'sar_tui'"),
     ],
@@ -233,7 +233,7 @@ def test_two_tasks_in_one_file_are_reported(own: Path) -> None:
 
 
 def test_a_file_without_a_task_is_reported(own: Path) -> None:
-    write(own, "empty", "from sar_tui.framework.task import Task\n")
+    write(own, "empty", "from sar_tui.loop.task import Task\n")
     assert sentence(own, "empty").endswith("task.py must define one Task; it defines 0.")
 
 
@@ -430,7 +430,7 @@ def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_sto
 def test_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
     own: Path, data: Path, method: str, returned: str, said: str
 ) -> None:
-    source = f"from sar_tui.framework.trial_types import Score, Target\n{MINIMAL}\n    def {method}:\n"
+    source = f"from sar_tui.model.trial_types import Score, Target\n{MINIMAL}\n    def {method}:\n"
     write(own, "minimal", f"{source}        return {returned}\n")
     with pytest.raises(Failed, match=rf"The task minimal failed \(\w+: {said}"):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)

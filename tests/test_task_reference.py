@@ -7,14 +7,14 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework import trial_types
-from sar_tui.framework.frames import Frame
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.messages import KeyPerceived, Percept, ReachPerceived, TextPerceived
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.steps.step import Step
-from sar_tui.framework.task import Task
-from sar_tui.framework.tone import Tone
+from sar_tui.loop.task import Task
+from sar_tui.model import trial_types
+from sar_tui.model.frames import Frame
+from sar_tui.model.measure import Measure
+from sar_tui.model.messages import KeyPerceived, Percept, ReachPerceived, TextPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.step import Step
+from sar_tui.model.tone import Tone
 from sar_tui.widgets.task_view import TaskView
 
 PAGE = (Path(__file__).parents[1] / "docs" / "task-reference.md").read_text(encoding="utf-8")

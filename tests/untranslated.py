@@ -4,7 +4,7 @@ import re
 import string
 from collections.abc import Iterable, Iterator, Mapping
 
-from sar_tui.framework.theme import Theme
+from sar_tui.model.theme import Theme
 
 
 def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tuple[str, str]]:

@@ -16,7 +16,8 @@ from textual.widget import Widget
 
 from sar_tui.app.leaving import LeavingApp
 from sar_tui.app.screen_keys import ScreenKeys
-from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plugin_watchdog import PluginWatchdog
 from sar_tui.theme_folder import may_have_images
@@ -25,8 +26,8 @@ from sar_tui.tui.timestamps import OnsetWatch, watched
 from sar_tui.tui.too_small import cover_if_too_small
 
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
-    from sar_tui.framework.clock import Clock
     from sar_tui.link.broker_process import BrokerProcess
+    from sar_tui.loop.clock import Clock
     from sar_tui.runs.plan import Plan
     from sar_tui.widgets.prompt_pictures import Way
 
@@ -107,7 +108,7 @@ class SarTui(LeavingApp):
     def action_stop(self) -> None:
         """F2, anywhere in a session: stop everything the agent says and does."""
         if self._open:
-            from sar_tui.framework.messages import SessionCommand
+            from sar_tui.model.messages import SessionCommand
 
             asked = round(self._open.stamp(self.key_seconds) * SECOND)
             self._open.operate(SessionCommand(command="stop", at=asked))

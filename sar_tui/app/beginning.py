@@ -16,9 +16,9 @@ from sar_tui.store.database import StoreError, explain
 if TYPE_CHECKING:  # loaded with a session, so that the first screen is there sooner
     from sar_tui.app.live import LiveSession
     from sar_tui.app.screens.resuming import ResumingScreen
-    from sar_tui.framework.clock import Clock
     from sar_tui.inputs.imu_feed import ImuFeed
     from sar_tui.link.broker_process import BrokerProcess
+    from sar_tui.loop.clock import Clock
     from sar_tui.runs.plan import Plan
 
 
@@ -82,7 +82,7 @@ class BeginningApp(PatientModeApp):
     def _ask_before(self, plan: "Plan") -> None:
         """Ask about pain and tiredness, and then begin the session, unless pain speaks against it."""
         from sar_tui.app import wellbeing
-        from sar_tui.framework.declaration import ParameterError
+        from sar_tui.rules.declaration import ParameterError
         from sar_tui.runs.plan import Failed, set_up
         from sar_tui.store.wellbeing import now
 
@@ -127,8 +127,8 @@ class BeginningApp(PatientModeApp):
     def _check_sensors(self, plan: "Plan") -> None:
         """Start a session's sensors, show what they send, and hand them over to the session."""
         from sar_tui.app.screens.sensor_check import SensorCheckScreen
-        from sar_tui.framework.clock import LiveClock
-        from sar_tui.framework.declaration import ParameterError
+        from sar_tui.loop.clock import LiveClock
+        from sar_tui.rules.declaration import ParameterError
         from sar_tui.runs.sensors import open_sensors
 
         clock = self._session_clock or LiveClock(asyncio.get_running_loop())
@@ -183,8 +183,8 @@ class BeginningApp(PatientModeApp):
         from sar_tui.app.prompt_needs import refusal
         from sar_tui.app.screens.session import SessionScreen
         from sar_tui.app.session_link import link_of
-        from sar_tui.framework.declaration import ParameterError
         from sar_tui.link.errors import LinkError
+        from sar_tui.rules.declaration import ParameterError
         from sar_tui.runs.plan import EnoughToday, Failed
         from sar_tui.store.sessions import new_id
 

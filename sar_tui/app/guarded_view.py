@@ -5,12 +5,11 @@ from typing import TypeVar
 
 from rich.text import Text
 
-from sar_tui.framework.bus import Bus
-from sar_tui.framework.messages import AttemptEnded, Prompt
-from sar_tui.framework.node import Node
-from sar_tui.framework.plugin_calls import calling
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.task import Task
+from sar_tui.loop.bus import Bus
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import AttemptEnded, Prompt
+from sar_tui.plugin_calls import PLUGIN_ERRORS, calling
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.prompt_lines import Line, plain_lines
 from sar_tui.widgets.task_view import Colors, Drawing, TaskView, measured, sentences, view_of

@@ -54,8 +54,8 @@ class LeavingApp(EndingApp):
 
     def _left_or_went_on(self, how: "Leaving | None", *, was_in_trial: bool) -> None:
         """Exit; or go on with the trial that the question has paused."""
-        from sar_tui.framework.messages import SessionCommand
-        from sar_tui.framework.session_phase import LEFT
+        from sar_tui.loop.session_phase import LEFT
+        from sar_tui.model.messages import SessionCommand
 
         if how in ("leave", "mistake"):
             if self._open:

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Literal
 
 from sar_tui.app.guarded_view import GuardedView
 from sar_tui.app.screen_output import ScreenOutput, Stage
-from sar_tui.framework.bus import FAULT
-from sar_tui.framework.clock import SECOND, Clock, LiveClock
-from sar_tui.framework.messages import Fault, MarkersChanged, Recall, SessionCommand, SyncSignal, ToneBegan
-from sar_tui.framework.node import Node
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, MARKERS, RECALL, SYNC, TONE_BEGAN
 from sar_tui.inputs.keyboard import Keyboard
+from sar_tui.loop.bus import FAULT
+from sar_tui.loop.clock import Clock, LiveClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import COMMAND, MARKERS, RECALL, SYNC, TONE_BEGAN
+from sar_tui.model.messages import Fault, MarkersChanged, Recall, SessionCommand, SyncSignal, ToneBegan
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.prompt_tones import PromptTones
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Failed, Plan

@@ -1,14 +1,14 @@
 """The graph of a task's loop, as the app runs it."""
 
 from sar_tui.app.screen_output import ScreenOutput
-from sar_tui.framework.graph import Graph, graph
-from sar_tui.framework.parameters import build, fields
-from sar_tui.framework.session import core_nodes
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
 from sar_tui.inputs.keyboard import Keyboard
 from sar_tui.inputs.sensor import Imu, TrunkImu
+from sar_tui.loop.graph import Graph, graph
+from sar_tui.loop.session import core_nodes
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.outputs.prompt_tones import PromptTones
+from sar_tui.rules.parameters import build, fields
 from sar_tui.runs.plan import set_up
 from sar_tui.store.recorder import Recorder
 from sar_tui.widgets.task_view import view_of

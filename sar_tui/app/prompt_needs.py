@@ -9,12 +9,12 @@ from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.prompt_colors import color_problem
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.task_pictures import picture_file
-from sar_tui.framework.trial_types import Situation
+from sar_tui.loop.prompt_colors import color_problem
+from sar_tui.loop.task import Task
+from sar_tui.loop.task_pictures import picture_file
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Situation
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import task_folder
 from sar_tui.widgets.prompt_pictures import decode_problem, no_package
 

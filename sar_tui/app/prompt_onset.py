@@ -6,9 +6,9 @@ from typing import Any, Literal
 from textual.screen import Screen
 
 from sar_tui.app.live import LiveSession
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import Prompt, Shown
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.messages import Prompt, Shown
+from sar_tui.model.units import SECOND
+from sar_tui.model.visible_text import visible
 from sar_tui.widgets.prompt_pictures import Way
 
 _READ_AFTER = 0.03

@@ -1,4 +1,4 @@
-"""Which keys reach the screen that a participant sees: see `framework.key_guard` for the rule."""
+"""Which keys reach the screen that a participant sees: see `rules.key_guard` for the rule."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,9 +7,9 @@ from textual.events import Key
 from textual.screen import Screen
 from textual.widgets import Input
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.held_key import LONGEST_INTERVAL
-from sar_tui.framework.key_guard import KeyGuard
+from sar_tui.model.units import SECOND
+from sar_tui.rules.held_key import LONGEST_INTERVAL
+from sar_tui.rules.key_guard import KeyGuard
 
 _ALWAYS = frozenset(("ctrl+c", "ctrl+q", "f2"))
 """Keys that stop something, on any screen and at any time."""

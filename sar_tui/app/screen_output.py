@@ -4,31 +4,10 @@ import functools
 from typing import Any, ClassVar, Protocol
 
 from sar_tui.app.agent.output import AgentStage, DrawnAgent
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import Handle
-from sar_tui.framework.messages import (
-    Action,
-    AgentActing,
-    AttemptEnded,
-    AttemptStarted,
-    CueGiven,
-    Feedback,
-    FrameDue,
-    OutputReport,
-    Prompt,
-    PromptVoided,
-    SessionEnded,
-    Shown,
-    TrialEnded,
-    TrialFeedback,
-    TrialFeedbackShown,
-    TrialMarked,
-    Typed,
-    Waiting,
-)
-from sar_tui.framework.node import on
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import (
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import Handle
+from sar_tui.loop.node import on
+from sar_tui.loop.topics import (
     ACTING,
     ACTION,
     ATTEMPT_ENDED,
@@ -48,6 +27,27 @@ from sar_tui.framework.topics import (
     VOIDED,
     WAITING,
 )
+from sar_tui.model.messages import (
+    Action,
+    AgentActing,
+    AttemptEnded,
+    AttemptStarted,
+    CueGiven,
+    Feedback,
+    FrameDue,
+    OutputReport,
+    Prompt,
+    PromptVoided,
+    SessionEnded,
+    Shown,
+    TrialEnded,
+    TrialFeedback,
+    TrialFeedbackShown,
+    TrialMarked,
+    Typed,
+    Waiting,
+)
+from sar_tui.model.theme import Theme
 from sar_tui.outputs.node import OutputNode
 
 

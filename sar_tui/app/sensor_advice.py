@@ -4,9 +4,9 @@ import math
 from typing import Literal, NamedTuple
 
 from sar_tui.app.sensor_monitor import ReachTest, SensorWatch
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.language import Language
 from sar_tui.inputs.imu import Vector
+from sar_tui.model.language import Language
+from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
 from sar_tui.motion.reach_bounds import Hand
 

@@ -5,9 +5,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import Literal
 
-from sar_tui.framework.clock import MS, SECOND
 from sar_tui.inputs.imu import Status, Vector
 from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.reach_bounds import Hand
 from sar_tui.motion.samples import Samples, join

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sar_tui.framework.settings.operator import OperatorSettings
+from sar_tui.rules.settings.operator import OperatorSettings
 from sar_tui.runs.plan import Plan
 from sar_tui.store import sessions
 

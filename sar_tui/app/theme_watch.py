@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.theme_folder import files
 

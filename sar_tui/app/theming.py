@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from textual.timer import Timer
 
 from sar_tui.app.theme_watch import LOOK_SECONDS, ThemeWatch
-from sar_tui.framework.theme import ENGLISH, Theme
+from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.textual_theme import textual_theme

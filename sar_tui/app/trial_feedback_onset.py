@@ -5,8 +5,8 @@ from typing import Any, Literal
 from textual.screen import Screen
 
 from sar_tui.app.live import LiveSession
-from sar_tui.framework.messages import TrialFeedback, TrialFeedbackShown
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.messages import TrialFeedback, TrialFeedbackShown
+from sar_tui.model.visible_text import visible
 
 
 def report_trial_feedback(screen: Screen[Any], live: LiveSession, feedback: TrialFeedback) -> None:

@@ -18,13 +18,13 @@ from sar_tui.app.live import LiveSession
 from sar_tui.app.screen_output import ScreenOutput
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session import SessionScreen
-from sar_tui.framework.bus import Record
-from sar_tui.framework.messages import Prompt, SessionCommand, SessionStarted, Shown, ThemeApplied, TrialFeedback
-from sar_tui.framework.nodes.memory import Memory
-from sar_tui.framework.parameters import build, current_values
-from sar_tui.framework.session import Session
+from sar_tui.loop.bus import Record
+from sar_tui.loop.nodes.memory import Memory
+from sar_tui.loop.session import Session
+from sar_tui.model.messages import Prompt, SessionCommand, SessionStarted, Shown, ThemeApplied, TrialFeedback
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
+from sar_tui.rules.parameters import build, current_values
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.store import sessions
 from sar_tui.widgets.big_prompt import BigPrompt

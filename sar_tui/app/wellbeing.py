@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from sar_tui.app.screens.wellbeing import Person, Save, WellbeingScreen
-from sar_tui.framework.messages import StepEnded
-from sar_tui.framework.policies.wellbeing import Moment, stop_now, tell_therapist
-from sar_tui.framework.settings.wellbeing import pain_limits
-from sar_tui.framework.steps.questions import PAIN
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import StepEnded
+from sar_tui.model.theme import Theme
 from sar_tui.reports.wellbeing import advice
+from sar_tui.rules.questions import PAIN
+from sar_tui.rules.settings.wellbeing import pain_limits
+from sar_tui.rules.wellbeing import Moment, stop_now, tell_therapist
 from sar_tui.store import wellbeing
 from sar_tui.store.database import StoreError
 from sar_tui.tui.language import session_language

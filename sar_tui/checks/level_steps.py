@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from statistics import fmean, pvariance
 
-from sar_tui.framework.parameters import TaskParameters, build, changed, fields
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.rules.parameters import TaskParameters, build, changed, fields
 from sar_tui.store import sessions
 
 MOST_REPEATS, FEWEST_REPEATS = 8, 3

@@ -10,21 +10,21 @@ from msgspec.structs import replace
 
 from sar_tui.checks import level_steps, task_prompts, task_state, task_texts, task_translations, task_view
 from sar_tui.checks.check import Check
-from sar_tui.framework import frames
-from sar_tui.framework.bus import FAULT, Record
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.declaration import Field, ParameterError
-from sar_tui.framework.messages import Fault, Prompt
-from sar_tui.framework.parameters import TaskParameters, build, changed, fields
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.session import ReplayError, Session
-from sar_tui.framework.steps.file import problem_of
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial import stimulus_problem
-from sar_tui.framework.trial_types import Results, Situation, Stimulus, Trial
-from sar_tui.framework.visible_text import control_problem
+from sar_tui.loop.bus import FAULT, Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import ReplayError, Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.trial import stimulus_problem
+from sar_tui.model import frames
+from sar_tui.model.messages import Fault, Prompt
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Results, Situation, Stimulus, Trial
+from sar_tui.model.visible_text import control_problem
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import CURRENT_NAMES, Catalogue, PluginError, load_task
+from sar_tui.rules.declaration import Field, ParameterError
+from sar_tui.rules.parameters import TaskParameters, build, changed, fields
+from sar_tui.rules.step_file import problem_of
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.sensors import sensor_parameter
 from sar_tui.runs.simulate import simulate

@@ -8,11 +8,11 @@ from rich.cells import cell_len
 
 from sar_tui.app.prompt_needs import NO_COLOR, colour_problems, picture_problems
 from sar_tui.checks.check import Check
-from sar_tui.framework.contrast import contrast, cut
-from sar_tui.framework.messages import Prompt
-from sar_tui.framework.prompt_colors import OKABE_ITO, color_on
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.prompt_colors import OKABE_ITO, color_on
+from sar_tui.loop.task import Task
+from sar_tui.model.contrast import contrast, cut
+from sar_tui.model.messages import Prompt
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import PluginError, task_folder
 from sar_tui.widgets.large_characters import is_large, unknown
 from sar_tui.widgets.task_view import TaskView, view_of

@@ -4,9 +4,9 @@ import random
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import PastAttempt, Situation, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import PastAttempt, Situation, Trial
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 
 _METHODS = ("condition", "stimulus", "perceived", "timed_out", "score", "measures", "learning", "trials_at", "target")
 _GIVEN = ("names", "rules", "tr")

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from itertools import chain
 
 from sar_tui.checks.task_translations import declared, texts_in
-from sar_tui.framework.language import read_words
-from sar_tui.framework.parameters import fields
-from sar_tui.framework.task import Task
-from sar_tui.framework.visible_text import control_problem
+from sar_tui.loop.task import Task
+from sar_tui.model.language import read_words
+from sar_tui.model.visible_text import control_problem
 from sar_tui.plugins import task_folder
+from sar_tui.rules.parameters import fields
 
 
 def problems(task: Task) -> list[str]:

@@ -8,12 +8,12 @@ from pathlib import Path
 import msgspec
 
 import sar_tui
-from sar_tui.framework.language import language, read_words, slot_problem
-from sar_tui.framework.phrase_keys import holds_number
-from sar_tui.framework.task import Task
+from sar_tui.loop.phrase_keys import holds_number
+from sar_tui.loop.task import Task
+from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.plugins import Catalogue, PluginError, task_folder
 
-_FRAMEWORK = Path(sar_tui.__file__).parent / "framework"
+_FRAMEWORK = Path(sar_tui.__file__).parent / "loop"
 _APP = Path(sar_tui.__file__).parent / "app"
 _SYMBOLS = ("ms", "s", "Hz", "cm", "%", "/s")
 """Units that are the same in all languages."""

@@ -4,15 +4,15 @@ import contextlib
 from collections.abc import Sequence
 
 from sar_tui.app.guarded_view import GuardedView
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import AttemptEnded, Fault, Prompt, Recall, SessionEnded, Waiting
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.session import ReplayError, Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import PROMPT, RECALL, SESSION_ENDED, WAITING
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.session import ReplayError, Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import PROMPT, RECALL, SESSION_ENDED, WAITING
+from sar_tui.model.messages import AttemptEnded, Fault, Prompt, Recall, SessionEnded, Waiting
+from sar_tui.model.theme import Theme
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import PluginError, task_folder
 from sar_tui.tui.textual_theme import textual_theme
 from sar_tui.widgets.prompt_lines import Line

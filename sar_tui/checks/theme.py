@@ -6,8 +6,8 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.checks.check import Check
-from sar_tui.framework.contrast import cut
-from sar_tui.framework.theme import ENGLISH, ThemeError
+from sar_tui.model.contrast import cut
+from sar_tui.model.theme import ENGLISH, ThemeError
 from sar_tui.theme_folder import Reading, languages, read
 from sar_tui.theme_folder.screen_texts import read_texts, screen_texts
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from sar_tui.framework.steps.step import Step
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
+    from sar_tui.model.step import Step
     from sar_tui.plugins import Catalogue
 
 
@@ -220,7 +220,7 @@ def print_json(value: object) -> None:
 
     import msgspec
 
-    from sar_tui.framework.visible_text import escaped
+    from sar_tui.model.visible_text import escaped
 
     try:
         encoded = msgspec.json.encode(value).decode()
@@ -273,7 +273,7 @@ def steps_of(file: Path | None) -> "tuple[Step, ...]":
     """Return the steps of a file, if one is given. Raises Refused."""
     if file is None:
         return ()
-    from sar_tui.framework.steps.file import StepFileError, read_steps
+    from sar_tui.rules.step_file import StepFileError, read_steps
 
     try:
         return read_steps(file)
@@ -284,7 +284,7 @@ def steps_of(file: Path | None) -> "tuple[Step, ...]":
 @contextmanager
 def checked_settings(task: "type[Task]") -> Iterator[None]:
     """Turn a ParameterError into Refused, and add to its message where the settings of the task are listed."""
-    from sar_tui.framework.declaration import ParameterError
+    from sar_tui.rules.declaration import ParameterError
 
     try:
         yield

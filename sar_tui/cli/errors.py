@@ -84,9 +84,9 @@ def _expected(error: Exception) -> tuple[int, str] | None:
     import sqlite3
 
     from sar_tui.export.errors import ExportError
-    from sar_tui.framework.declaration import ParameterError
     from sar_tui.link.errors import LinkError
     from sar_tui.plugins import PluginError
+    from sar_tui.rules.declaration import ParameterError
     from sar_tui.runs.plan import Failed
     from sar_tui.store import database
 

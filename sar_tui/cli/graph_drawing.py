@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Iterator, Sequence
 
-from sar_tui.framework.graph import Edge, Graph, Part, longest_path
+from sar_tui.loop.graph import Edge, Graph, Part, longest_path
 
 _INDENT = "  "
 

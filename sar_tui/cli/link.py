@@ -62,10 +62,10 @@ def invite(
     The file is a key: treat it like a password. It is valid for sessions of this data folder that are started with
     --listen from now on.
     """
-    from sar_tui.framework.messages import Role
     from sar_tui.link.authority import Authority
     from sar_tui.link.invitation import check_name, file_name, write
     from sar_tui.link.zenoh_settings import Guest, parse_endpoint
+    from sar_tui.model.messages import Role
 
     known = get_args(Role)
     if role not in known:

@@ -33,8 +33,8 @@ from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
 if TYPE_CHECKING:
-    from sar_tui.framework.task import Task
     from sar_tui.link.broker_process import BrokerProcess
+    from sar_tui.loop.task import Task
     from sar_tui.runs.plan import Plan
     from sar_tui.store.sessions import Row
 
@@ -186,7 +186,7 @@ def _open_link(
 
 
 def _check_uses_sensor(kind: "type[Task]", parameter: str, which: str) -> None:
-    from sar_tui.framework.parameters import fields
+    from sar_tui.rules.parameters import fields
 
     if not any(field.name == parameter for field in fields(kind.Parameters)):
         raise Refused(f"The task {kind.name} uses {which}: leave out --{parameter.replace('_', '-')}.")
@@ -194,7 +194,7 @@ def _check_uses_sensor(kind: "type[Task]", parameter: str, which: str) -> None:
 
 def _check_sensor(plan: "Plan", home: Home) -> None:
     """Raise before the screen changes if a sensor does not exist. The app waits for one that is not plugged in."""
-    from sar_tui.framework.clock import VirtualClock
+    from sar_tui.loop.clock import VirtualClock
     from sar_tui.runs.sensors import open_sensors
 
     open_sensors(plan.task, plan.parameters, plan.seed, VirtualClock(), home.folder)
@@ -221,7 +221,7 @@ def resume(
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
 
-    from sar_tui.framework.parameters import TaskParameters
+    from sar_tui.rules.parameters import TaskParameters
     from sar_tui.runs.run import find_resumable
     from sar_tui.store.sessions import codes, latest_interrupted
 

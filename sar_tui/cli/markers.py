@@ -22,7 +22,7 @@ def markers(
     """
     addresses = checked_markers(destinations)
 
-    from sar_tui.framework.clock import host_now
+    from sar_tui.loop.clock import host_now
     from sar_tui.outputs.markers.destinations import make_destinations
     from sar_tui.outputs.markers.marker import Marker
     from sar_tui.outputs.markers.sender import Sender

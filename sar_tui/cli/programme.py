@@ -23,8 +23,8 @@ from sar_tui.cli.common import (
 from sar_tui.cli.errors import Refused
 
 if TYPE_CHECKING:
-    from sar_tui.framework.parameter_changes import Change
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
+    from sar_tui.rules.parameter_changes import Change
     from sar_tui.store.programmes import Programme
 
 app = typer.Typer(rich_markup_mode=None)
@@ -56,8 +56,8 @@ def show(
     tasks: Tasks = None,
 ) -> None:
     """Show the programme that the next session runs: what differs from the defaults."""
-    from sar_tui.framework.parameter_changes import changes
-    from sar_tui.framework.parameters import usable
+    from sar_tui.rules.parameter_changes import changes
+    from sar_tui.rules.parameters import usable
     from sar_tui.store import programmes
 
     home = Home.of(context, data, tasks)
@@ -85,7 +85,7 @@ def _print(
     kind: "type[Task]", code: str, saved: "Programme", differing: "Sequence[Change]", left_out: Sequence[str]
 ) -> None:
     from sar_tui.cli.tables import add, table
-    from sar_tui.framework.declaration import show as shown
+    from sar_tui.rules.declaration import show as shown
 
     out = console()
     if not saved.version:
@@ -118,7 +118,7 @@ def history(
     tasks: Tasks = None,
 ) -> None:
     """List the versions of a programme: who changed what, when, why."""
-    from sar_tui.framework.parameter_changes import changes
+    from sar_tui.rules.parameter_changes import changes
     from sar_tui.store import programmes
 
     home = Home.of(context, data, tasks)
@@ -178,7 +178,7 @@ def export_programme(
     """Write a programme as TOML, with the meaning of every setting."""
     import msgspec
 
-    from sar_tui.framework.parameters import build, usable
+    from sar_tui.rules.parameters import build, usable
     from sar_tui.runs.programme_file import write, write_preset
     from sar_tui.store import programmes
 
@@ -247,7 +247,7 @@ def import_programme(
 
     from sar_tui.cli.common import checked_settings
     from sar_tui.drivers.login_name import login_name
-    from sar_tui.framework.parameters import build, changed, usable
+    from sar_tui.rules.parameters import build, changed, usable
     from sar_tui.runs.plan import make_plan
     from sar_tui.runs.presets import applied, find, not_applied
     from sar_tui.store import participants, programmes

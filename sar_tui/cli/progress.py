@@ -14,8 +14,8 @@ from sar_tui.cli.progress_line import progress_line
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from sar_tui.framework.language import Language
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
+    from sar_tui.model.language import Language
     from sar_tui.reports.progress import LineProgress, Progress
 
     Find = Callable[[str], type[Task] | None]

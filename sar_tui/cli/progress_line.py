@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Event, Lock, Thread
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 Show = Callable[[str, float, float], None]
 """Called with what is done, how much of it is done, and of how much (0: nobody knows)."""

@@ -35,8 +35,8 @@ class _StoredSamples(NamedTuple):
     @classmethod
     def of(cls, database: "sqlite3.Connection", session: str) -> "_StoredSamples":
         """Read them. Raises StoreError if samples are damaged."""
-        from sar_tui.framework.messages import ImuBlock
-        from sar_tui.framework.topics import IMU, SENSOR, TRIAL
+        from sar_tui.loop.topics import IMU, SENSOR, TRIAL
+        from sar_tui.model.messages import ImuBlock
         from sar_tui.motion.samples import unpack
         from sar_tui.store import imu
 

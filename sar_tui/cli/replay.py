@@ -23,7 +23,7 @@ from sar_tui.tui.exit_codes import FAILED
 if TYPE_CHECKING:
     import sqlite3
 
-    from sar_tui.framework.trial_types import Metric
+    from sar_tui.model.trial_types import Metric
     from sar_tui.replay.fork import Forked
     from sar_tui.replay.rescore import Rescored
     from sar_tui.store.sessions import Row

@@ -14,7 +14,7 @@ def print_sections(out: "Console", sections: Iterable["Section"], *, titled: boo
     from rich.text import Text
 
     from sar_tui.cli.tables import add, table
-    from sar_tui.framework.visible_text import visible
+    from sar_tui.model.visible_text import visible
     from sar_tui.reports.sections import Drawing, Table
 
     is_first = True

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from sar_tui.cli.tables import Findings
-    from sar_tui.framework.measure import Measure
-    from sar_tui.framework.trial_types import Metric
+    from sar_tui.model.measure import Measure
+    from sar_tui.model.trial_types import Metric
     from sar_tui.reports.output_summary import OutputSummary
     from sar_tui.store.adverse_events import AdverseEvent
 

@@ -7,14 +7,14 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.language import Language
+from sar_tui.model.visible_text import visible
 from sar_tui.reports.attempt_results import MARKERS, result_name
 
 if TYPE_CHECKING:
-    from sar_tui.framework.measure import Measure
-    from sar_tui.framework.messages import AttemptEnded
-    from sar_tui.framework.trial_types import Metric
+    from sar_tui.model.measure import Measure
+    from sar_tui.model.messages import AttemptEnded
+    from sar_tui.model.trial_types import Metric
 
 Row = dict[str, Any]
 Findings = Callable[[Sequence["AttemptEnded"], "Metric"], Sequence[str]]

@@ -66,8 +66,8 @@ def show_task(
     import msgspec
 
     from sar_tui.export.json_columns import declared_keys
-    from sar_tui.framework.declaration import show
-    from sar_tui.framework.parameters import fields, grouped
+    from sar_tui.rules.declaration import show
+    from sar_tui.rules.parameters import fields, grouped
 
     task = Home.of(context, data, tasks).catalogue().task(name)
     details = [

@@ -8,7 +8,7 @@ from rich.segment import Segment
 from rich.text import Text
 
 from sar_tui.cli.visible_output import KEPT
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 
 class VisibleConsole(Console):

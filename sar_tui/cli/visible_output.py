@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any, TextIO
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 KEPT = "\n\t"
 """Characters that may stand in output."""

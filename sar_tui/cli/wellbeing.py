@@ -21,8 +21,8 @@ def wellbeing(
     tasks: Tasks = None,
 ) -> None:
     """Show the pain and tiredness of a participant over sessions, and what the therapist should know."""
-    from sar_tui.framework.policies.wellbeing import tell_therapist
     from sar_tui.reports.wellbeing import advice, by_visit, dated_event
+    from sar_tui.rules.wellbeing import tell_therapist
     from sar_tui.store import adverse_events, participants
     from sar_tui.store import wellbeing as store
 

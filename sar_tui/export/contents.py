@@ -30,9 +30,9 @@ from sar_tui.export.tables.sessions import sessions
 from sar_tui.export.tables.sync_signals import sync_signals
 from sar_tui.export.tables.trials import trials
 from sar_tui.export.tables.wellbeing import ADVERSE_EVENTS, INSTRUMENT_SCORES, wellbeing
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.parameters import fields as declared_fields
 from sar_tui.plugins import PluginError
+from sar_tui.rules.parameters import TaskParameters
+from sar_tui.rules.parameters import fields as declared_fields
 from sar_tui.store.selection import Selection
 
 if TYPE_CHECKING:

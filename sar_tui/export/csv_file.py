@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable
 from typing import Any, TextIO
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 _FORMULA = re.compile(r"[=+\-@\t\r].", re.DOTALL)
 """Beginning of a text that spreadsheets compute (https://owasp.org/www-community/attacks/CSV_Injection).

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from sar_tui.framework.clock import host_now
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.inputs.imu import ImuSource, Info, Sample, Status, Vector
+from sar_tui.loop.clock import host_now
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 
 _T = TypeVar("_T", bound=msgspec.Struct)
 _LAST_NS = 2**63 - 1

@@ -13,7 +13,7 @@ NOTHING: Vector = (float("nan"),) * 3
 class Sample(NamedTuple):
     """One measurement, stamped on arrival.
 
-    ``host_ns``: the host's monotonic clock (`framework.clock.host_now`), taken in the driver's callback.
+    ``host_ns``: the host's monotonic clock (`loop.clock.host_now`), taken in the driver's callback.
     ``device_ms``: the sensor's own clock. ``acceleration`` in m/s², ``rate`` (angular) in rad/s, ``field`` (magnetic)
     in gauss; each along the sensor's x, y and z, or ``NOTHING``.
     """

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import BodyPart
 from sar_tui.inputs.clock_map import ClockMap
 from sar_tui.inputs.imu import ImuSource, Info, Sample, Status, Vector
+from sar_tui.model.messages import BodyPart
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import SAMPLE, Samples, unpack
 
 STALL = 500 * MS

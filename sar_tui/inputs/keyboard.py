@@ -2,11 +2,11 @@
 
 from typing import TypeVar
 
-from sar_tui.framework.bus import Bus, Topic
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import FocusChanged, InputDropped, KeyPressed, Message, Pasted
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import FOCUS, KEY, PASTE, UNREADABLE
+from sar_tui.loop.bus import Bus, Topic
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import FOCUS, KEY, PASTE, UNREADABLE
+from sar_tui.model.messages import FocusChanged, InputDropped, KeyPressed, Message, Pasted
+from sar_tui.model.units import SECOND
 
 M = TypeVar("M", bound=Message)
 

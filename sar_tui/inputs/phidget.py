@@ -10,8 +10,8 @@ from urllib.parse import urlsplit
 
 from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
-from sar_tui.framework.clock import host_now
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status, Vector
+from sar_tui.loop.clock import host_now
 
 G = 9.80665
 """m/s² in a g."""

@@ -5,9 +5,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from sar_tui.framework.clock import Clock
 from sar_tui.inputs.imu import Info, Sample, SourceError, Status
 from sar_tui.inputs.sample_timer import Pace
+from sar_tui.loop.clock import Clock
 from sar_tui.motion.samples import Samples
 
 BLOCK = 1000

@@ -10,9 +10,10 @@ import msgspec
 from msgspec import Meta
 
 from sar_tui.drivers.rosbridge import AddressError, Bridge, TopicName, parse
-from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.visible_text import visible
 from sar_tui.inputs.imu import NOTHING, Info, Sample, SourceError, Status, Vector
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import SECOND
+from sar_tui.model.visible_text import visible
 
 IMU = "sensor_msgs/Imu"
 LOOKED_AT = 50

@@ -3,7 +3,8 @@
 import threading
 from collections.abc import Callable
 
-from sar_tui.framework.clock import SECOND, Clock, Handle, host_now
+from sar_tui.loop.clock import Clock, Handle, host_now
+from sar_tui.model.units import SECOND
 
 
 class Pace:

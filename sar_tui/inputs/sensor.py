@@ -4,13 +4,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import msgspec
 
-from sar_tui.framework.bus import Bus, Topic
-from sar_tui.framework.clock import MS, Handle
-from sar_tui.framework.messages import ImuBlock, SensorChanged, SessionEnded
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.topics import IMU, SENSOR, SESSION_ENDED, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.inputs.imu import Info, Status
 from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.loop.bus import Bus, Topic
+from sar_tui.loop.clock import Handle
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.topics import IMU, SENSOR, SESSION_ENDED, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.model.messages import ImuBlock, SensorChanged, SessionEnded
+from sar_tui.model.units import MS
 from sar_tui.motion.samples import pack
 
 DRAIN = 10 * MS

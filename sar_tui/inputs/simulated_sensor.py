@@ -12,13 +12,14 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.framework.bus import Bus
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import ImuBlock
-from sar_tui.framework.topics import IMU, SENSOR
 from sar_tui.inputs.imu import Info, Status
 from sar_tui.inputs.imu_feed import GAP_STEPS
 from sar_tui.inputs.sensor import DRAIN, SensorNode, changed
+from sar_tui.loop.bus import Bus
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import IMU, SENSOR
+from sar_tui.model.messages import ImuBlock
+from sar_tui.model.units import SECOND
 from sar_tui.motion.samples import SAMPLE, Samples, join, pack
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import SimulatedHand

@@ -7,11 +7,11 @@ from urllib.parse import parse_qsl
 
 import msgspec
 
-from sar_tui.framework.clock import Clock
-from sar_tui.framework.entry_points import entry_points
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import ImuSource, SourceError
+from sar_tui.loop.clock import Clock
+from sar_tui.loop.entry_points import entry_points
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 
 if TYPE_CHECKING:
     from sar_tui.motion.synthesis import SimulatedHand

@@ -7,7 +7,6 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.messages import Role
 from sar_tui.link import protocol
 from sar_tui.link.control_lock import needs_control
 from sar_tui.link.presence import Presence
@@ -31,6 +30,7 @@ from sar_tui.link.rate_limit import (
     ReportThrottle,
     TokenBucket,
 )
+from sar_tui.model.messages import Role
 
 _MAX_BUCKETS = 64
 _MAX_REFUSALS = 40

@@ -16,10 +16,10 @@ import filelock
 import msgspec
 
 from sar_tui.drivers.private_folder import make_private
-from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.invitation import Invitation, check_name
 from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, TlsFiles, parse_endpoint
+from sar_tui.model.messages import Role
 
 if TYPE_CHECKING:
     from sar_tui.link import certificates

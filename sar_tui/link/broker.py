@@ -9,7 +9,6 @@ import queue
 import threading
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sar_tui.framework.clock import MS, host_now
 from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
 from sar_tui.link.protocol import (
@@ -24,6 +23,8 @@ from sar_tui.link.protocol import (
 )
 from sar_tui.link.remote_clock import clock_id
 from sar_tui.link.zenoh_settings import LinkKeys, config
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import MS
 
 if TYPE_CHECKING:
     import zenoh

@@ -10,11 +10,11 @@ from collections.abc import Callable, Sequence
 from typing import IO
 
 from sar_tui.drivers import child_process
-from sar_tui.framework.clock import SECOND
 from sar_tui.link import protocol
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing
 from sar_tui.link.errors import LinkError
 from sar_tui.link.protocol import BrokerCommand, BrokerEvent, BrokerStarted, Heartbeat, ProtocolError, Setup
+from sar_tui.model.units import SECOND
 
 PROGRAM = child_process.python("sar_tui.link.broker")
 _MAX_QUEUED = 200

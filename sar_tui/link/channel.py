@@ -6,10 +6,10 @@ Messages are put together here and encoded on another thread.
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
-from sar_tui.framework.bus import Record
 from sar_tui.link import protocol
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import BrokerCommand, BrokerEvent
+from sar_tui.loop.bus import Record
 
 
 class OutgoingBatch(NamedTuple):

@@ -12,10 +12,6 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.messages import Message, Role
-from sar_tui.framework.topics import ALL
 from sar_tui.link import protocol
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
@@ -23,6 +19,11 @@ from sar_tui.link.peer import Connection, Peer, PeerListener, TerminalState
 from sar_tui.link.protocol import Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.remote_clock import RemoteClock
 from sar_tui.link.transport import ConnectionTarget, Received, Transport, connection_target
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import host_now
+from sar_tui.loop.topics import ALL
+from sar_tui.model.messages import Message, Role
+from sar_tui.model.units import SECOND
 
 M = TypeVar("M", bound=Message)
 

@@ -1,6 +1,6 @@
 """Lock that decides which of several operators controls the session, and the one act that does without it."""
 
-from sar_tui.framework.messages import Message, Role, SessionCommand
+from sar_tui.model.messages import Message, Role, SessionCommand
 
 
 def needs_control(act: Message) -> bool:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import MotionTrace
+from sar_tui.model.units import SECOND
 from sar_tui.motion.samples import Samples, join, unpack
 
 INTERVAL = SECOND // 12

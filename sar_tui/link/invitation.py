@@ -12,9 +12,9 @@ from typing import Annotated, Any, get_args
 import msgspec
 
 from sar_tui.drivers.new_file import write_private
-from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.zenoh_settings import Credentials, Endpoint, Guest, parse_endpoint
+from sar_tui.model.messages import Role
 
 FORMAT = "sar-tui invitation"
 VERSION = 1

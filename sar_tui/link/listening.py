@@ -8,13 +8,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.framework.clock import MS
 from sar_tui.link.authority import Authority
 from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.discovery import JoinableSession, announce, folder_name
 from sar_tui.link.errors import LinkError, need_packages
 from sar_tui.link.protocol import Setup
 from sar_tui.link.zenoh_settings import Endpoint, TlsFiles, host_settings, parse_endpoint
+from sar_tui.model.units import MS
 
 _EXPLANATIONS = (
     ("Address already in use", "Another program listens there already. Choose another port, such as {host}:7448."),

@@ -6,12 +6,6 @@ from typing import Any, ClassVar
 
 import msgspec
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Record, Topic
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
 from sar_tui.link import protocol
 from sar_tui.link.admission import role_of
 from sar_tui.link.channel import BrokerEnded, Channel, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
@@ -29,6 +23,12 @@ from sar_tui.link.protocol import (
 )
 from sar_tui.link.rate_limit import ReportThrottle
 from sar_tui.link.session_feed import SENT, SessionFeed
+from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.marks import TrialMark
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS, SECOND
 
 BATCH_DELAY = 40 * MS
 """Messages are sent this long after the first of a batch."""

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
 
 import msgspec
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.messages import Message, Role
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.marks import TrialMark
+from sar_tui.model.messages import Message, Role
+from sar_tui.model.trial_types import Metric
 
 if TYPE_CHECKING:
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
 
 M = TypeVar("M", bound=Message)
 

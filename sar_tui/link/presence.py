@@ -4,7 +4,7 @@ from typing import Literal
 
 import msgspec
 
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.model.units import MS, SECOND
 
 SILENT_AFTER = 500 * MS
 """A peer without a heartbeat for this long is silent (ns). Below Zenoh's lease, above several ping intervals."""

@@ -9,11 +9,11 @@ from typing import IO, Annotated, Any, Literal, TypeVar
 
 import msgspec
 
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.messages import Message, NoteAdded, SessionCommand
-from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
-from sar_tui.framework.visible_text import obeyed
 from sar_tui.link.peer import Frame, MotionTrace, Welcome
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
+from sar_tui.model.messages import Message, NoteAdded, SessionCommand
+from sar_tui.model.visible_text import obeyed
 
 T = TypeVar("T")
 M = TypeVar("M", bound=Message)

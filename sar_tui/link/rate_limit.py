@@ -3,7 +3,7 @@
 from collections.abc import Hashable
 from typing import Generic, TypeVar
 
-from sar_tui.framework.clock import SECOND
+from sar_tui.model.units import SECOND
 
 K = TypeVar("K", bound=Hashable)
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 from typing import Literal, NamedTuple, TypeVar
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 HOST_LOG = (
     "error,zenoh_link_tls::unicast=debug,zenoh_link_commons::tls=warn,"

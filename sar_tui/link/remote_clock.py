@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
-from sar_tui.framework.clock import host_now
 from sar_tui.link.protocol import Pong
+from sar_tui.loop.clock import host_now
 
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 _TIME_NAMESPACE = "/proc/self/ns/time"

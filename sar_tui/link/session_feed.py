@@ -3,10 +3,10 @@
 from collections import deque
 from typing import Any
 
-from sar_tui.framework import topics as t
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.messages import ImuBlock, Message
-from sar_tui.framework.topics import FRAME, IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
+from sar_tui.loop import topics as t
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.topics import FRAME, IMU, PRESENCE, PROMPT, SHOWN, TRIAL, VOIDED
+from sar_tui.model.messages import ImuBlock, Message
 
 SENT: tuple[Topic[Any], ...] = (
     # state of the session, and what the participant sees

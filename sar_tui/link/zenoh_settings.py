@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from sar_tui.framework.messages import Role
 from sar_tui.link.errors import LinkError, no_packages
+from sar_tui.model.messages import Role
 
 if TYPE_CHECKING:
     import zenoh

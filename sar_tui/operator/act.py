@@ -4,8 +4,9 @@ from typing import Any, Literal, NamedTuple
 
 from msgspec.structs import replace
 
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import (
+from sar_tui.link.peer import Frame
+from sar_tui.loop.topics import COMMAND, DECISION, LEVEL, MODE, NOTE_ADDED, REMARK
+from sar_tui.model.messages import (
     Action,
     ArbiterState,
     Dropped,
@@ -20,8 +21,7 @@ from sar_tui.framework.messages import (
     TrialMarked,
     Waiting,
 )
-from sar_tui.framework.topics import COMMAND, DECISION, LEVEL, MODE, NOTE_ADDED, REMARK
-from sar_tui.link.peer import Frame
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.event_log import Line
 from sar_tui.operator.text_charts import cut
 

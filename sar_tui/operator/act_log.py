@@ -4,9 +4,9 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.messages import Message, PeerRequestRefused
 from sar_tui.link.peer import Frame, Welcome
+from sar_tui.loop.bus import Topic
+from sar_tui.model.messages import Message, PeerRequestRefused
 from sar_tui.operator.act import ACTS, REFUSED, SLOW, Act
 from sar_tui.operator.act_text import KindsOfAction, act_text, is_stop
 from sar_tui.operator.event_log import MAX_LINES, Line

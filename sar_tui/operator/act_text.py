@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from sar_tui.framework.messages import (
+from sar_tui.link.peer import Welcome
+from sar_tui.model.messages import (
     Action,
     Decision,
     Message,
@@ -13,7 +14,6 @@ from sar_tui.framework.messages import (
     Remark,
     SessionCommand,
 )
-from sar_tui.link.peer import Welcome
 
 _MAX_KINDS = 500
 _COMMANDS = {"skip": "Skipped the prompt", "repeat": "Repeated the prompt", "end": "Ended the session"}

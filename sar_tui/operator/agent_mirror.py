@@ -3,9 +3,10 @@
 from textual.geometry import Size
 from textual.widget import Widget
 
-from sar_tui.framework.agent_state import AgentState
-from sar_tui.framework.clock import SECOND, Clock
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.agent_state import AgentState
+from sar_tui.loop.clock import Clock
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import wrap
 from sar_tui.widgets.agent import Agent

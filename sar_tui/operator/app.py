@@ -6,10 +6,10 @@ from pathlib import Path
 
 from textual import on
 
-from sar_tui.framework.messages import Role
-from sar_tui.framework.theme import Theme
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
+from sar_tui.model.messages import Role
+from sar_tui.model.theme import Theme
 from sar_tui.operator.layout import PanelLayout
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.operator.session_picker import ChooseScreen, panel

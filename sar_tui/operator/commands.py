@@ -5,10 +5,12 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.messages import (
+from sar_tui.link.control_lock import needs_control
+from sar_tui.link.peer import Peer, PeerEvent, Welcome
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.marks import TrialMark
+from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
+from sar_tui.model.messages import (
     Decision,
     Message,
     Mode,
@@ -21,9 +23,7 @@ from sar_tui.framework.messages import (
     SessionCommand,
     Valence,
 )
-from sar_tui.framework.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PROPOSAL_SEEN, REMARK
-from sar_tui.link.control_lock import needs_control
-from sar_tui.link.peer import Peer, PeerEvent, Welcome
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator import proposal_view
 from sar_tui.operator.act import SLOW
 from sar_tui.operator.act_log import ActLog

@@ -2,21 +2,8 @@
 
 from typing import Any
 
-from sar_tui.framework.messages import (
-    Action,
-    ArbiterState,
-    Dropped,
-    GoalChanged,
-    LevelChanged,
-    LevelDecided,
-    MarkersChanged,
-    OperatorChanged,
-    PeerRequestRefused,
-    SessionCommand,
-    SettingChanged,
-    StorageChanged,
-)
-from sar_tui.framework.topics import (
+from sar_tui.link.peer import Frame, Welcome
+from sar_tui.loop.topics import (
     ACTION,
     COMMAND,
     DECISION,
@@ -36,7 +23,20 @@ from sar_tui.framework.topics import (
     STORAGE,
     TRUNK_SENSOR,
 )
-from sar_tui.link.peer import Frame, Welcome
+from sar_tui.model.messages import (
+    Action,
+    ArbiterState,
+    Dropped,
+    GoalChanged,
+    LevelChanged,
+    LevelDecided,
+    MarkersChanged,
+    OperatorChanged,
+    PeerRequestRefused,
+    SessionCommand,
+    SettingChanged,
+    StorageChanged,
+)
 from sar_tui.operator.event_log import Line, Tone
 
 _Text = tuple[str, Tone]

@@ -15,11 +15,12 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Static
 
-from sar_tui.framework.clock import SECOND, Clock, LiveClock, host_now
-from sar_tui.framework.messages import PendingApproval
-from sar_tui.framework.theme import Theme
 from sar_tui.link.errors import LinkError
 from sar_tui.link.peer import Peer, PeerEvent, PeerListener, Welcome
+from sar_tui.loop.clock import Clock, LiveClock, host_now
+from sar_tui.model.messages import PendingApproval
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.operator import key_help, keymap, palette, proposal_view, status_view
 from sar_tui.operator.agent_mirror import AgentMirror
 from sar_tui.operator.commands import Commands

@@ -4,18 +4,9 @@ from typing import Any, Literal, NamedTuple
 
 import msgspec
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.messages import (
-    Action,
-    ControlledKind,
-    Decision,
-    Message,
-    Mode,
-    ModeChanged,
-    Remark,
-    SessionCommand,
-)
-from sar_tui.framework.topics import COMMAND, DECISION, MODE, REMARK
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.topics import COMMAND, DECISION, MODE, REMARK
+from sar_tui.model.messages import Action, ControlledKind, Decision, Message, Mode, ModeChanged, Remark, SessionCommand
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.phrases import Filled, addressed, addressee, fill, slot_values, theme_phrases
 from sar_tui.operator.session_state import SessionState

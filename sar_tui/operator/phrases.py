@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import msgspec
 
-import sar_tui.framework
-from sar_tui.framework.language import language
-from sar_tui.framework.messages import Remark, Valence
-from sar_tui.framework.results_for_people import goal_text, result_text
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.trial_types import Metric
+import sar_tui.loop
+from sar_tui.model.language import language
+from sar_tui.model.messages import Remark, Valence
+from sar_tui.model.results_for_people import goal_text, result_text
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import Metric
 from sar_tui.operator.session_state import SessionState
 
-_FRAMEWORK = Path(sar_tui.framework.__file__).parent
+_FRAMEWORK = Path(sar_tui.loop.__file__).parent
 """Folder with the translations of the framework's own texts."""
 MAX_TEXT = 400
 """Characters of a phrase or a typed text."""

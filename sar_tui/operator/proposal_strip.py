@@ -4,7 +4,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content, Span
 
-from sar_tui.framework.messages import PendingApproval
+from sar_tui.model.messages import PendingApproval
 from sar_tui.operator import key_help, proposal_view
 from sar_tui.operator.act import doing
 from sar_tui.operator.commands import Commands, takes_valence

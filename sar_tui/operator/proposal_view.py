@@ -2,8 +2,8 @@
 
 from textual.content import Content
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import Action, PendingApproval, Proposal
+from sar_tui.model.messages import Action, PendingApproval, Proposal
+from sar_tui.model.units import SECOND
 from sar_tui.operator.event_text import short_name
 from sar_tui.operator.keymap import KEY_COMMANDS, KeymapFile, key_name
 from sar_tui.operator.palette import CONTROLLED_KINDS, MODES

@@ -6,9 +6,10 @@ from typing import Any, ClassVar
 from textual import events
 from textual.binding import BindingType
 
-from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.messages import PendingApproval, Valence
-from sar_tui.framework.topics import DECISION, NOTE_ADDED, REMARK
+from sar_tui.loop.clock import host_now
+from sar_tui.loop.topics import DECISION, NOTE_ADDED, REMARK
+from sar_tui.model.messages import PendingApproval, Valence
+from sar_tui.model.units import SECOND
 from sar_tui.operator import palette
 from sar_tui.operator.commands import CONFIRM_SECONDS, editable, takes_valence
 from sar_tui.operator.keymap import KEY_COMMANDS, bindings

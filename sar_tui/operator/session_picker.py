@@ -13,13 +13,13 @@ from textual.widgets import Static
 from textual.widgets.option_list import Option
 
 from sar_tui.drivers.login_name import login_name
-from sar_tui.framework.messages import Role
-from sar_tui.framework.theme import Theme
 from sar_tui.link import discovery
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.errors import LinkError
 from sar_tui.link.invitation import Invitation
+from sar_tui.model.messages import Role
+from sar_tui.model.theme import Theme
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.option_list import OptionList

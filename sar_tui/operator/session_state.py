@@ -6,10 +6,31 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.framework import agent_state
-from sar_tui.framework.agent_state import AgentState
-from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.messages import (
+from sar_tui.link.peer import Connection, Frame, MotionTrace, PeerEvent, Welcome
+from sar_tui.loop import agent_state
+from sar_tui.loop.agent_state import AgentState
+from sar_tui.loop.marks import TrialMark
+from sar_tui.loop.topics import (
+    ACTION,
+    ARBITER_STATE,
+    ATTEMPT_ENDED,
+    COMMAND,
+    HALT,
+    LEVEL,
+    MARKED,
+    OUTPUT,
+    PRESENCE,
+    PROMPT,
+    REPORT,
+    SENSOR,
+    SESSION_ENDED,
+    STOPPED,
+    THEME,
+    TRIAL,
+    VOIDED,
+    WAITING,
+)
+from sar_tui.model.messages import (
     Action,
     ArbiterState,
     AttemptEnded,
@@ -30,28 +51,7 @@ from sar_tui.framework.messages import (
     TrialMarked,
     Waiting,
 )
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import (
-    ACTION,
-    ARBITER_STATE,
-    ATTEMPT_ENDED,
-    COMMAND,
-    HALT,
-    LEVEL,
-    MARKED,
-    OUTPUT,
-    PRESENCE,
-    PROMPT,
-    REPORT,
-    SENSOR,
-    SESSION_ENDED,
-    STOPPED,
-    THEME,
-    TRIAL,
-    VOIDED,
-    WAITING,
-)
-from sar_tui.link.peer import Connection, Frame, MotionTrace, PeerEvent, Welcome
+from sar_tui.model.theme import Theme
 from sar_tui.operator import event_log
 from sar_tui.operator.event_log import Line
 from sar_tui.operator.event_text import PAUSE_REASONS, event_line, stopper

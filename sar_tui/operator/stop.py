@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import OutputStopped
+from sar_tui.model.messages import OutputStopped
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.event_log import Line, Tone
 
 UNCONFIRMED = 3 * SECOND

@@ -5,7 +5,7 @@ from math import ceil
 
 from rich.cells import cell_len, set_cell_size
 
-from sar_tui.framework.messages import TrialEnded
+from sar_tui.model.messages import TrialEnded
 
 _STEPS = "▁▂▃▄▅▆▇█"
 _RIGHT, _WRONG, _MISSED = "✓", "✗", "–"

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from textual.content import Content
 
-from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.messages import AttemptEnded
+from sar_tui.model.trial_types import Metric
 from sar_tui.reports.attempt_results import MARKERS, result_name
 from sar_tui.reports.attempts_plot import BARS, attempts_figure
 

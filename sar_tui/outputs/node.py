@@ -2,14 +2,15 @@
 
 from typing import Any, ClassVar, NamedTuple, get_args
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Topic
-from sar_tui.framework.clock import MS, SECOND, Handle, VirtualClock
-from sar_tui.framework.messages import ActionPart, PartState
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.paced_clock import PacedClock
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.loop.bus import Bus, Topic
+from sar_tui.loop.clock import Handle, VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.paced_clock import PacedClock
+from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.model import messages as m
+from sar_tui.model.messages import ActionPart, PartState
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.report_validation import as_text, describe, valid_report
 

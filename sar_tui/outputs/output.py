@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
-from sar_tui.framework.clock import Clock
-from sar_tui.framework.messages import ActionPart, PartState
-from sar_tui.framework.plugin_calls import mark_methods
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock
+from sar_tui.model.messages import ActionPart, PartState
+from sar_tui.model.theme import Theme
+from sar_tui.plugin_calls import mark_methods
 
 Gaze = Literal["ahead", "left", "right", "up", "down"]
 

@@ -4,13 +4,12 @@ import difflib
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, get_args
 
-from sar_tui.framework.entry_points import entry_points
-from sar_tui.framework.messages import ActionPart
-from sar_tui.framework.plugin_calls import calling
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.theme import TONES, Theme
+from sar_tui.loop.entry_points import entry_points
+from sar_tui.model.messages import ActionPart
+from sar_tui.model.theme import TONES, Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, OutputError
+from sar_tui.plugin_calls import PLUGIN_ERRORS, calling
 
 if TYPE_CHECKING:
     from sar_tui.outputs.sound.mixer import Sound

@@ -4,11 +4,11 @@ import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.topics import TONE_BEGAN, TONE_DUE, TONES_AHEAD, TRIAL, VOIDED
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.topics import TONE_BEGAN, TONE_DUE, TONES_AHEAD, TRIAL, VOIDED
+from sar_tui.model import messages as m
 
 if TYPE_CHECKING:
     from sar_tui.outputs.sound.tone_process import Onset, ToneProcess

@@ -2,8 +2,8 @@
 
 from typing import Any, get_args
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import ActionPart, PartState
+from sar_tui.model.messages import ActionPart, PartState
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.output import Report
 
 LONGEST_DETAIL = 500

@@ -8,9 +8,10 @@ from functools import partial
 from typing import Any, cast
 
 from sar_tui.drivers.rosbridge import Bridge
-from sar_tui.framework.clock import MS, SECOND, Clock, Handle
-from sar_tui.framework.messages import ActionPart, PartState
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock, Handle
+from sar_tui.model.messages import ActionPart, PartState
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.ros_topics import STRING, RobotReport, parse_address, plain, read_report
 

@@ -5,7 +5,7 @@ from typing import Any, Literal
 import msgspec
 
 from sar_tui.drivers.rosbridge import Address, AddressError, TopicName, parse
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 from sar_tui.outputs.output import OutputError
 
 STRING = "std_msgs/String"

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Callable
 
-from sar_tui.framework.clock import Clock
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock
+from sar_tui.model.theme import Theme
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.sound.protocol import Voicing

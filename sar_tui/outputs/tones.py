@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from sar_tui.framework.clock import Clock
-from sar_tui.framework.theme import TONES, Theme
+from sar_tui.loop.clock import Clock
+from sar_tui.model.theme import TONES, Theme
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.sound.mixer import Sound
 

@@ -5,20 +5,9 @@ from typing import Literal
 
 import msgspec
 
-from sar_tui.framework.clock import MS, SECOND, STALLED
-from sar_tui.framework.held_key import HeldKey
-from sar_tui.framework.messages import (
-    ImuBlock,
-    KeyPerceived,
-    Prompt,
-    PromptVoided,
-    ReachPerceived,
-    SensorChanged,
-    SessionStarted,
-    TrialEnded,
-)
-from sar_tui.framework.node import TimedNode, on
-from sar_tui.framework.topics import (
+from sar_tui.loop.clock import STALLED
+from sar_tui.loop.node import TimedNode, on
+from sar_tui.loop.topics import (
     IMU,
     PERCEIVED,
     PROMPT,
@@ -31,6 +20,17 @@ from sar_tui.framework.topics import (
     TRUNK_SENSOR,
     VOIDED,
 )
+from sar_tui.model.messages import (
+    ImuBlock,
+    KeyPerceived,
+    Prompt,
+    PromptVoided,
+    ReachPerceived,
+    SensorChanged,
+    SessionStarted,
+    TrialEnded,
+)
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import EARLY_NS, AnalysisParameters, Window, analyse
 from sar_tui.motion.filters import LEAST_RATE_HZ
 from sar_tui.motion.home import home_since
@@ -40,6 +40,7 @@ from sar_tui.motion.trace import trace_of
 from sar_tui.perception.foreseen import STILL, Foreseen, Hand
 from sar_tui.perception.kept_samples import EVER, KeptSamples
 from sar_tui.perception.trunk import Trunk
+from sar_tui.rules.held_key import HeldKey
 
 REST = 3 * SECOND
 """Time before a reach from which samples are kept, since the reach before at the most: the hand at rest shows the

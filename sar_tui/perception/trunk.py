@@ -1,7 +1,7 @@
 """The trunk during a reach, as measured by a second sensor, on the sternum."""
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import SensorChanged
+from sar_tui.model.messages import SensorChanged
+from sar_tui.model.units import MS
 from sar_tui.motion.analysis import NS, Measured
 from sar_tui.motion.samples import recording
 from sar_tui.motion.trunk import compensation_share, trunk_excursion_deg

@@ -20,7 +20,7 @@ from typing import Literal
 
 import msgspec
 
-from sar_tui.framework.student import t95
+from sar_tui.rules.student import t95
 
 FAMILIARISATION = 1
 """Sessions before the baseline."""

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import msgspec
 
-from sar_tui.framework.student import t95
+from sar_tui.rules.student import t95
 
 LARGEST_G = 0.3
 """A session's own slope is used if it is known this well: the square of the 95 % error of the slope over the slope

@@ -9,12 +9,9 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import build, current_values
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.policies.wellbeing import SessionRatings
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Metric
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.progress import change
 from sar_tui.progress.change import Baseline, Verdict
 from sar_tui.progress.level_estimate import (
@@ -27,6 +24,9 @@ from sar_tui.progress.level_estimate import (
     slope_of,
 )
 from sar_tui.progress.task_level import AttemptResult, compared_settings, on_axis, places
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import build, current_values
+from sar_tui.rules.wellbeing import SessionRatings
 
 Side = Literal["", "easier", "harder"]
 

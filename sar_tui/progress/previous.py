@@ -6,9 +6,9 @@ from itertools import takewhile
 
 import msgspec
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.results_for_people import beside_text, day_text, levels_beside_text, verdict_text
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.results_for_people import beside_text, day_text, levels_beside_text, verdict_text
 from sar_tui.progress.lines import Line, Point, SessionResults, comparable, is_comparable, settings_of
 from sar_tui.progress.task_level import AttemptResult, places, to_level
 

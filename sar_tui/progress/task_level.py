@@ -7,10 +7,10 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.parameters import TaskParameters, fields
-from sar_tui.framework.settings.timing import TimingSettings
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.progress.level_estimate import Attempt
+from sar_tui.rules.parameters import TaskParameters, fields
+from sar_tui.rules.settings.timing import TimingSettings
 
 _COMMON = {field.name for field in fields(TaskParameters)}
 _MEASURING = {"threshold", *(field.name for field in msgspec.structs.fields(TimingSettings))}

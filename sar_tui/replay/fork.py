@@ -9,9 +9,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.parameters import build, current_values
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import AttemptEnded
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.played_again import Responses, play, read_responses
 from sar_tui.replay.replay import check_whole
@@ -25,6 +24,7 @@ from sar_tui.replay.response_model import (
     Response,
     ResponseModel,
 )
+from sar_tui.rules.parameters import build, current_values
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.store import sessions
 

@@ -3,9 +3,13 @@
 import sqlite3
 from typing import Any, NamedTuple
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.frames import planned, timed
-from sar_tui.framework.messages import (
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import on
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ATTEMPT_ENDED, KEY, REPORT, SHOWN, STORED, TONE_BEGAN, TRIAL, TRIAL_FEEDBACK_SHOWN
+from sar_tui.model.frames import planned, timed
+from sar_tui.model.messages import (
     AttemptEnded,
     Decision,
     KeyPressed,
@@ -19,11 +23,7 @@ from sar_tui.framework.messages import (
     TrialEnded,
     Waiting,
 )
-from sar_tui.framework.node import on
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_ENDED, KEY, REPORT, SHOWN, STORED, TONE_BEGAN, TRIAL, TRIAL_FEEDBACK_SHOWN
+from sar_tui.model.theme import Theme
 from sar_tui.runs.plan import Failed, without_outputs
 from sar_tui.simulation.participant import Person, SimulatedParticipant
 from sar_tui.store import sessions

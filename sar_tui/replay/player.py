@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sar_tui.framework.bus import Bus, M, Record, Topic
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import AttemptStarted, Message, SessionStarted
+from sar_tui.loop.bus import Bus, M, Record, Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.messages import AttemptStarted, Message, SessionStarted
+from sar_tui.model.units import SECOND
 
 _OPENING = 5 * SECOND
 """Time before the first message of a run in which its outputs are opened."""

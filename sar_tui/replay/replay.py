@@ -7,14 +7,14 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import SessionStarted
-from sar_tui.framework.parameters import build, current_values
-from sar_tui.framework.replay_comparison import Difference
-from sar_tui.framework.session import Session
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.replay_comparison import Difference
+from sar_tui.loop.session import Session
+from sar_tui.model.messages import SessionStarted
 from sar_tui.plugins import DEFAULT_THEME, Catalogue
 from sar_tui.replay.versions import RecordedVersions, Versions, present, recorded
+from sar_tui.rules.parameters import build, current_values
 from sar_tui.runs.plan import without_outputs
 from sar_tui.runs.run import Progress, told_history
 from sar_tui.store import sessions

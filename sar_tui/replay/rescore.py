@@ -9,14 +9,14 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.messages import AttemptEnded, PendingApproval, Prompt, TrialEnded
-from sar_tui.framework.parameters import current_values, fields
-from sar_tui.framework.replay_comparison import is_same
-from sar_tui.framework.task import Task
+from sar_tui.loop.bus import Record
+from sar_tui.loop.replay_comparison import is_same
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import AttemptEnded, PendingApproval, Prompt, TrialEnded
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import new_session, replay
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import current_values, fields
 from sar_tui.runs.plan import Failed
 from sar_tui.store import sessions
 

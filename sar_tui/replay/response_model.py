@@ -16,8 +16,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.trial_types import Performance
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Performance
 
 FEWEST_RESPONSES = 20
 """Correct responses below which no model is fitted."""

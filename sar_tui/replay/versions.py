@@ -6,8 +6,8 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.rules import RULES
 from sar_tui.plugins import Catalogue, PluginError, task_code, task_source
+from sar_tui.rules.version import RULES
 from sar_tui.store import sessions
 from sar_tui.store.provenance import software
 
@@ -15,7 +15,7 @@ from sar_tui.store.provenance import software
 class Versions(msgspec.Struct, frozen=True, kw_only=True):
     """Versions of all that a session follows from beside its inputs. None: it was not recorded, or is not there.
 
-    The rules are those of the loop (`framework.rules`): a session keeps the ones that it began with.
+    The rules are those of the loop (`rules.version`): a session keeps the ones that it began with.
     """
 
     sar_tui: str | None

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from sar_tui.framework.replay_comparison import WORDING
+from sar_tui.loop.replay_comparison import WORDING
 from sar_tui.replay.fork import Forked
 from sar_tui.replay.replay import FirstDifference, Replayed
 from sar_tui.replay.rescore import Rescored

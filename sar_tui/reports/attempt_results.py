@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:  # a table of the command line needs neither
-    from sar_tui.framework.messages import Outcome
-    from sar_tui.framework.trial_types import Metric
+    from sar_tui.model.messages import Outcome
+    from sar_tui.model.trial_types import Metric
 
 ResultName = Literal["reached", "missed", "inaccurate", "no result", "no goal"]
 MARKERS: dict[ResultName, str] = {"reached": "●", "missed": "○", "inaccurate": "◇", "no result": "×", "no goal": "•"}

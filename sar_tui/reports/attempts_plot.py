@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.reports.attempt_results import MARKERS, ResultName
 
 GOAL = "╌"

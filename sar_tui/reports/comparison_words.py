@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.progress.lines import Side
 from sar_tui.reports.progress import Comparison, LineProgress
 from sar_tui.reports.progress_words import day, figure, measured_value, result

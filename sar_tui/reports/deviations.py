@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 import msgspec
 
-from sar_tui.framework import messages as m
+from sar_tui.model import messages as m
 from sar_tui.reports.logged_messages import LoggedMessage, peers, spans
 from sar_tui.reports.presence import seconds
 

@@ -4,8 +4,8 @@ import sqlite3
 
 import msgspec
 
-from sar_tui.framework.messages import AttemptEnded, GoalChanged, LevelChanged
-from sar_tui.framework.topics import ATTEMPT_ENDED, GOAL, LEVEL
+from sar_tui.loop.topics import ATTEMPT_ENDED, GOAL, LEVEL
+from sar_tui.model.messages import AttemptEnded, GoalChanged, LevelChanged
 
 _READ = {ATTEMPT_ENDED.name: AttemptEnded, LEVEL.name: LevelChanged, GOAL.name: GoalChanged}
 

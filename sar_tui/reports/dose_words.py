@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from datetime import date, timedelta
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.reports.dose import Day, Dose
 from sar_tui.reports.progress import Progress
 from sar_tui.reports.session_chart import EVENT

@@ -13,9 +13,9 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.policies.wellbeing import SEVERE
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports.dose import planned_attempts
+from sar_tui.rules.wellbeing import SEVERE
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.programmes import Programme
 from sar_tui.store.trained_at import trained_at

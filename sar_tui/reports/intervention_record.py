@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Literal
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics
+from sar_tui.loop import topics
+from sar_tui.model import messages as m
 from sar_tui.reports import logged_messages
 from sar_tui.reports.deviations import deviations
 from sar_tui.reports.intervention import Acts, Record

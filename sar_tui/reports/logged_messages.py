@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.messages import Message, OperatorChanged, Role, SessionStarted
+from sar_tui.loop.bus import Topic
+from sar_tui.model.messages import Message, OperatorChanged, Role, SessionStarted
 from sar_tui.store import messages
 
 

@@ -4,7 +4,7 @@ import sqlite3
 
 import msgspec
 
-from sar_tui.framework.topics import MARKERS
+from sar_tui.loop.topics import MARKERS
 from sar_tui.store.stored_json import read_json
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import msgspec
 
-from sar_tui.framework import messages as m
+from sar_tui.model import messages as m
 from sar_tui.reports.logged_messages import LoggedMessage, spans
 from sar_tui.reports.presence import seconds
 

@@ -4,11 +4,11 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.messages import ControlledKind, Mode
-from sar_tui.framework.policies import arbitration
-from sar_tui.framework.settings.operator import OperatorSettings
+from sar_tui.model import messages as m
+from sar_tui.model.messages import ControlledKind, Mode
 from sar_tui.reports.logged_messages import LoggedMessage, spans
+from sar_tui.rules import arbitration
+from sar_tui.rules.settings.operator import OperatorSettings
 
 _NS = 1e9
 

@@ -7,11 +7,9 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.parameters import fields
-from sar_tui.framework.policies.wellbeing import SessionRatings, TellReason, tell_therapist
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Axis, Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.measure import Measure
+from sar_tui.model.trial_types import Axis, Metric
 from sar_tui.progress import change
 from sar_tui.progress.change import Baseline, Verdict
 from sar_tui.progress.instruments import InstrumentChange, Score, changes
@@ -19,6 +17,8 @@ from sar_tui.progress.level_estimate import Estimate
 from sar_tui.progress.lines import Line, Point, SessionResults, Side, lines
 from sar_tui.progress.task_level import compared_settings, places, to_level
 from sar_tui.reports.dose import Day, Dose, days_of, planned_attempts, recent
+from sar_tui.rules.parameters import fields
+from sar_tui.rules.wellbeing import SessionRatings, TellReason, tell_therapist
 from sar_tui.store.adverse_events import AdverseEvent
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.results_for_people import axis
+from sar_tui.model.language import Language
+from sar_tui.model.results_for_people import axis
 from sar_tui.reports import progress_words
 from sar_tui.reports.chart_groups import grouped, summed
 from sar_tui.reports.dose import Day

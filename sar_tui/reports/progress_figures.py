@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.results_for_people import axis
+from sar_tui.model.language import Language
+from sar_tui.model.results_for_people import axis
 from sar_tui.reports import progress_words, session_chart
 from sar_tui.reports.attempts_plot import round_numbers
 from sar_tui.reports.progress import LineProgress, SessionProgress

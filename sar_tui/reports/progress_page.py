@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
 from sar_tui.reports import dose_words, progress_charts, progress_words
 from sar_tui.reports.chart_groups import sessions_of_a_mark, span_of
 from sar_tui.reports.html_page import document, figure, table

@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Sequence
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress

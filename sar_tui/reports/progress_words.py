@@ -3,15 +3,15 @@
 import inspect
 from pathlib import Path
 
-from sar_tui.framework.language import Language, language
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.results_for_people import metric_for_people, short_goal
-from sar_tui.framework.task import Task
-from sar_tui.framework.translated_settings import COMMON
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language, language
+from sar_tui.model.measure import Measure
+from sar_tui.model.results_for_people import metric_for_people, short_goal
 from sar_tui.progress.change import BASELINE, FAMILIARISATION
 from sar_tui.progress.instruments import Instrument, InstrumentChange, Published
 from sar_tui.reports.progress import AtGoal, LineProgress, Progress, SessionProgress
 from sar_tui.reports.wellbeing import advice, dated_event
+from sar_tui.rules.translated_settings import COMMON
 
 _ENGLISH = Language()
 _FOLDER = Path(__file__).parent

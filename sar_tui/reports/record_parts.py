@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.progress.instruments import Score
 from sar_tui.reports import progress_words
 from sar_tui.reports.progress import Progress

@@ -4,9 +4,9 @@ import sqlite3
 
 import msgspec
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import SessionCommand, Waiting
-from sar_tui.framework.topics import COMMAND, WAITING
+from sar_tui.loop.topics import COMMAND, WAITING
+from sar_tui.model.messages import SessionCommand, Waiting
+from sar_tui.model.units import SECOND
 
 _READ = {WAITING.name: Waiting, COMMAND.name: SessionCommand}
 

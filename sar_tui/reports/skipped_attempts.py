@@ -4,8 +4,8 @@ import sqlite3
 
 import msgspec
 
-from sar_tui.framework.messages import SessionCommand, Waiting
-from sar_tui.framework.topics import COMMAND, WAITING
+from sar_tui.loop.topics import COMMAND, WAITING
+from sar_tui.model.messages import SessionCommand, Waiting
 
 _READ = {WAITING.name: Waiting, COMMAND.name: SessionCommand}
 

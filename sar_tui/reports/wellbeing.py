@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.policies.wellbeing import SEVERE, PainLimits, TellReason
+from sar_tui.model.language import Language
+from sar_tui.rules.wellbeing import SEVERE, PainLimits, TellReason
 from sar_tui.store.adverse_events import AdverseEvent
 from sar_tui.store.wellbeing import IN_PAUSE, NOT_SAID, Row, limits_in, ratings
 

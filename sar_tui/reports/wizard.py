@@ -6,8 +6,7 @@ from typing import Any, get_args
 
 import msgspec
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.parameters import TaskParameters, current_values
+from sar_tui.model import messages as m
 from sar_tui.reports.agreement import Agreement, agreement
 from sar_tui.reports.deviations import Deviation, deviations
 from sar_tui.reports.distribution import Distribution, distribution
@@ -16,6 +15,7 @@ from sar_tui.reports.notes import Note, notes
 from sar_tui.reports.pauses import Pause, pauses
 from sar_tui.reports.presence import KINDS, MODES, Absence, mode_times, presence
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
+from sar_tui.rules.parameters import TaskParameters, current_values
 
 _PLANNED = (
     *(f"operator_{kind}" for kind in KINDS),

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from sar_tui.framework.declaration import ParameterError
 from sar_tui.plugins import Catalogue, PluginError
+from sar_tui.rules.declaration import ParameterError
 from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.store import programmes, sessions
 from sar_tui.store.counted import counts

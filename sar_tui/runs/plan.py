@@ -6,16 +6,16 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import TaskParameters, build, usable
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS, describe
-from sar_tui.framework.rules import RULES
-from sar_tui.framework.session import problem_of_nodes
-from sar_tui.framework.steps.file import problem_of
-from sar_tui.framework.steps.questions import chosen
-from sar_tui.framework.steps.step import Step
-from sar_tui.framework.task import Task
+from sar_tui.loop.session import problem_of_nodes
+from sar_tui.loop.task import Task
+from sar_tui.model.step import Step
+from sar_tui.plugin_calls import PLUGIN_ERRORS, describe
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import TaskParameters, build, usable
+from sar_tui.rules.questions import chosen
+from sar_tui.rules.step_file import problem_of
+from sar_tui.rules.version import RULES
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError
 from sar_tui.store.participants import check_own
@@ -88,7 +88,7 @@ def make_plan(
         seed: decides everything random; drawn by default.
         mode: live or simulated.
         id: the session's id; drawn when the session starts by default.
-        steps: between attempts, beside the task's own (see `framework.steps.file.read_steps`).
+        steps: between attempts, beside the task's own (see `rules.step_file.read_steps`).
 
     Raises:
         StoreError: a code is not valid, or of another site, or the codes do not match the task's seats.

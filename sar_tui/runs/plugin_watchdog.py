@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from types import TracebackType
 
-from sar_tui.framework.plugin_calls import LIMIT_S, NotResponding, PluginCall, under_way
+from sar_tui.plugin_calls import LIMIT_S, NotResponding, PluginCall, under_way
 
 PERIOD_S = 1.0
 """Interval at which the watchdog looks."""

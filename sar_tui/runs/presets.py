@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.declaration import Field
-from sar_tui.framework.parameters import current_values, fields
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import task_folder
+from sar_tui.rules.declaration import Field
+from sar_tui.rules.parameters import current_values, fields
 from sar_tui.runs.programme_file import ProgrammeFile, read
 from sar_tui.store.database import StoreError
 

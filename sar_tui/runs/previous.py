@@ -6,9 +6,9 @@ from contextlib import closing
 from datetime import date
 from pathlib import Path
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.messages import AttemptEnded
 from sar_tui.progress.previous import beside_previous, line_with
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.store import sessions

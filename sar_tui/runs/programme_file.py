@@ -8,9 +8,9 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.declaration import Field
-from sar_tui.framework.parameters import fields, grouped
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.rules.declaration import Field
+from sar_tui.rules.parameters import fields, grouped
 from sar_tui.store.database import StoreError
 from sar_tui.store.programmes import Programme
 

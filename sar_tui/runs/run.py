@@ -9,16 +9,16 @@ from typing import Any, TypedDict
 
 from filelock import BaseFileLock
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import Clock, VirtualClock
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build, fields
-from sar_tui.framework.policies.limits import Dose, limits_day, reached_of_day
-from sar_tui.framework.session import Parts, ReplayError, Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.session import Parts, ReplayError, Session
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import DEFAULT_THEME, Catalogue, PluginError, task_code, task_source
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.limits import Dose, limits_day, reached_of_day
+from sar_tui.rules.parameters import build, fields
 from sar_tui.runs.plan import EnoughToday, Failed, Plan, set_up
 from sar_tui.runs.start_level import with_start_level
 from sar_tui.store import locks, messages, participants, sessions

@@ -4,12 +4,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.clock import Clock, VirtualClock
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.messages import BodyPart
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Task
 from sar_tui.inputs.imu import ImuSource, SourceError
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recorded import RecordedSource
@@ -17,6 +11,12 @@ from sar_tui.inputs.sensor import Imu, TrunkImu
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.inputs.simulated_sensor import SimulatedSensor
 from sar_tui.inputs.sources import open_source, simulated_hand, source_names
+from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import BodyPart
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import TaskParameters
 from sar_tui.simulation.leaning import leaning
 from sar_tui.simulation.participant import SimulatedMover, SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.participant_model import PEOPLE, Person

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import Fault
-from sar_tui.framework.node import Node
-from sar_tui.framework.paced_clock import PacedClock
-from sar_tui.framework.session import Parts, Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_ENDED
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.paced_clock import PacedClock
+from sar_tui.loop.session import Parts, Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ATTEMPT_ENDED
+from sar_tui.model.messages import Fault
+from sar_tui.model.theme import Theme
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue

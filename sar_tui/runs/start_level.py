@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import msgspec
 
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.policies.difficulty import POLICIES
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.progress.lines import Point, SessionResults, comparable
 from sar_tui.progress.task_level import AttemptResult
+from sar_tui.rules.difficulty import POLICIES
+from sar_tui.rules.parameters import TaskParameters
 from sar_tui.store.results import newest_of
 
 LOOKED_AT = 16

@@ -13,7 +13,7 @@ from aiohttp.web import WebSocketResponse
 from textual_serve.app_service import AppService
 from textual_serve.download_manager import DownloadManager
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 DRIVER = "sar_tui.tui.web_driver:ServedDriver"
 _HANDSHAKE = b"__GANGLION__\n"

@@ -1,8 +1,8 @@
 """Answers of simulated participants to questions between attempts: the keys that give them."""
 
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.steps.entry import DECLINE_KEY, FULL
-from sar_tui.framework.steps.step import TIMED, Step, points
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.step import TIMED, Step, points
+from sar_tui.model.step_entry import DECLINE_KEY, FULL
 
 DECLINES = 0.03
 """Share of questions that a simulated participant would rather not answer."""

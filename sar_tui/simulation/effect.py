@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sar_tui.framework.messages import TrialEnded
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import TrialEnded
 
 
 class Effect(NamedTuple):

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import msgspec
 
-from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.model.random_streams import RandomStreams
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.simulation.participant_model import Person
 

@@ -4,12 +4,9 @@ from collections.abc import Callable
 
 import msgspec
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS, SECOND, Handle
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import (
+from sar_tui.loop.clock import Handle
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.topics import (
     ACTION,
     ATTEMPT_ENDED,
     COMMAND,
@@ -26,6 +23,10 @@ from sar_tui.framework.topics import (
     SESSION_ENDED,
     THEME,
 )
+from sar_tui.model import messages as m
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.simulation.ex_gaussian import ex_gaussian
 
 NAME = "operator.simulated"

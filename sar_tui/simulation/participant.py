@@ -3,10 +3,25 @@
 from collections.abc import Callable
 from typing import Any, ClassVar, Protocol
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import MS, Handle
-from sar_tui.framework.frames import planned, timed
-from sar_tui.framework.messages import (
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import Handle
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import (
+    ACTION,
+    FRAME,
+    KEY,
+    PROMPT,
+    REPORT,
+    SHOWN,
+    TONE_BEGAN,
+    TONE_DUE,
+    TRIAL_FEEDBACK,
+    TRIAL_FEEDBACK_SHOWN,
+    WAITING,
+)
+from sar_tui.model.frames import planned, timed
+from sar_tui.model.messages import (
     Action,
     AskedStep,
     FrameDue,
@@ -21,24 +36,10 @@ from sar_tui.framework.messages import (
     TrialFeedbackShown,
     Waiting,
 )
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.steps.entry import DECLINE_KEY, Entry
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import (
-    ACTION,
-    FRAME,
-    KEY,
-    PROMPT,
-    REPORT,
-    SHOWN,
-    TONE_BEGAN,
-    TONE_DUE,
-    TRIAL_FEEDBACK,
-    TRIAL_FEEDBACK_SHOWN,
-    WAITING,
-)
-from sar_tui.framework.trial_types import Act, Cue, Performance, Stimulus
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.step_entry import DECLINE_KEY, Entry
+from sar_tui.model.trial_types import Act, Cue, Performance, Stimulus
+from sar_tui.model.units import MS
 from sar_tui.simulation.answers import answer_keys
 
 SHOWING = 4 * MS

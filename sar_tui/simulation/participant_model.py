@@ -4,8 +4,8 @@ import math
 
 import msgspec
 
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.trial_types import Performance
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Performance
 from sar_tui.simulation.ex_gaussian import ex_gaussian
 
 

@@ -5,7 +5,7 @@ from datetime import datetime, timedelta
 
 import msgspec
 
-from sar_tui.framework.policies.limits import Dose
+from sar_tui.rules.limits import Dose
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.trained_at import zone
 

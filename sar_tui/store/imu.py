@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.messages import BodyPart, ImuBlock, SensorChanged
-from sar_tui.framework.topics import IMU, SENSOR, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.topics import IMU, SENSOR, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.model.messages import BodyPart, ImuBlock, SensorChanged
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from pathlib import Path
 import msgspec
 
 from sar_tui.drivers.private_folder import make_private
-from sar_tui.framework.bus import Record
-from sar_tui.framework.messages import TrialEnded
+from sar_tui.loop.bus import Record
+from sar_tui.model.messages import TrialEnded
 from sar_tui.store import messages
 from sar_tui.store.database import SAVED
 from sar_tui.store.locks import is_held

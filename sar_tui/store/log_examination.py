@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.topics import ALL
+from sar_tui.loop.bus import Record
+from sar_tui.loop.topics import ALL
 from sar_tui.store import log_hashes, messages, rows
 from sar_tui.store.log_hashes import Entry
 from sar_tui.store.merge.people import People, in_full, stored_pairs

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import msgspec
 from msgspec.structs import FieldInfo, asdict, fields
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import ALL, PRESENCE
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.topics import ALL, PRESENCE
+from sar_tui.model.messages import Message
 from sar_tui.store.database import StoreError, explain, transaction
 
 PRESENCE_ID = 1

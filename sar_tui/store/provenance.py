@@ -11,9 +11,9 @@ from typing import Any
 import msgspec
 
 import sar_tui
-from sar_tui.framework.task import Task
-from sar_tui.framework.task_pictures import pictures_in
-from sar_tui.framework.trial_types import NO_METRIC, Metric
+from sar_tui.loop.task import Task
+from sar_tui.loop.task_pictures import pictures_in
+from sar_tui.model.trial_types import NO_METRIC, Metric
 from sar_tui.store import connection
 
 _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils", "numpy")

@@ -9,8 +9,8 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.framework.messages import Json, Message, NoteAdded, RecordChange, RecordChanged, SessionEnded
-from sar_tui.framework.topics import NOTE_ADDED, RECORD_CHANGED, SESSION_ENDED
+from sar_tui.loop.topics import NOTE_ADDED, RECORD_CHANGED, SESSION_ENDED
+from sar_tui.model.messages import Json, Message, NoteAdded, RecordChange, RecordChanged, SessionEnded
 from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
 

@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Record, Topic
-from sar_tui.framework.topics import STORAGE, STORED
+from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.topics import STORAGE, STORED
+from sar_tui.model import messages as m
 from sar_tui.store import imu, log_hashes
 from sar_tui.store.database import StoreConnection, StoreError, transaction
 from sar_tui.store.messages import Numbers, StoredRow, layout, numbers

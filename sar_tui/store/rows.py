@@ -5,8 +5,8 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record
+from sar_tui.loop.bus import Record
+from sar_tui.model import messages as m
 from sar_tui.store import imu, log_hashes, wellbeing
 from sar_tui.store.messages import Numbers, encoder
 

@@ -5,7 +5,7 @@ import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
 
-from sar_tui.framework.bus import Record
+from sar_tui.loop.bus import Record
 from sar_tui.store.database import Moved, StoreConnection, StoreError
 from sar_tui.store.last_saved import LastSaved, has_message
 from sar_tui.store.rescue import Rescue, remove

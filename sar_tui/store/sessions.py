@@ -13,13 +13,13 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import host_now
-from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.nodes.memory import best_key
-from sar_tui.framework.parameters import TaskParameters, current_values, fields
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import PRESENCE
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import host_now
+from sar_tui.loop.nodes.memory import best_key
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import PRESENCE
+from sar_tui.model.messages import AttemptEnded
+from sar_tui.rules.parameters import TaskParameters, current_values, fields
 from sar_tui.store import imu, log_hashes, messages
 from sar_tui.store.counted import COUNTS
 from sar_tui.store.database import StoreError, transaction

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.policies.wellbeing import PAIN_SESSIONS, TIRED_SESSIONS, Moment, PainLimits, SessionRatings
+from sar_tui.rules.wellbeing import PAIN_SESSIONS, TIRED_SESSIONS, Moment, PainLimits, SessionRatings
 from sar_tui.store.counted import LIVE
 from sar_tui.store.database import transaction
 from sar_tui.store.participants import add

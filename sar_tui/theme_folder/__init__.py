@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from sar_tui.framework.theme import ENGLISH, Theme, ThemeError
+from sar_tui.model.theme import ENGLISH, Theme, ThemeError
 from sar_tui.theme_folder.appearance import read_look
 from sar_tui.theme_folder.phrases import read_phrases
 from sar_tui.theme_folder.screen_texts import screen_texts

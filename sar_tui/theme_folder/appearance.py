@@ -7,22 +7,10 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
-from sar_tui.framework.contrast import contrast, cut, is_color
-from sar_tui.framework.gesture import GESTURES, Gesture, Keyframe
-from sar_tui.framework.theme import (
-    FACES,
-    GAZES,
-    GROUNDS,
-    MANNERS,
-    TONES,
-    Colors,
-    Manner,
-    Note,
-    Theme,
-    ThemeError,
-    Voice,
-)
-from sar_tui.framework.visible_text import control_problem, visible
+from sar_tui.model.contrast import contrast, cut, is_color
+from sar_tui.model.gesture import GESTURES, Gesture, Keyframe
+from sar_tui.model.theme import FACES, GAZES, GROUNDS, MANNERS, TONES, Colors, Manner, Note, Theme, ThemeError, Voice
+from sar_tui.model.visible_text import control_problem, visible
 from sar_tui.theme_folder.faces import drawing_problems, fitted
 
 LEAST_CONTRAST = 4.5

@@ -5,9 +5,9 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.framework.phrase_keys import PHRASE_KEYS, SPOKEN_BY, VOCABULARY, holds_number, wording_problems
-from sar_tui.framework.theme import ENGLISH, Theme
-from sar_tui.framework.visible_text import control_problem
+from sar_tui.loop.phrase_keys import PHRASE_KEYS, SPOKEN_BY, VOCABULARY, holds_number, wording_problems
+from sar_tui.model.theme import ENGLISH, Theme
+from sar_tui.model.visible_text import control_problem
 from sar_tui.theme_folder.appearance import read_toml
 
 _TABLES = {"vocabulary": VOCABULARY, "units": ()}

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from sar_tui.framework.language import slot_problem, words_files
-from sar_tui.framework.visible_text import control_problem
+from sar_tui.model.language import slot_problem, words_files
+from sar_tui.model.visible_text import control_problem
 from sar_tui.theme_folder.appearance import read_toml
 
 

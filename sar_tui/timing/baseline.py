@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.model.random_streams import RandomStreams
 
 if sys.platform != "win32":
     import termios

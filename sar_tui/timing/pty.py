@@ -12,8 +12,8 @@ import time
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.key_guard import QUIET, UNREAD
+from sar_tui.model.units import MS
+from sar_tui.rules.key_guard import QUIET, UNREAD
 
 if sys.platform != "win32":
     import fcntl

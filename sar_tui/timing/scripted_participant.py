@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 import msgspec
 
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.units import MS, SECOND
 from sar_tui.timing.pty import Terminal
 
 Answer = Callable[[int, str], tuple[float, str]]

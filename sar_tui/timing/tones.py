@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 
 import msgspec
 
-from sar_tui.framework.clock import MS, host_now
-from sar_tui.framework.tone import Tone
+from sar_tui.loop.clock import host_now
+from sar_tui.model.tone import Tone
+from sar_tui.model.units import MS
 from sar_tui.outputs.sound.protocol import Examined, SoundError
 from sar_tui.outputs.sound.tone_process import Onset, ToneProcess
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics

@@ -17,7 +17,7 @@ from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.geometry import Size
 
-from sar_tui.framework.theme import Theme
+from sar_tui.model.theme import Theme
 from sar_tui.tui.console_glyphs import ConsoleGlyphs, on_linux_console
 from sar_tui.tui.exit_codes import INTERRUPTED, after_signal
 from sar_tui.tui.gc_control import SWITCH_INTERVAL

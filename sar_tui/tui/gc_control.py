@@ -4,7 +4,8 @@ import asyncio
 import gc
 import sys
 
-from sar_tui.framework.clock import MS, STALLED, host_now
+from sar_tui.loop.clock import STALLED, host_now
+from sar_tui.model.units import MS
 
 SWITCH_INTERVAL = 0.0005
 """Seconds a thread may hold the interpreter while another waits; short, so that keys are stamped in time."""

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from textual.binding import ActiveBinding
 
-from sar_tui.framework.language import Language, language
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language, language
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import Plan
 

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import SECOND
 
 if TYPE_CHECKING:
     from sar_tui.link.peer import TerminalState

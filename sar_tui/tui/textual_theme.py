@@ -2,7 +2,7 @@
 
 from textual.theme import Theme as TextualTheme
 
-from sar_tui.framework.theme import Theme
+from sar_tui.model.theme import Theme
 
 
 def textual_theme(theme: Theme) -> TextualTheme:

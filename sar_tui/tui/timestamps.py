@@ -14,7 +14,8 @@ from typing import IO, Any
 from textual.driver import Driver
 from textual.message import Message
 
-from sar_tui.framework.clock import MS, SECOND, host_now
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import MS, SECOND
 
 Stamped = Callable[[int], None]
 _PATIENCE = 20 * MS

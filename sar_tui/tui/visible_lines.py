@@ -4,7 +4,7 @@ from rich.segment import Segment
 from textual.color import Color
 from textual.filter import LineFilter
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 
 
 class VisibleLines(LineFilter):

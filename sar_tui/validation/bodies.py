@@ -2,7 +2,7 @@
 
 from typing import get_args
 
-from sar_tui.framework.messages import ActionPart
+from sar_tui.model.messages import ActionPart
 from sar_tui.outputs.output import Output, Report
 
 PARTS: tuple[ActionPart, ...] = get_args(ActionPart)

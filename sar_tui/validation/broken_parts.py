@@ -4,14 +4,14 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import AttemptEnded, Feedback, KeyPerceived, OutputReport
-from sar_tui.framework.node import on
-from sar_tui.framework.nodes.event_handler import EventHandler
-from sar_tui.framework.nodes.memory import Memory
-from sar_tui.framework.nodes.perception import Perception
-from sar_tui.framework.topics import REPORT
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.node import on
+from sar_tui.loop.nodes.event_handler import EventHandler
+from sar_tui.loop.nodes.memory import Memory
+from sar_tui.loop.nodes.perception import Perception
+from sar_tui.loop.topics import REPORT
+from sar_tui.model.messages import AttemptEnded, Feedback, KeyPerceived, OutputReport
+from sar_tui.model.units import MS
 
 LATE_MS = 150
 WRONG_BY_MS = 100.0

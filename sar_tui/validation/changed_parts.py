@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 from sar_tui.app.loop_graph import loop_graph
-from sar_tui.framework.graph import Graph
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import OWN_PARTS, Parts, core_nodes
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.graph import Graph
+from sar_tui.loop.session import OWN_PARTS, Parts, core_nodes
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import set_up
 from sar_tui.validation import charts
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row

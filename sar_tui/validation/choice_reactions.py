@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sar_tui.framework.messages import Outcome
-from sar_tui.framework.policies.difficulty.policy import ScoredAttempt
+from sar_tui.model.messages import Outcome
+from sar_tui.rules.difficulty.policy import ScoredAttempt
 from sar_tui.simulation.participant_model import Person
 
 PROMPTS = 20

@@ -9,8 +9,8 @@ from statistics import fmean
 
 import msgspec
 
-from sar_tui.framework.policies.decline import LEAST_BASELINE, RECENT, decline
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.rules.decline import LEAST_BASELINE, RECENT, decline
 from sar_tui.simulation.participant_model import PEOPLE, Person
 from sar_tui.validation.noise_worlds import WORLDS, sem
 from sar_tui.validation.praised_sessions import told_in_session

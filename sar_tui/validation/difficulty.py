@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from statistics import fmean, pstdev
 from typing import Any, NamedTuple
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.policies import level_choice
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.trial_types import Metric
+from sar_tui.rules import level_choice
+from sar_tui.rules.parameters import build
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation.choice_reactions import Chance, User, attempt_success, chances, prompt_success
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row

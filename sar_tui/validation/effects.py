@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from statistics import fmean, stdev
 from typing import NamedTuple
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import Stored, TrialEnded
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import STORED, TRIAL
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import STORED, TRIAL
+from sar_tui.model.messages import Stored, TrialEnded
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue, PluginError, module_beside
+from sar_tui.rules.parameters import build
 from sar_tui.runs.sensors import simulated_nodes
 from sar_tui.runs.simulate import participant_fault
 from sar_tui.simulation.effect import Effect

@@ -5,8 +5,8 @@ from functools import partial
 
 import msgspec
 
-from sar_tui.framework.graph import Graph
-from sar_tui.framework.session import Parts
+from sar_tui.loop.graph import Graph
+from sar_tui.loop.session import Parts
 from sar_tui.validation.bodies import Body, every_body
 from sar_tui.validation.modularity import Code
 from sar_tui.validation.report import Conditions

@@ -22,8 +22,8 @@ from msgspec.structs import replace
 
 from sar_tui.export.export import export
 from sar_tui.export.registry import load
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import KeyPressed, Shown
+from sar_tui.model.messages import KeyPressed, Shown
+from sar_tui.model.units import MS
 from sar_tui.motion.samples import Floats
 from sar_tui.reports.intervention import intervention
 from sar_tui.reports.intervention_record import read

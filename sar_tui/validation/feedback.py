@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
-from sar_tui.framework.phrase_keys import holds_number
+from sar_tui.loop.phrase_keys import holds_number
 from sar_tui.validation import charts
 from sar_tui.validation.feedback_drawing import draw
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row

@@ -13,14 +13,15 @@ LONGEST_S = 3600
 
 def main(name: str, folders: list[str]) -> None:
     """Print ``{"modules": {name: file}, "package": name, "folder": path}``; package and folder are the task's."""
-    from sar_tui.framework.clock import SECOND, VirtualClock
-    from sar_tui.framework.messages import Stored, TrialEnded
-    from sar_tui.framework.node import Node
-    from sar_tui.framework.parameters import build
-    from sar_tui.framework.session import Session
-    from sar_tui.framework.topics import STORED, TRIAL
     from sar_tui.inputs.keyboard import Keyboard
+    from sar_tui.loop.clock import VirtualClock
+    from sar_tui.loop.node import Node
+    from sar_tui.loop.session import Session
+    from sar_tui.loop.topics import STORED, TRIAL
+    from sar_tui.model.messages import Stored, TrialEnded
+    from sar_tui.model.units import SECOND
     from sar_tui.plugins import Catalogue, task_folder
+    from sar_tui.rules.parameters import build
 
     catalogue = Catalogue(tuple(map(Path, folders)))
     kind = catalogue.task(name)

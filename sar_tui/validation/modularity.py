@@ -16,7 +16,7 @@ from sar_tui.plugins import Catalogue
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.source_lines import source_lines
 
-SHARED_PACKAGES = ("sar_tui.framework", "sar_tui.inputs", "sar_tui.outputs", "sar_tui.motion")
+SHARED_PACKAGES = tuple(f"sar_tui.{room}" for room in ("loop", "rules", "model", "inputs", "outputs", "motion"))
 LEAST = 0.75
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from statistics import fmean
 
-from sar_tui.framework.policies.real_change import spread_of
+from sar_tui.rules.real_change import spread_of
 
 Attempts = list[list[float]]
 """The trials of successive attempts. The SD of single trials within an attempt is about 1."""

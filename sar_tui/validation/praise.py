@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from functools import partial
 from statistics import fmean
 
-from sar_tui.framework.policies.real_change import LEAST_ATTEMPTS, LEAST_TRIALS, Sample, judge, spread_of
 from sar_tui.progress.change import mdc95
+from sar_tui.rules.real_change import LEAST_ATTEMPTS, LEAST_TRIALS, Sample, judge, spread_of
 from sar_tui.validation.noise_worlds import WORLDS, Attempts, sem
 from sar_tui.validation.praised_sessions import TASKS, session_row
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row

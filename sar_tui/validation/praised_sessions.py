@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from sar_tui.framework.policies.real_change import LEAST_ATTEMPTS
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Performance
+from sar_tui.loop.task import Task
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Performance
 from sar_tui.progress.change import mdc95
+from sar_tui.rules.real_change import LEAST_ATTEMPTS
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE, Person

@@ -4,7 +4,7 @@ import sqlite3
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.trial_types import Metric
 from sar_tui.store import imu, provenance, sessions
 from sar_tui.validation import charts
 from sar_tui.validation.feedback_drawing import draw

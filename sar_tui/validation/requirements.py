@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import msgspec
 
-from sar_tui import framework
+from sar_tui import loop
 from sar_tui.app.loop_graph import loop_graph
-from sar_tui.framework.session import Parts
+from sar_tui.loop.session import Parts
 from sar_tui.validation import adaptation, broken_parts, feedback
 from sar_tui.validation.bodies import PARTS, tablet_alone
 from sar_tui.validation.changed_parts import TASKS, node_classes
@@ -178,7 +178,7 @@ def _with_own_framework(loaded: Loaded) -> Code:
     with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as place:
         folder = Path(place) / "task"
         shutil.copytree(loaded.folder, folder)
-        shutil.copytree(Path(framework.__file__).parent, folder / "own_framework")
+        shutil.copytree(Path(loop.__file__).parent, folder / "own_framework")
         return code(msgspec.structs.replace(loaded, folder=str(folder)))
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any, NamedTuple
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import KeyPressed, Message, OutputReport, Shown, TrialEnded
-from sar_tui.framework.session import OWN_PARTS, Parts
-from sar_tui.framework.session_phase import REQUEST_KEY
-from sar_tui.framework.task import Task
+from sar_tui.loop.session import OWN_PARTS, Parts
+from sar_tui.loop.session_phase import REQUEST_KEY
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import KeyPressed, Message, OutputReport, Shown, TrialEnded
+from sar_tui.model.units import MS
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan

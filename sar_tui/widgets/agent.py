@@ -9,9 +9,10 @@ from textual.containers import Horizontal, Vertical
 from textual.widget import Widget
 from textual.widgets import Static
 
-from sar_tui.framework.clock import MS, SECOND, Clock, Handle
-from sar_tui.framework.gesture import REST, Gesture, Pose
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock, Handle
+from sar_tui.model.gesture import REST, Gesture, Pose
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.widgets.picture import load_pictures
 from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
 

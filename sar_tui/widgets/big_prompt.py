@@ -13,7 +13,7 @@ from textual.geometry import Region, Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from sar_tui.framework.messages import Prompt
+from sar_tui.model.messages import Prompt
 from sar_tui.widgets.prompt_lines import Line, answer_lines, plain_lines, room, with_text
 from sar_tui.widgets.prompt_pictures import Drawn, Pictures, Way, overlay
 from sar_tui.widgets.prompt_style import prompt_color

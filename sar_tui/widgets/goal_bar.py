@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 from textual.content import Content
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import Feedback
-from sar_tui.framework.results_for_people import goal_text
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.language import Language
+from sar_tui.model.messages import Feedback
+from sar_tui.model.results_for_people import goal_text
+from sar_tui.model.trial_types import Metric
 
 LONGEST, SHORTEST = 40, 12
 """Columns of the line, without the words beside it."""

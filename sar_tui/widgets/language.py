@@ -4,7 +4,7 @@ from typing import Any
 
 from textual.app import App
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 
 
 def language_of(app: App[Any]) -> Language:

@@ -10,8 +10,8 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input
 
-from sar_tui.framework.declaration import ENDLESS, Field, show
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
+from sar_tui.rules.declaration import ENDLESS, Field, show
 from sar_tui.widgets.choice import Choice
 from sar_tui.widgets.word_picker import WordPicker
 

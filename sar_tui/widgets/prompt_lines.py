@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rich.cells import cell_len, set_cell_size
 
-from sar_tui.framework.messages import Prompt
+from sar_tui.model.messages import Prompt
 from sar_tui.widgets.large_characters import cut, draw
 
 FIXATION = "·"

@@ -20,7 +20,7 @@ from rich.segment import ControlType, Segment
 from rich.style import Style
 
 from sar_tui.drivers.installation import pip_install_extra
-from sar_tui.framework.task_pictures import picture_file
+from sar_tui.loop.task_pictures import picture_file
 
 Way = Literal["kitty", "sixel", "half blocks", "blocks"]
 """Ways to draw pictures. ``blocks``: whole cells, for the Linux console, whose font has no half blocks."""

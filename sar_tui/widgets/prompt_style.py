@@ -5,8 +5,8 @@ from functools import cache
 from rich._palettes import STANDARD_PALETTE
 from rich.color import Color
 
-from sar_tui.framework.contrast import contrast
-from sar_tui.framework.prompt_colors import OKABE_ITO, color_on
+from sar_tui.loop.prompt_colors import OKABE_ITO, color_on
+from sar_tui.model.contrast import contrast
 
 _SIXTEEN = {
     "red": (9, 1),

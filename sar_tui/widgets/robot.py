@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sar_tui.framework.gesture import Pose
+from sar_tui.model.gesture import Pose
 
 WIDTH, HEIGHT = 21, 7
 """Columns and lines of a drawing, whatever the pose."""

@@ -10,7 +10,7 @@ from rich.style import Style
 from rich.text import Text
 from textual.widget import Widget
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.motion.trace import Trace
 from sar_tui.widgets.language import language_of
 

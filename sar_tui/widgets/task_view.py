@@ -13,13 +13,13 @@ from collections.abc import Callable, Mapping, Sequence
 
 from rich.text import Text
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.measure import mean_texts
-from sar_tui.framework.messages import AttemptEnded, Prompt
-from sar_tui.framework.node import Node
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.measure import mean_texts
+from sar_tui.model.messages import AttemptEnded, Prompt
+from sar_tui.model.trial_types import Metric
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import PluginError, module_beside
 from sar_tui.widgets.prompt_lines import Line, plain_lines
 

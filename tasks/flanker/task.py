@@ -7,12 +7,12 @@ After Eriksen & Eriksen (1974, Percept Psychophys 16:143-149), with the arrows o
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.measure import Measure
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 ARROWS = {"left": "←", "right": "→"}
 OTHER = {"left": "right", "right": "left"}

@@ -5,13 +5,13 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.results_for_people import goal_text
-from sar_tui.framework.rules import RULES
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Act, Axis, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.results_for_people import goal_text
+from sar_tui.model.trial_types import Act, Axis, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
+from sar_tui.rules.version import RULES
 
 from .earlier_levels import LAST_RULES, earlier_levels
 from .layouts import ARROWS, Level, levels, needs_shift

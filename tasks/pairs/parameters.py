@@ -2,8 +2,8 @@
 
 from typing import Annotated, Literal
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 _WITHOUT_CUE = {"gaze": {"speech", "tones", "servo"}, "gesture": {"speech", "tones"}, "both": {"speech", "tones"}}
 """Outputs that cannot give a cue, by its kind."""

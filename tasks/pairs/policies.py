@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from sar_tui.framework.messages import Json
-from sar_tui.framework.trial_types import Result, Results
+from sar_tui.model.messages import Json
+from sar_tui.model.trial_types import Result, Results
 
 
 class Response(NamedTuple):

@@ -1,9 +1,9 @@
 """Responses by reaches out and back, with a motion sensor on the hand. Movement onset is the response."""
 
-from sar_tui.framework.messages import Json, ReachPerceived
-from sar_tui.framework.node import Node
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.trial_types import Act, Performance
+from sar_tui.loop.node import Node
+from sar_tui.model.messages import Json, ReachPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act, Performance
 
 from .parameters import PairsParameters
 

@@ -6,14 +6,12 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import Json, KeyPerceived, ReachPerceived
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.results_for_people import goal_text
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import (
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import Json, KeyPerceived, ReachPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.results_for_people import goal_text
+from sar_tui.model.trial_types import (
     Act,
     Again,
     Cue,
@@ -27,6 +25,8 @@ from sar_tui.framework.trial_types import (
     Target,
     Trial,
 )
+from sar_tui.model.units import MS
+from sar_tui.rules.parameters import TaskParameters
 
 from . import reaches
 from .details import PairsDetails

@@ -4,13 +4,13 @@ from collections import Counter
 from collections.abc import Sequence
 from statistics import fmean
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import AttemptEnded, AttemptStarted, Prompt, TrialEnded, Waiting
-from sar_tui.framework.node import on
-from sar_tui.framework.results_for_people import result_text
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ATTEMPT_STARTED, PROMPT, TRIAL, WAITING
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.node import on
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ATTEMPT_STARTED, PROMPT, TRIAL, WAITING
+from sar_tui.model.language import Language
+from sar_tui.model.messages import AttemptEnded, AttemptStarted, Prompt, TrialEnded, Waiting
+from sar_tui.model.results_for_people import result_text
+from sar_tui.model.trial_types import Metric
 from sar_tui.widgets.prompt_lines import Line, halves
 from sar_tui.widgets.task_view import TaskView
 

@@ -9,12 +9,12 @@ agent is not where the participant looks, but below on the left.
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Act, Cue, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.measure import Measure
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act, Cue, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 OTHER = {"left": "right", "right": "left"}
 CUEING_MS = 20.0

@@ -3,9 +3,9 @@
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
 from sar_tui.motion.detector_names import RENAMED, DetectorName
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 _FEW_CM, _MOST_CM = 1.0, 200.0
 

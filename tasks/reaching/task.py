@@ -3,11 +3,11 @@
 import math
 from typing import TYPE_CHECKING, Any, Literal
 
-from sar_tui.framework.messages import ReachPerceived
-from sar_tui.framework.node import Node
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import (
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import ReachPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import (
     Act,
     Again,
     Axis,

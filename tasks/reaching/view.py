@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from sar_tui.framework.messages import ReachPerceived
-from sar_tui.framework.node import on
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import REACH
+from sar_tui.loop.node import on
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import REACH
+from sar_tui.model.messages import ReachPerceived
 from sar_tui.widgets.task_view import Colors, Drawing, TaskView
 
 if TYPE_CHECKING:

@@ -10,21 +10,12 @@ import math
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import (
-    Act,
-    Metric,
-    PastAttempt,
-    Performance,
-    Result,
-    Situation,
-    Stimulus,
-    Trial,
-)
+from sar_tui.loop.task import Task
+from sar_tui.model.measure import Measure
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act, Metric, PastAttempt, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 SEQUENCE = (0, 1, 0, 2, 3, 1, 2, 0, 3, 2, 1, 3)
 """Each pair of places comes once, and so does each place after another, whatever the place is called."""

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from statistics import fmean, stdev
 from typing import NamedTuple
 
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.trial_types import Act
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act
 
 LISTENED = 3
 """Beats at the beginning that are heard only. The next is where the hand sets off, and is not counted either."""

@@ -2,9 +2,9 @@
 
 from typing import Annotated
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.trial_types import Details
+from sar_tui.model.trial_types import Details
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 
 class TrackingTempoParameters(TaskParameters, frozen=True, kw_only=True):

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sar_tui.framework.messages import ImuBlock, Prompt, PromptVoided, ReachPerceived, SensorChanged, TrialEnded
-from sar_tui.framework.node import TimedNode, on
-from sar_tui.framework.topics import IMU, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
+from sar_tui.loop.node import TimedNode, on
+from sar_tui.loop.topics import IMU, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
+from sar_tui.model.messages import ImuBlock, Prompt, PromptVoided, ReachPerceived, SensorChanged, TrialEnded
 from sar_tui.motion.samples import Floats, Samples
 from sar_tui.motion.turning_points import turning_points
 from sar_tui.perception.kept_samples import KeptSamples

@@ -14,13 +14,14 @@ from textual.message import Message
 from textual.pilot import Pilot, WaitForScreenTimeout
 
 from sar_tui.app.app import SarTui
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.key_guard import QUIET
-from sar_tui.framework.messages import FrameDue, Prompt, StorageChanged, Waiting
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import FRAME, PROMPT, STORAGE, WAITING
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import FRAME, PROMPT, STORAGE, WAITING
+from sar_tui.model.messages import FrameDue, Prompt, StorageChanged, Waiting
+from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.key_guard import QUIET
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.messages import SessionCommand
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import SessionCommand
 from sar_tui.plugins import Catalogue
 from sar_tui.store import passphrase
 from sar_tui.store.passphrase import Passphrase

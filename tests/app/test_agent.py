@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from textual.color import Color
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.phrase_keys import PERFORMANCE, PHRASE_KEYS
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.phrase_keys import PERFORMANCE, PHRASE_KEYS
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 from tests.app.app_driver import AppDriver, open_app, plan

@@ -10,12 +10,13 @@ import pytest
 from textual.widgets import Static
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import SECOND, host_now
-from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
 from sar_tui.link.peer import Connection, Frame, PeerListener
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import host_now
+from sar_tui.loop.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
+from sar_tui.model.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import Agent
 from tests.link.test_node import WELCOME

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.messages import SessionCommand
-from sar_tui.framework.parameters import build
+from sar_tui.model.messages import SessionCommand
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import AppDriver, open_app
 from tests.tasks.test_documented_tasks import documented

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from sar_tui.checks.task import check
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import open_app
 from tests.documented import write_documented

@@ -9,9 +9,9 @@ from textual.widgets import OptionList
 
 from sar_tui.app import app as app_module
 from sar_tui.app.app import SarTui, run_app
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Result, Trial
 from sar_tui.inputs.keyboard import Keyboard
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Result, Trial
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
 from tests.app.app_driver import AppDriver, known, open_app, plan, stored

@@ -5,17 +5,17 @@ from pathlib import Path
 import pytest
 from textual.geometry import Region
 
-from sar_tui.framework.messages import ToneBegan
-from sar_tui.framework.parameters import build
-from sar_tui.framework.topics import TONE_BEGAN
+from sar_tui.loop.topics import TONE_BEGAN
+from sar_tui.model.messages import ToneBegan
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import open_app
 from tests.app.test_quiet_screen import count_frames
 
 TASK = """
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Frame, Metric, Result, Stimulus
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Frame, Metric, Result, Stimulus
 
 
 class Masked(Task):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Button, OptionList
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store import programmes, wellbeing
 from sar_tui.store.database import connect

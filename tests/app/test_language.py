@@ -15,13 +15,13 @@ from sar_tui.app.screens.session import SessionScreen
 from sar_tui.app.screens.settings import SettingsScreen
 from sar_tui.app.screens.wellbeing import ENDS, PLACES, WellbeingScreen
 from sar_tui.checks.task_translations import texts_in
-from sar_tui.framework.language import language, read_words, slot_problem
-from sar_tui.framework.messages import SensorChanged, SensorState
-from sar_tui.framework.parameters import fields
-from sar_tui.framework.topics import SENSOR
-from sar_tui.framework.translated_settings import COMMON, texts
+from sar_tui.loop.topics import SENSOR
+from sar_tui.model.language import language, read_words, slot_problem
+from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.reports.attempt_results import MARKERS
+from sar_tui.rules.parameters import fields
+from sar_tui.rules.translated_settings import COMMON, texts
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store.wellbeing import NOT_SAID
 from sar_tui.tui.base_app import BaseApp

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from sar_tui.app.screens.large_message import large_message
 from sar_tui.app.screens.waiting_text import WaitingText
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan
 

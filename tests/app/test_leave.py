@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import connect
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded

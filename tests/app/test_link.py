@@ -7,15 +7,15 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import COMMAND, PROMPT, SHOWN, THEME
 from sar_tui.link import protocol
 from sar_tui.link.channel import OutgoingBatch, OutgoingSnapshot
 from sar_tui.link.errors import LinkError
 from sar_tui.link.listening import ListenOptions
 from sar_tui.link.peer import Frame
 from sar_tui.link.protocol import ActReceived, PeerJoined, SnapshotRequested
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import COMMAND, PROMPT, SHOWN, THEME
+from sar_tui.model import messages as m
 from sar_tui.operator.session_state import SessionState
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, open_app, plan, stored

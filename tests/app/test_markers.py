@@ -9,8 +9,8 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers.marker import CODES
 from sar_tui.outputs.markers.sender import Sender
 from sar_tui.plugins import Catalogue

@@ -11,16 +11,17 @@ from textual.geometry import Size
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.home import HomeScreen
-from sar_tui.framework.clock import SECOND, VirtualClock
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.store.database import StoreError
 from tests.app.app_driver import AppDriver, known, open_app, stored
 from tests.settle import settle
 
 LATER = {
-    "sar_tui.framework.task",
-    "sar_tui.framework.messages",
-    "sar_tui.framework.session",
+    "sar_tui.loop.task",
+    "sar_tui.model.messages",
+    "sar_tui.loop.session",
     "sar_tui.store.sessions",
     "sar_tui.outputs.node",
     "sar_tui.runs.run",

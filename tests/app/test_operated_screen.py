@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTION, ARBITER_STATE, COMMAND, DECISION, DROPPED, PENDING_APPROVAL, PRESENCE
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ACTION, ARBITER_STATE, COMMAND, DECISION, DROPPED, PENDING_APPROVAL, PRESENCE
+from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
 from tests.app.fake_voice import Voice

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.screens.pause import PauseMenu
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan
 

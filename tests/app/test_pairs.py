@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.messages import Prompt
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import CUE
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import CUE
+from sar_tui.model.messages import Prompt
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.store import participants

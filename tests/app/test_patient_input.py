@@ -14,10 +14,11 @@ import pytest
 from textual.message import Message
 
 from sar_tui.app.app import SarTui
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.store import participants, passphrase, programmes, sessions
 from sar_tui.store.database import connect
 from sar_tui.store.passphrase import Passphrase

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import sar_tui.app
-import sar_tui.framework
-from sar_tui.framework.language import language, read_words, slot_problem
+import sar_tui.loop
+from sar_tui.model.language import language, read_words, slot_problem
 from sar_tui.plugins import Catalogue, task_folder
 from sar_tui.runs.plan import make_plan
 from tests.app.app_driver import AppDriver, open_app
@@ -30,7 +30,7 @@ def spoken_to(texts: list[str]) -> list[str]:
 @pytest.fixture
 def shipped(catalogue: Catalogue) -> dict[str, str]:
     """All Spanish texts of the screens, without those of themes."""
-    modules = (sar_tui.framework, sar_tui.app)
+    modules = (sar_tui.loop, sar_tui.app)
     folders = [Path(str(module.__file__)).parent for module in modules]
     return language("es", *folders, *(task_folder(catalogue.task(name)) for name in TASKS)).texts
 

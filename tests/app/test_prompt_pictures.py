@@ -10,10 +10,10 @@ from textual.geometry import Region
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.prompt_needs import NO_COLOR
-from sar_tui.framework.parameters import build
-from sar_tui.framework.prompt_colors import OKABE_ITO
-from sar_tui.framework.topics import PROMPT
+from sar_tui.loop.prompt_colors import OKABE_ITO
+from sar_tui.loop.topics import PROMPT
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.prompt_pictures import no_package
@@ -21,8 +21,8 @@ from tests.app.app_driver import AppDriver, open_app
 from tests.documented import write_documented
 
 COLOURED = """
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric, Result, Stimulus
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Metric, Result, Stimulus
 
 
 class Coloured(Task):

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from textual.geometry import Region
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
 

@@ -8,11 +8,11 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.messages import SensorChanged, SensorState
-from sar_tui.framework.node import Node
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import SENSOR
 from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import SENSOR
+from sar_tui.model.messages import SensorChanged, SensorState
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import sensor_nodes

@@ -12,9 +12,9 @@ import pytest
 from sar_tui.app import app as app_module
 from sar_tui.app.app import SarTui, run_app
 from sar_tui.app.live import LiveSession
-from sar_tui.framework.messages import StorageChanged
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import STORAGE
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import STORAGE
+from sar_tui.model.messages import StorageChanged
 from sar_tui.plugins import Catalogue
 from sar_tui.store import participants
 from sar_tui.store.database import FILE, connect, open_file
@@ -64,7 +64,7 @@ async def _settled(app: SarTui, is_so: Any) -> None:
 async def test_a_database_that_is_removed_in_a_session_costs_nothing(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.framework.key_guard.UNREAD", 0)
+    monkeypatch.setattr("sar_tui.rules.key_guard.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.press("enter")
@@ -86,7 +86,7 @@ async def test_a_database_that_is_removed_in_a_session_costs_nothing(
 async def test_a_mistake_that_could_not_be_noted_is_told(
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.framework.key_guard.UNREAD", 0)
+    monkeypatch.setattr("sar_tui.rules.key_guard.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.press("enter")
@@ -105,7 +105,7 @@ async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescu
     data: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.runs.run._LAST_WAIT_MS", 1)
-    monkeypatch.setattr("sar_tui.framework.key_guard.UNREAD", 0)
+    monkeypatch.setattr("sar_tui.rules.key_guard.UNREAD", 0)
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()

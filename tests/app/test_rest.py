@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan
 

@@ -13,10 +13,11 @@ from textual.widgets import Button
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.sensor_check import SensorCheckScreen
 from sar_tui.app.sensor_advice import FLAGS, INVALID, NO_REACH, finding_text, placing, signed
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.task import Task
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.task import Task
+from sar_tui.model.units import SECOND
 from sar_tui.motion.analysis import Finding
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, Profile, SimulatedHand

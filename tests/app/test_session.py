@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, open_app, plan, stored
 from tests.examples import first

@@ -9,10 +9,10 @@ import pytest
 from textual.widgets import Button, Static
 
 from sar_tui.app.screens.settings import SettingsScreen
-from sar_tui.framework.declaration import meta, show
-from sar_tui.framework.parameters import build, fields, grouped
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import meta, show
+from sar_tui.rules.parameters import build, fields, grouped
 from sar_tui.store import programmes
 from sar_tui.store.database import connect
 from sar_tui.store.programmes import Programme

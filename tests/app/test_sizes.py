@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import OptionList
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.framework.theme import Theme
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.choice import Choice

@@ -7,14 +7,14 @@ import pytest
 from msgspec.structs import replace
 
 from sar_tui.app.screens.step_text import decline_text, step_text
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import AskedStep
-from sar_tui.framework.steps.entry import Entry
-from sar_tui.framework.steps.questions import QUESTIONS
-from sar_tui.framework.steps.step import Step
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.messages import AskedStep
+from sar_tui.model.step import Step
+from sar_tui.model.step_entry import Entry
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
+from sar_tui.rules.questions import QUESTIONS
 from sar_tui.runs.plan import make_plan
 from sar_tui.store import sessions
 from sar_tui.store.database import connect

@@ -7,9 +7,9 @@ import pytest
 from textual.widgets import Static
 
 from sar_tui.app.screens.summary import Summary
-from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import AttemptEnded
+from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
 from sar_tui.store import sessions
 from tests.app.app_driver import open_app, plan

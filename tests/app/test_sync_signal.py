@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS, Clock
-from sar_tui.framework.task import Task
+from sar_tui.loop.clock import Clock
+from sar_tui.loop.task import Task
+from sar_tui.model.units import MS
 from sar_tui.outputs.output import Report
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan

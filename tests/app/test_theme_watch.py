@@ -10,8 +10,8 @@ from textual.widgets import OptionList
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.theme_watch import ThemeWatch
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, known, open_app, plan
 from tests.examples import first

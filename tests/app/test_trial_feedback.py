@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import AppDriver, open_app, plan
 from tests.documented import write_documented

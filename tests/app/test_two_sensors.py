@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.widgets.speed_trace import SpeedTrace

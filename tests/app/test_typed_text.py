@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan
 from tests.app.app_driver import open_app
 from tests.documented import write_documented

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.store import adverse_events, wellbeing

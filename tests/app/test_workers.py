@@ -6,7 +6,7 @@ import pytest
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screen_keys import ScreenKeys
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import known, plan, stored
 

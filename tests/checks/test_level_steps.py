@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from sar_tui.checks import level_steps
-from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.rules.parameters import TaskParameters, build
 
 
 def attempts(*means: float, spread: float = 40.0, goal: float = 1000.0) -> list[dict[str, Any]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import sar_tui
 from sar_tui.checks.task_translations import all_texts, declared, texts_in, translated
 from sar_tui.checks.theme import missing
-from sar_tui.framework.language import read_words
+from sar_tui.model.language import read_words
 from sar_tui.plugins import Catalogue, task_folder
 from tests.program import Call
 
@@ -29,7 +29,7 @@ def section(title: str, texts: set[str]) -> str:
 
 def page(catalogue: Catalogue) -> str:
     """The page as it has to be."""
-    shown, session = (set(read_words(_PACKAGE / name / "words.es.toml")) for name in ("app", "framework"))
+    shown, session = (set(read_words(_PACKAGE / name / "words.es.toml")) for name in ("app", "loop"))
     made = [_HEAD, section("Screens", shown), section("Instructions, goals and messages of a session", session - shown)]
     for name in catalogue.task_names():
         kind = catalogue.task(name)

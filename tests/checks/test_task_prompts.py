@@ -9,8 +9,8 @@ from PIL import Image
 from sar_tui.app.prompt_needs import NO_COLOR
 from sar_tui.checks.check import Check
 from sar_tui.checks.task_prompts import checks, size_warning
-from sar_tui.framework.messages import Prompt
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import Prompt
 from sar_tui.plugins import Catalogue
 from tests.widgets.test_big_prompt import prompt
 

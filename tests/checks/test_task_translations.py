@@ -12,7 +12,7 @@ from tests.program import Call
 
 CHECK = "has all its texts in each of its languages"
 TASK = """
-from sar_tui.framework.task import Metric, Quality, Result, Stimulus, Task
+from sar_tui.loop.task import Metric, Quality, Result, Stimulus, Task
 
 _AGAIN = {"gap": "Once more.", "slow": ("Wait.", "Rest.")}
 

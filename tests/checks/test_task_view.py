@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from sar_tui.checks.task_view import contract_problem, drawing_problem
-from sar_tui.framework.bus import Record
-from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.bus import Record
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue, load_task
+from sar_tui.rules.parameters import TaskParameters, build
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE

@@ -4,9 +4,9 @@ from typing import Any, ClassVar
 
 import pytest
 
-from sar_tui.framework.graph import graph, longest_path
-from sar_tui.framework.node import Node, TimedNode, on
-from sar_tui.framework.topics import ACTION, KEY, PERCEIVED, TIMER
+from sar_tui.loop.graph import graph, longest_path
+from sar_tui.loop.node import Node, TimedNode, on
+from sar_tui.loop.topics import ACTION, KEY, PERCEIVED, TIMER
 from tests.program import Call
 
 

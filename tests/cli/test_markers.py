@@ -9,8 +9,8 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.messages import MarkersChanged
-from sar_tui.framework.topics import MARKERS
+from sar_tui.loop.topics import MARKERS
+from sar_tui.model.messages import MarkersChanged
 from sar_tui.reports.marker_summary import marker_summaries
 from sar_tui.store.database import connect_to_read
 from tests.cli.test_sessions import record

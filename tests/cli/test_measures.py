@@ -6,10 +6,10 @@ from statistics import fmean
 import pytest
 
 from sar_tui.app.guarded_view import GuardedView
-from sar_tui.framework.language import Language
-from sar_tui.framework.measure import Measure
-from sar_tui.framework.parameters import build
+from sar_tui.model.language import Language
+from sar_tui.model.measure import Measure
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.store.sessions import attempt_ended
 from tests.documented import write_documented
 from tests.edit import edit

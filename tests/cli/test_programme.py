@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import build, changed, fields
-from sar_tui.framework.settings.limits import LimitSettings
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import build, changed, fields
+from sar_tui.rules.settings.limits import LimitSettings
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.presets import applied, files, find, not_applied
 from sar_tui.runs.programme_file import ProgrammeFile, parse, read, write

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.trial_types import Metric
 from tests.program import Call
 
 

@@ -266,7 +266,7 @@ def test_meanings_of_details_are_told_however_they_are_annotated(call: Call, tap
 def test_a_declared_measure_that_no_attempt_has_is_named(tapping: Path) -> None:
     task = tapping / "task.py"
     source = task.read_text().replace(
-        "import msgspec\n", "import msgspec\n\nfrom sar_tui.framework.measure import Measure\n"
+        "import msgspec\n", "import msgspec\n\nfrom sar_tui.model.measure import Measure\n"
     )
     source = source.replace("    Details =", '    measured = (Measure("pace_ms", "pace", unit="ms"),)\n    Details =')
     task.write_text(source + '\n    def measures(self, results):\n        return {"pace": 1.0}\n')

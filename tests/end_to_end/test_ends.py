@@ -87,7 +87,7 @@ def test_a_participant_cannot_be_in_two_live_sessions(data: Path) -> None:
 _BRITTLE = """
 import time
 
-from sar_tui.framework.task import Metric, Result, Stimulus, Task
+from sar_tui.loop.task import Metric, Result, Stimulus, Task
 
 
 class Brittle(Task):

@@ -13,7 +13,7 @@ from typing import Literal
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.store import participants, programmes
 from sar_tui.store.database import connect
 from sar_tui.store.passphrase import Passphrase

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.parameters import build
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.trial_types import Situation
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Situation
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import (

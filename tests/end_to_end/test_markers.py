@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import SECOND
+from sar_tui.model.units import SECOND
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 from tests.end_to_end.participant_terminal import (

@@ -9,8 +9,9 @@ from statistics import median
 
 import pytest
 
-from sar_tui.framework.clock import MS, host_now
 from sar_tui.link.zenoh_settings import socket_settings
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import MS
 from tests.end_to_end.operator_terminal import Panel, Participant, SessionTerminals, children, is_running
 from tests.end_to_end.participant_terminal import only_session, rows
 
@@ -157,7 +158,7 @@ def test_killed_broker_is_restarted_and_the_operator_reconnects(data: Path) -> N
 RATE, SECONDS = 10_000, 2
 _FLOOD = f"""
 import sys, time, zenoh
-from sar_tui.framework.messages import NoteAdded
+from sar_tui.model.messages import NoteAdded
 from sar_tui.link import protocol
 from sar_tui.link.zenoh_settings import LinkKeys, config
 act = protocol.encode(

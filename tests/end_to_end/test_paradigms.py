@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.timing.pty import Terminal
 from tests.documented import write_documented
 from tests.end_to_end.participant_terminal import (

@@ -10,12 +10,12 @@ from sqlite_utils import Database
 
 from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.drivers.phidget import new_channel
-from sar_tui.framework.clock import LiveClock
-from sar_tui.framework.messages import ImuBlock, SensorChanged
-from sar_tui.framework.topics import IMU, SENSOR
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.sensor import Imu
+from sar_tui.loop.clock import LiveClock
+from sar_tui.loop.topics import IMU, SENSOR
+from sar_tui.model.messages import ImuBlock, SensorChanged
 from sar_tui.motion.samples import unpack
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import Finding
 from sar_tui.store import imu
 from sar_tui.store.database import connect

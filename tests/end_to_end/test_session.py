@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.timing.closed_loop import LEAVE_KEYS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import Press, ScriptedParticipant, random_answers

@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import NoteAdded
-from sar_tui.framework.topics import NOTE_ADDED
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import NOTE_ADDED
+from sar_tui.model.messages import NoteAdded
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start

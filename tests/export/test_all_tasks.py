@@ -15,8 +15,8 @@ import pytest
 from pyarrow import parquet
 
 from sar_tui.export.registry import BUNDLED
-from sar_tui.framework.parameters import fields
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import fields
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.operator import PROFILES

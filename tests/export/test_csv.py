@@ -7,8 +7,8 @@ from pathlib import Path
 import frictionless
 import pytest
 
-from sar_tui.framework.messages import FeedbackChoice
-from sar_tui.framework.messages.loop import Timing
+from sar_tui.model.messages import FeedbackChoice
+from sar_tui.model.messages.loop import Timing
 from sar_tui.store.database import connect
 from sar_tui.store.selection import Request
 from tests.export.exported import export_csv, read_csv

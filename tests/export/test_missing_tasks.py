@@ -15,8 +15,8 @@ from typing import Annotated
 
 import msgspec
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Details, Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Details, Metric
 
 
 class Gone(Task):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.rules import RULES
+from sar_tui.rules.version import RULES
 from sar_tui.store.database import connect
 from tests.export.exported import export_csv, read_csv
 from tests.program import Call

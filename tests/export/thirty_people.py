@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock
 from sar_tui.motion.samples import unpack
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan

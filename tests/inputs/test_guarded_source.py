@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status
 from sar_tui.inputs.imu_feed import Drained, ImuFeed
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.units import MS, SECOND
 
 INFO = Info(source="test", model="By hand", rate_hz=100.0)
 STILL = (0.0, 0.0, 0.0)

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
 from sar_tui.inputs.imu import NOTHING, Info, Sample, Status, Vector
 from sar_tui.inputs.imu_feed import Drained, ImuFeed
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import SAMPLE
 
 INFO = Info(source="test", model="By hand", rate_hz=250.0, rate_range_rad_s=5.0, acceleration_range_m_s2=80.0)

@@ -9,9 +9,9 @@ import pytest
 
 from benchmarks.fake_phidget import FakeSpatial
 from sar_tui.drivers.phidget import new_channel
-from sar_tui.framework.clock import host_now
 from sar_tui.inputs.imu_feed import Drained, ImuFeed
 from sar_tui.inputs.phidget import PhidgetSource
+from sar_tui.loop.clock import host_now
 
 WAIT_S = 60.0
 """Time to wait for another thread before a test fails."""

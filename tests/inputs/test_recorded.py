@@ -8,10 +8,11 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recorded import BLOCK, RecordedSource
+from sar_tui.loop.clock import VirtualClock, host_now
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import SAMPLE, Samples
 
 WAIT_S = 60.0

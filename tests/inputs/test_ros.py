@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers import rosbridge
-from sar_tui.framework.clock import MS, SECOND, host_now
 from sar_tui.inputs.imu import Sample, SourceError, Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.ros import LOOKED_AT, RosImuSource
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import MS, SECOND
 from tests.fake_rosbridge import RosBridge, hide_roslibpy, ros_bridge, wait_until
 
 BORN_NS = 1_760_000_000 * SECOND

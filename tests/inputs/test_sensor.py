@@ -5,13 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.framework.bus import Bus, Record
-from sar_tui.framework.clock import MS, VirtualClock
-from sar_tui.framework.messages import ImuBlock, SensorChanged
-from sar_tui.framework.topics import IMU, SENSOR
 from sar_tui.inputs.imu import Info, Sample, Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import DRAIN, Imu
+from sar_tui.loop.bus import Bus, Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import IMU, SENSOR
+from sar_tui.model.messages import ImuBlock, SensorChanged
+from sar_tui.model.units import MS
 from sar_tui.motion.samples import unpack
 from tests.inputs.test_imu_feed import INFO, ByHand
 

@@ -5,10 +5,11 @@ import threading
 import numpy as np
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
 from sar_tui.inputs.imu import Sample, Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.loop.clock import VirtualClock, host_now
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import Samples
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand

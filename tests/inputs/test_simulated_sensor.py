@@ -10,18 +10,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.messages import ImuBlock, KeyPressed, Message, Stored
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import IMU, KEY, REACH, STORED, TRIAL
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.recording_file import read_recording
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.inputs.simulated_sensor import SimulatedSensor
 from sar_tui.inputs.sources import simulated_hand
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import IMU, KEY, REACH, STORED, TRIAL
+from sar_tui.model.messages import ImuBlock, KeyPressed, Message, Stored
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import Samples
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 from sar_tui.plugins import Catalogue

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.framework.clock import SECOND, VirtualClock
 from sar_tui.inputs import sources
 from sar_tui.inputs.guarded_source import GuardedSource
 from sar_tui.inputs.imu import SourceError
@@ -18,6 +17,8 @@ from sar_tui.inputs.phidget import PhidgetSource
 from sar_tui.inputs.recorded import RecordedSource
 from sar_tui.inputs.simulated import SimulatedSource
 from sar_tui.inputs.sources import open_source, source_names
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.units import SECOND
 from sar_tui.motion.reach_kinds import KINDS
 from sar_tui.motion.simulated_arm import SimulatedArm
 from sar_tui.motion.synthesis import PROFILES

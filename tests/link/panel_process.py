@@ -7,11 +7,11 @@ import asyncio
 import sys
 from typing import get_args
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.topics import NOTE_ADDED
 from sar_tui.link.client import connect
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.peer import Connection, PeerEvent, Welcome
+from sar_tui.loop.topics import NOTE_ADDED
+from sar_tui.model import messages as m
 
 
 async def main(session: str, link: str, name: str, role: str) -> None:

@@ -3,10 +3,6 @@
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import COMMAND, NOTE_ADDED
 from sar_tui.link import protocol
 from sar_tui.link.admission import Admission
 from sar_tui.link.protocol import (
@@ -21,6 +17,10 @@ from sar_tui.link.protocol import (
     SessionMessage,
     SnapshotRequested,
 )
+from sar_tui.loop.topics import COMMAND, NOTE_ADDED
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Message
+from sar_tui.model.units import MS, SECOND
 
 ANNA, OLAF = "operator.anna", "observer.olaf"
 NOTE = m.NoteAdded(text="well")

@@ -8,10 +8,6 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record
-from sar_tui.framework.parameters import TaskParameters, fields
-from sar_tui.framework.topics import KEY, LEVEL, NOTE_ADDED
 from sar_tui.link import client, protocol
 from sar_tui.link.authority import Authority
 from sar_tui.link.discovery import JoinableSession
@@ -20,6 +16,10 @@ from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, T
 from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.transport import Received
 from sar_tui.link.zenoh_settings import Endpoint, Guest
+from sar_tui.loop.bus import Record
+from sar_tui.loop.topics import KEY, LEVEL, NOTE_ADDED
+from sar_tui.model import messages as m
+from sar_tui.rules.parameters import TaskParameters, fields
 from tests.link.test_node import ANNA
 from tests.link.test_node import WELCOME as BASE_WELCOME
 

@@ -18,10 +18,6 @@ import msgspec
 import pytest
 import zenoh
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Record, Topic
-from sar_tui.framework.clock import MS, LiveClock
-from sar_tui.framework.topics import NOTE_ADDED, PRESENCE, REFUSED, SESSION
 from sar_tui.link import protocol
 from sar_tui.link.broker_process import BrokerProcess
 from sar_tui.link.client import connect
@@ -31,6 +27,11 @@ from sar_tui.link.listening import ListenOptions, open_link
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import Connection, Frame, Peer, PeerEvent, Welcome
 from sar_tui.link.zenoh_settings import LinkKeys, config, host_settings, socket_settings
+from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.clock import LiveClock
+from sar_tui.loop.topics import NOTE_ADDED, PRESENCE, REFUSED, SESSION
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS
 from tests.link.test_node import STARTED, WELCOME
 from tests.link.tls_fixtures import eventually
 

@@ -7,11 +7,10 @@ from collections.abc import Callable
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import (
+from sar_tui.link import protocol
+from sar_tui.link.protocol import ActReceived, PeerJoined, Ping, ProtocolError
+from sar_tui.loop.bus import Record
+from sar_tui.loop.topics import (
     ALL,
     COMMAND,
     DECISION,
@@ -23,8 +22,9 @@ from sar_tui.framework.topics import (
     REFUSED,
     REMARK,
 )
-from sar_tui.link import protocol
-from sar_tui.link.protocol import ActReceived, PeerJoined, Ping, ProtocolError
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Message
+from sar_tui.model.units import MS, SECOND
 from tests.examples import fewer
 from tests.link.test_admission import ANNA, OLAF
 from tests.link.test_admission import Bench as AdmissionBench

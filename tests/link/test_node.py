@@ -6,13 +6,24 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus, Record, Topic
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.messages import Message
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import (
+from sar_tui.link import protocol
+from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
+from sar_tui.link.node import LinkNode
+from sar_tui.link.peer import MarkKey, Welcome
+from sar_tui.link.protocol import (
+    ActReceived,
+    BrokerEvent,
+    PeerJoined,
+    PeerLeft,
+    PeerUnproven,
+    RequestRefused,
+    SnapshotRequested,
+)
+from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.marks import TrialMark
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import (
     COMMAND,
     CUE,
     DECISION,
@@ -28,19 +39,9 @@ from sar_tui.framework.topics import (
     SHOWN,
     WAITING,
 )
-from sar_tui.link import protocol
-from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
-from sar_tui.link.node import LinkNode
-from sar_tui.link.peer import MarkKey, Welcome
-from sar_tui.link.protocol import (
-    ActReceived,
-    BrokerEvent,
-    PeerJoined,
-    PeerLeft,
-    PeerUnproven,
-    RequestRefused,
-    SnapshotRequested,
-)
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Message
+from sar_tui.model.units import MS, SECOND
 
 ANNA, BEN, OLAF = "operator.anna", "operator.ben", "observer.olaf"
 WELCOME = Welcome(

@@ -1,9 +1,9 @@
 """Tests for the welcome that a session sends to its peers."""
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
 from sar_tui.link.peer import session_welcome
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 
 
 def made(name: str, **parameters: object) -> Task:

@@ -1,8 +1,8 @@
 """Presence of peers, and which operator is in control."""
 
-from sar_tui.framework.clock import MS, SECOND
 from sar_tui.link.control_lock import ControlLock
 from sar_tui.link.presence import FIRST_ANSWER_WITHIN, MAX_PEERS, Presence
+from sar_tui.model.units import MS, SECOND
 
 
 def test_silent_peer_is_lost_once() -> None:

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record
-from sar_tui.framework.messages import Message
-from sar_tui.framework.topics import ALL, COMMAND, DECISION, KEY, NOTE_ADDED, REMARK, TRIAL
 from sar_tui.link import protocol
 from sar_tui.link.protocol import ProtocolError
+from sar_tui.loop.bus import Record
+from sar_tui.loop.topics import ALL, COMMAND, DECISION, KEY, NOTE_ADDED, REMARK, TRIAL
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Message
 
 NOTE = m.NoteAdded(text="The left hand tires.\nSince trial 4.", at=5)
 

@@ -1,7 +1,7 @@
 """Token bucket and report throttle."""
 
-from sar_tui.framework.clock import MS, SECOND
 from sar_tui.link.rate_limit import ReportThrottle, TokenBucket
+from sar_tui.model.units import MS, SECOND
 
 
 def test_bucket_passes_a_burst_then_the_rate() -> None:

@@ -1,8 +1,8 @@
 """Estimate of the session's clock in another program."""
 
-from sar_tui.framework.clock import MS, SECOND
 from sar_tui.link.protocol import Pong
 from sar_tui.link.remote_clock import RemoteClock
+from sar_tui.model.units import MS, SECOND
 
 AHEAD = 1000 * SECOND
 

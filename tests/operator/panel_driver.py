@@ -13,13 +13,6 @@ from rich.console import Console
 from textual.events import Key
 from textual.pilot import Pilot
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.messages import Message, Role
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.trial_types import Metric
 from sar_tui.link.peer import (
     Connection,
     Frame,
@@ -30,6 +23,14 @@ from sar_tui.link.peer import (
     TerminalState,
     Welcome,
 )
+from sar_tui.loop import topics as t
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Message, Role
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import Metric
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.app import WizardApp
 from sar_tui.operator.screen import PanelScreen
 from sar_tui.plugins import Catalogue

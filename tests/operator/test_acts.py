@@ -5,15 +5,15 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import Message, Role
-from sar_tui.framework.steps.step import Step
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STEP_ENDED, STOPPED, WAITING
 from sar_tui.link.peer import Connection, Frame
 from sar_tui.link.session_feed import SENT
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STEP_ENDED, STOPPED, WAITING
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Message, Role
+from sar_tui.model.step import Step
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.operator import status_view
 from sar_tui.operator.act import SLOW, Act
 from sar_tui.operator.commands import Commands

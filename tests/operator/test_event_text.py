@@ -2,9 +2,9 @@
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.bus import Topic
+from sar_tui.loop import topics as t
+from sar_tui.loop.bus import Topic
+from sar_tui.model import messages as m
 from sar_tui.operator.event_text import event_line
 from tests.operator import panel_driver as b
 

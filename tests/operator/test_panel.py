@@ -9,11 +9,11 @@ from msgspec.structs import replace
 from textual.events import Key, Paste
 from textual.widgets import Static
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import Role
 from sar_tui.link.peer import Connection
+from sar_tui.loop import topics as t
+from sar_tui.model import messages as m
+from sar_tui.model.messages import Role
+from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.commands import Commands
 from sar_tui.operator.keymap import FILE
 from sar_tui.operator.proposal_strip import ProposalStrip

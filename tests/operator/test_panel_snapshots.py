@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
 from sar_tui.link.peer import Connection
+from sar_tui.loop import topics as t
+from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
 from tests.album import Album
 from tests.examples import first

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.theme import Theme
 from sar_tui.link.peer import Connection
+from sar_tui.loop import topics as t
+from sar_tui.model import messages as m
+from sar_tui.model.theme import Theme
 from sar_tui.operator.keymap import EVENTS, FILE, KEY_COMMANDS, KeymapFile, is_key, key_name, read
 from sar_tui.operator.palette import PER_PAGE, PhraseBook, pages
 from sar_tui.operator.phrases import Phrase, fill, slot_values

@@ -2,9 +2,9 @@
 
 from msgspec.structs import replace
 
-from sar_tui.framework.messages import AskedStep
-from sar_tui.framework.steps.entry import Entry
-from sar_tui.framework.steps.step import Step
+from sar_tui.model.messages import AskedStep
+from sar_tui.model.step import Step
+from sar_tui.model.step_entry import Entry
 from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.status_view import waiting_text
 from tests.operator.panel_driver import waiting

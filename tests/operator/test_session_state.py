@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from rich.cells import cell_len
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.marks import TrialMark
 from sar_tui.link.peer import Connection, MotionTrace
+from sar_tui.loop import topics as t
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.marks import TrialMark
+from sar_tui.model import messages as m
+from sar_tui.model.units import SECOND
 from sar_tui.operator import proposal_view, status_view
 from sar_tui.operator.act import Act
 from sar_tui.operator.event_log import Line

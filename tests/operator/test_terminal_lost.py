@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.clock import SECOND
 from sar_tui.link.peer import Connection
+from sar_tui.loop import topics as t
+from sar_tui.model import messages as m
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.tui.terminal_probe import TerminalProbe
 from tests.operator.panel_driver import ANNA, open_panel, welcome

@@ -10,10 +10,11 @@ from collections.abc import Callable, Sequence
 
 import msgspec
 
-from sar_tui.framework.clock import MS, Clock, VirtualClock
-from sar_tui.framework.gesture import Gesture, Keyframe
-from sar_tui.framework.messages import ActionPart
-from sar_tui.framework.theme import FACES, Colors, Note, Theme
+from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.model.gesture import Gesture, Keyframe
+from sar_tui.model.messages import ActionPart
+from sar_tui.model.theme import FACES, Colors, Note, Theme
+from sar_tui.model.units import MS
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.report_validation import valid_report
 

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 
-from sar_tui.framework.clock import MS, Clock, Handle
-from sar_tui.framework.messages import ActionPart
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock, Handle
+from sar_tui.model.messages import ActionPart
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS
 from sar_tui.outputs.output import Output, Report
 
 EVERYTHING: frozenset[ActionPart] = frozenset({"say", "show", "gesture", "gaze", "tone"})

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock
 from sar_tui.outputs.ros import SETTLE, Ros
 from tests.fake_rosbridge import Manner, RosBridge, ros_bridge
 from tests.outputs.contract import WAIT_S, Rig

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sar_tui.app.agent.output import DrawnAgent
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.gesture import Gesture
-from sar_tui.framework.messages import Action
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.gesture import Gesture
+from sar_tui.model.messages import Action
+from sar_tui.model.theme import Theme
 from tests.outputs.contract import Rig
 
 

@@ -5,7 +5,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from benchmarks.fake_phidget import SERVO_LIMITS
-from sar_tui.framework.clock import MS, Clock, VirtualClock
+from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.model.units import MS
 from sar_tui.outputs.servo.servo import Servo
 from tests.outputs.contract import Rig
 

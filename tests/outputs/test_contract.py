@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, contextmanager
 
 import pytest
 
-from sar_tui.framework.clock import LiveClock
+from sar_tui.loop.clock import LiveClock
 from tests.needs_speech import needs_speech
 from tests.outputs.contract import CHECKS, Rig
 from tests.outputs.ros_fixtures import ros_rig

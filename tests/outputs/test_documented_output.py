@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.task import Task
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.task import Task
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs import outputs
 from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT
 from sar_tui.outputs.output import OutputError

@@ -7,13 +7,14 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import FAULT, Bus, Topic
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.messages import ActionPart
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.loop.bus import FAULT, Bus, Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.model import messages as m
+from sar_tui.model.messages import ActionPart
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.node import PER_CHARACTER, STOP_TIMEOUT, TIMEOUT, OutputNode
 from sar_tui.outputs.output import Output, OutputError, Report
 from tests.outputs.contract import THEME as PLAIN_THEME

@@ -7,15 +7,16 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import MS, VirtualClock
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import TONES, Theme
-from sar_tui.framework.topics import OUTPUT
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import OUTPUT
+from sar_tui.model.theme import TONES, Theme
+from sar_tui.model.units import MS
 from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.outputs import check_outputs, open_outputs, output_names
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.run import output_nodes
 from sar_tui.runs.simulate import simulate

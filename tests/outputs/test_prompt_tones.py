@@ -8,12 +8,13 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Bus
-from sar_tui.framework.clock import MS, SECOND, VirtualClock, host_now
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.tone import Tone
-from sar_tui.framework.topics import KEY, TONE_BEGAN, TONE_DUE, TONES_AHEAD, VOIDED
+from sar_tui.loop.bus import Bus
+from sar_tui.loop.clock import VirtualClock, host_now
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.topics import KEY, TONE_BEGAN, TONE_DUE, TONES_AHEAD, VOIDED
+from sar_tui.model import messages as m
+from sar_tui.model.tone import Tone
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.prompt_tones import PromptTones
 from sar_tui.outputs.sound import tone_process
 from sar_tui.outputs.sound.tone_process import Onset, ToneProcess

@@ -13,7 +13,8 @@ import msgspec
 import pytest
 
 from sar_tui.drivers import rosbridge
-from sar_tui.framework.clock import MS, SECOND, LiveClock
+from sar_tui.loop.clock import LiveClock
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.node import STOP_TIMEOUT
 from sar_tui.outputs.output import OutputError, Report
 from sar_tui.outputs.ros import ANSWER, CONFIRM, LONGEST, PATIENCE, SETTLE, Ros

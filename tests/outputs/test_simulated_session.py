@@ -8,11 +8,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from sar_tui.framework.bus import Bus
-from sar_tui.framework.clock import SECOND, LiveClock, VirtualClock
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import REPORT
+from sar_tui.loop.bus import Bus
+from sar_tui.loop.clock import LiveClock, VirtualClock
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import REPORT
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue

@@ -7,8 +7,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.theme import Theme, Voice
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.theme import Theme, Voice
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.sound.samples import RATE, peak
 from sar_tui.outputs.speech import LONGEST

@@ -6,8 +6,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.theme import TONES, Note, Theme
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.theme import TONES, Note, Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.sound.samples import tone
 from tests.needs_speech import needs_speech

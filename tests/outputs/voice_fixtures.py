@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sar_tui.framework.clock import Clock, LiveClock, VirtualClock
-from sar_tui.framework.messages import ActionPart
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock, LiveClock, VirtualClock
+from sar_tui.model.messages import ActionPart
+from sar_tui.model.theme import Theme
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.outputs.speech import Speech

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import Line, lines
 from sar_tui.progress.task_level import AttemptResult, on_axis, places, to_level

@@ -12,9 +12,10 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.rules import RULES
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.version import RULES
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start
 from sar_tui.runs.simulate import simulate

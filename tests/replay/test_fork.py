@@ -9,11 +9,11 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.parameters import build
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.fork import fork, summary
 from sar_tui.replay.played_again import play, read_responses
 from sar_tui.replay.response_model import Counts, Response, ResponseModel
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE, Person

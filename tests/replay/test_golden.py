@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import tests.store.test_earlier_data as earlier
-from sar_tui.framework.rules import RULES
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
+from sar_tui.rules.version import RULES
 from sar_tui.store import sessions
 from sar_tui.store.database import connect
 

@@ -12,8 +12,9 @@ import msgspec
 import pytest
 
 import tests.store.test_earlier_data as earlier
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.topics import SESSION
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import SESSION
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume, start

@@ -7,9 +7,9 @@ import pytest
 from textual.widgets import Static
 
 from sar_tui.app import watch
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import (
+from sar_tui.loop.bus import Record
+from sar_tui.loop.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME, TRIAL_FEEDBACK
+from sar_tui.model.messages import (
     AttemptStarted,
     FrameDue,
     KeyPressed,
@@ -18,8 +18,8 @@ from sar_tui.framework.messages import (
     ThemeApplied,
     TrialFeedback,
 )
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_STARTED, FRAME, KEY, PROMPT, SESSION, THEME, TRIAL_FEEDBACK
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
 from sar_tui.store import sessions

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sar_tui.framework import messages as m
+from sar_tui.model import messages as m
 from sar_tui.reports.logged_messages import LoggedMessage
 
 ANNA = "operator.anna"

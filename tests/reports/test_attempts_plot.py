@@ -2,8 +2,8 @@
 
 import pytest
 
-from sar_tui.framework.messages import Outcome
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.messages import Outcome
+from sar_tui.model.trial_types import Metric
 from sar_tui.reports.attempt_results import ResultName, result_name
 from sar_tui.reports.attempts_plot import BARS, attempts_figure, round_numbers
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework import messages as m
+from sar_tui.model import messages as m
 from sar_tui.reports.deviations import Deviation, deviations
 from tests.reports.session_script import ANNA, Script
 

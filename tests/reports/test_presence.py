@@ -3,9 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.model import messages as m
 from sar_tui.reports.presence import KINDS, MODES, mode_times, presence
+from sar_tui.rules.parameters import TaskParameters
 from tests.reports.session_script import ANNA, Script
 
 STILL = m.Waiting(what="enter", stage="attempt")

@@ -9,9 +9,8 @@ from typing import Literal
 import pytest
 
 from sar_tui.checks.task_translations import texts_in
-from sar_tui.framework.policies.wellbeing import SessionRatings
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports import comparison_words, dose_words, progress_words
@@ -21,6 +20,7 @@ from sar_tui.reports.progress_charts import result_chart
 from sar_tui.reports.progress_figures import level_figure, result_figure
 from sar_tui.reports.progress_parts import level_part, results_part
 from sar_tui.reports.session_chart import Columns
+from sar_tui.rules.wellbeing import SessionRatings
 from sar_tui.store.adverse_events import AdverseEvent
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in

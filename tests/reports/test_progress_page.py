@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.policies.wellbeing import SessionRatings
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports import html_page, progress_charts, progress_page, progress_words
 from sar_tui.reports.progress import progress
+from sar_tui.rules.wellbeing import SessionRatings
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.reports.test_progress import SPANISH, fell, steady
 from tests.untranslated import english_in

@@ -4,9 +4,9 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.parameters import TaskParameters
+from sar_tui.model import messages as m
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
+from sar_tui.rules.parameters import TaskParameters
 from tests.reports.session_script import Script, action, decision, level_decided, pending, proposal, seen
 
 ALONE = TaskParameters()

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.distribution import Distribution
 from sar_tui.reports.logged_messages import LoggedMessage, read

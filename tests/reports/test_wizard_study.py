@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework import messages as m
+from sar_tui.model import messages as m
 from sar_tui.reports.wizard_study import ALIKE, Exclusion, OperatedSession, WizardStudy, read_session, study
 from sar_tui.reports.wizard_study_words import sections
 from tests.reports.session_script import Script, action, pending, proposal, seen

@@ -8,9 +8,10 @@ import os
 import sys
 from pathlib import Path
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import Stored
-from sar_tui.framework.topics import STORED, WAITING
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import STORED, WAITING
+from sar_tui.model.messages import Stored
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs import run as run_module
 from sar_tui.runs.plan import make_plan

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.bus import FAULT
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import Fault, StepEnded
-from sar_tui.framework.steps.entry import Entry
-from sar_tui.framework.topics import STEP_ENDED, WAITING
+from sar_tui.loop.bus import FAULT
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import STEP_ENDED, WAITING
+from sar_tui.model.messages import Fault, StepEnded
+from sar_tui.model.step_entry import Entry
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import Run, resume, start

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from sqlite_utils import Database
 
-from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.model.random_streams import RandomStreams
 from sar_tui.store import sessions
 from sar_tui.store.database import FILE, VERSION, connect
 from sar_tui.store.last_saved import losses

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import Waiting
-from sar_tui.framework.policies.limits import Dose, is_session_over, reached_of_day
-from sar_tui.framework.settings.limits import LimitSettings
-from sar_tui.framework.topics import WAITING
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import WAITING
+from sar_tui.model.messages import Waiting
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.limits import Dose, is_session_over, reached_of_day
+from sar_tui.rules.settings.limits import LimitSettings
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.run import Run, start
 from sar_tui.simulation.participant import SimulatedParticipant

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import PROPOSED, SESSION
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import PROPOSED, SESSION
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.run import Run, resume, start
 from sar_tui.runs.simulate import simulate

@@ -5,14 +5,15 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import FAULT, Bus
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.plugin_calls import under_way
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import KEY
+from sar_tui.loop.bus import FAULT, Bus
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import KEY
+from sar_tui.model import messages as m
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
+from sar_tui.plugin_calls import under_way
 from sar_tui.runs.plugin_watchdog import NotResponding, PluginWatchdog
 from tests.outputs.contract import THEME
 from tests.outputs.fake_outputs import FakeOutput

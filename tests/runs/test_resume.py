@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.node import Node
-from sar_tui.framework.session import Session
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.session import Session
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
 from sar_tui.runs.plan import Plan, make_plan
@@ -100,7 +101,7 @@ def test_the_progress_of_a_resume_is_told(data: Path) -> None:
 # --- state that an earlier version stored ----------------------------------------------------------------------------
 
 _A_FOLDER = b"cposix\nmkdir\n(Vharm\ntR."
-_A_CLASS = b"csar_tui.framework.session\nSession\n(N}Vharm\nI01\nstb."
+_A_CLASS = b"csar_tui.loop.session\nSession\n(N}Vharm\nI01\nstb."
 """Pickles: one makes a folder, one changes a class of the program."""
 
 

@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.topics import SESSION, WAITING
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import SESSION, WAITING
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.deviations import deviations
 from sar_tui.reports.logged_messages import read

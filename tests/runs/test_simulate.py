@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import pytest
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import ActionPart
-from sar_tui.framework.node import Node
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import ActionPart
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output
 from sar_tui.plugins import Catalogue

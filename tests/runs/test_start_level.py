@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.node import Node
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import start

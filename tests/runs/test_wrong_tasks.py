@@ -9,9 +9,9 @@ from tests.program import Call
 
 SOURCE = """
 import math
-from sar_tui.framework.steps.step import Step
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric, Result, Show, Stimulus
+from sar_tui.model.step import Step
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Metric, Result, Show, Stimulus
 
 
 class Wrong(Task):

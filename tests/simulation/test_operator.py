@@ -9,14 +9,14 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import build
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import MODE, STORED
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import MODE, STORED
+from sar_tui.model import messages as m
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.theme import Theme
+from sar_tui.rules.parameters import build
 from sar_tui.simulation.operator import NAME, PROFILES, TOO_LATE_TO_STOP, OperatorProfile, SimulatedOperator
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE

@@ -5,14 +5,14 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.node import Node, on
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, KEY, PERCEIVED, PROPOSED, STORED, TRIAL
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import ATTEMPT_ENDED, CUE, FEEDBACK, KEY, PERCEIVED, PROPOSED, STORED, TRIAL
+from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.examples import first

@@ -5,18 +5,19 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import MS, VirtualClock
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import ATTEMPT_ENDED, PROPOSED, REACH, SENSOR, TRIAL
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import ATTEMPT_ENDED, PROPOSED, REACH, SENSOR, TRIAL
+from sar_tui.model.units import MS
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant import SimulatedParticipant, SimulatedPartner

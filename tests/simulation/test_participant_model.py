@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.random_streams import RandomStreams
+from sar_tui.model.random_streams import RandomStreams
 from sar_tui.simulation.participant_model import PEOPLE, Person
 
 STEADY = Person("steady", 300, 150, sigma_ms=80, tau_ms=120, errors=0.1, misses=0.05, practice=0, fatigue=0)

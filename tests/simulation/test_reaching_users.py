@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Performance
+from sar_tui.loop.task import Task
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Performance
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate

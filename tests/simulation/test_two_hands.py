@@ -6,15 +6,16 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.declaration import ParameterError, meta
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build, changed
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import REACH, SENSOR, WAITING
-from sar_tui.framework.trial_types import Again, Trial
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import REACH, SENSOR, WAITING
+from sar_tui.model import messages as m
+from sar_tui.model.trial_types import Again, Trial
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import ParameterError, meta
+from sar_tui.rules.parameters import build, changed
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.sensors import open_sensor, open_sensors
 from sar_tui.runs.simulate import simulate

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import pytest
 from sqlite_utils import Database
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import Plan, make_plan
 from sar_tui.runs.simulate import simulate

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 import tests.replay
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import NoteAdded, RecordChanged, SessionCommand
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import COMMAND, NOTE_ADDED
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import COMMAND, NOTE_ADDED
+from sar_tui.model.messages import NoteAdded, RecordChanged, SessionCommand
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
 from sar_tui.runs.plan import make_plan

@@ -11,8 +11,9 @@ import pytest
 from msgspec.structs import replace
 
 import sar_tui
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.task import Task
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.task import Task
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.dose import days_of
 from sar_tui.runs.patient_plan import unfinished

@@ -12,12 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import KeyPressed, SessionStarted
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import KEY, SESSION
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import KEY, SESSION
+from sar_tui.model.messages import KeyPressed, SessionStarted
+from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import resume
 from sar_tui.simulation.participant import SimulatedParticipant

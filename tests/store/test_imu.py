@@ -12,11 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sqlite_utils import Database
 
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import MS, VirtualClock
-from sar_tui.framework.messages import ImuBlock, KeyPressed, SensorChanged
-from sar_tui.framework.session import Session
-from sar_tui.framework.topics import IMU, KEY, REACH, SENSOR, STORAGE, STORED, TRIAL, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.topics import IMU, KEY, REACH, SENSOR, STORAGE, STORED, TRIAL, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.model.messages import ImuBlock, KeyPressed, SensorChanged
+from sar_tui.model.units import MS
 from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
 from sar_tui.store import imu, sessions
 from sar_tui.store.database import StoreError, connect

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.runs.plan import Failed, Plan, make_plan
 from sar_tui.runs.run import resume, start
@@ -30,7 +30,7 @@ sys.stdin.read()
 KILLED = """
 import os, sys
 from pathlib import Path
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.run import start

@@ -8,10 +8,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import KEY, PRESENCE, SENSOR, WAITING
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import KEY, PRESENCE, SENSOR, WAITING
+from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate

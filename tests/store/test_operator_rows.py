@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.topics import COMMAND, DECISION, NOTE_ADDED, PENDING_APPROVAL, PRESENCE, PROPOSAL_SEEN, REMARK
+from sar_tui.loop.topics import COMMAND, DECISION, NOTE_ADDED, PENDING_APPROVAL, PRESENCE, PROPOSAL_SEEN, REMARK
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS, SECOND
 from sar_tui.store import sessions
 from tests.store.test_recorder import Recorded
 

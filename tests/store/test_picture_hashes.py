@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.store.provenance import software
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.reports import logged_messages
 from sar_tui.reports.output_summary import output_summaries

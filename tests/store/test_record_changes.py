@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.messages import RecordChanged, SessionCommand
-from sar_tui.framework.topics import COMMAND, RECORD_CHANGED
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.topics import COMMAND, RECORD_CHANGED
+from sar_tui.model.messages import RecordChanged, SessionCommand
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.replay import replay
 from sar_tui.runs.plan import Plan

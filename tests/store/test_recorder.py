@@ -10,17 +10,18 @@ import msgspec
 import pytest
 from sqlite_utils import Database
 
-from sar_tui.framework.bus import Bus, Record, Topic
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.messages import KeyPressed, SessionCommand, StorageChanged, Stored, Timing, TrialEnded
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ACTION, ATTEMPT_ENDED, COMMAND, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.loop.bus import Bus, Record, Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, COMMAND, STORAGE, STORED, TRIAL, WAITING
+from sar_tui.model.messages import KeyPressed, SessionCommand, StorageChanged, Stored, Timing, TrialEnded
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, Report
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import sessions

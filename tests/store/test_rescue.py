@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.topics import STORAGE, STORED, TRIAL, WAITING
+from sar_tui.loop.topics import STORAGE, STORED, TRIAL, WAITING
 from sar_tui.store import participants, programmes, sessions
 from sar_tui.store.database import FILE, Moved, StoreConnection, StoreError, connect, open_file, transaction
 from sar_tui.store.integrity import flaws

@@ -1,8 +1,8 @@
 """Rows of messages that are written together: the last version of a trial is stored."""
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.topics import ALL, MARKED, TRIAL
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.topics import ALL, MARKED, TRIAL
+from sar_tui.model import messages as m
 from sar_tui.store.messages import Numbers
 from sar_tui.store.rows import rows_of
 

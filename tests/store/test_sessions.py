@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sqlite_utils import Database
 
-from sar_tui.framework.parameters import TaskParameters, build
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ALL
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ALL
+from sar_tui.model.trial_types import Metric
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import TaskParameters, build
 from sar_tui.store import sessions
 from sar_tui.store.database import StoreError, connect
 from sar_tui.store.locks import hold

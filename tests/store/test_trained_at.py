@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.policies.limits import Dose
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.progress import progress
+from sar_tui.rules.limits import Dose
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE

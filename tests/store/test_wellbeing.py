@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from sar_tui.app.home.contents import read_card
-from sar_tui.framework.policies.wellbeing import SessionRatings, tell_therapist
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.progress import progress
 from sar_tui.reports.progress_words import warnings, words
+from sar_tui.rules.wellbeing import SessionRatings, tell_therapist
 from sar_tui.store import participants, sessions, wellbeing
 from sar_tui.store.database import connect
 from sar_tui.store.integrity import flaws

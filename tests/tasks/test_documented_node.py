@@ -12,15 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sar_tui.framework.bus import Bus, Record
-from sar_tui.framework.clock import MS, VirtualClock
-from sar_tui.framework.messages import ImuBlock
-from sar_tui.framework.parameters import build
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import IMU, PERCEIVED, REACH, TRIAL
+from sar_tui.loop.bus import Bus, Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import IMU, PERCEIVED, REACH, TRIAL
+from sar_tui.model.messages import ImuBlock
+from sar_tui.model.units import MS
 from sar_tui.motion.samples import SAMPLE, pack
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from sar_tui.runs.plan import Failed, make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE

@@ -13,15 +13,15 @@ from sar_tui.checks import task_translations
 from sar_tui.checks.task import check
 from sar_tui.export.damage import Damage
 from sar_tui.export.tables.trials import trials
-from sar_tui.framework import trial_types
-from sar_tui.framework.bus import Record
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.parameters import ParameterError, build
-from sar_tui.framework.policies.staircase import Staircase
-from sar_tui.framework.session import Session
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import KEY, PROMPT, STEP_ENDED, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN, TYPED
+from sar_tui.loop.bus import Record
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.session import Session
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import KEY, PROMPT, STEP_ENDED, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN, TYPED
+from sar_tui.model import trial_types
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import ParameterError, build
+from sar_tui.rules.staircase import Staircase
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE
@@ -183,7 +183,7 @@ def test_two_people_answer_each_their_own_sign(tmp_path: Path) -> None:
 MISTAKES = [
     ('name = "arrows"', 'name = "arows"', "has the name arows; the two must be the same."),
     ("def instructions", "def instruction", "The task arrows does not define instructions."),
-    ("import Task", "import Tasks", "cannot import name 'Tasks' from 'sar_tui.framework.task'."),
+    ("import Task", "import Tasks", "cannot import name 'Tasks' from 'sar_tui.loop.task'."),
     ("percept.key,", "percept.ky,", "'KeyPerceived' object has no attribute 'ky', line 23 of task.py"),
     (
         "situation.streams.choice(",

@@ -4,10 +4,10 @@ from statistics import NormalDist, fmean
 
 import pytest
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import PROMPT, TRIAL
-from sar_tui.framework.trial_types import Result
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import PROMPT, TRIAL
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import Result
 from sar_tui.plugins import Catalogue
 from sar_tui.simulation.effect import Effect, mean_time
 from sar_tui.validation.effects import effects, play

@@ -6,10 +6,10 @@ from statistics import fmean
 
 import pytest
 
-from sar_tui.framework.messages import TrialEnded
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.trial_types import PastAttempt, Score
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import TrialEnded
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import PastAttempt, Score
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.effects import effects, play
 

@@ -5,10 +5,10 @@ from statistics import fmean, stdev
 
 import pytest
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import PROMPT, TRIAL
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import PROMPT, TRIAL
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.effects import effects, play
 from tests.loop_driver import LoopDriver

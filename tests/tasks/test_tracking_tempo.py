@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.motion.samples import SAMPLE, Samples
 from sar_tui.plugins import Catalogue
 from sar_tui.validation.effects import effects, play

@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 
 from sar_tui.checks.task_translations import declared, numbers, problems, remarks_in, texts_in
-from sar_tui.framework import language as module
-from sar_tui.framework.language import language, read_words, slot_problem
-from sar_tui.framework.messages import Action, Feedback, Prompt, Waiting
-from sar_tui.framework.parameters import build, fields
-from sar_tui.framework.phrase_keys import holds_number
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.translated_settings import texts as setting_texts
-from sar_tui.framework.trial_types import Situation, Stimulus
+from sar_tui.loop import task as module
+from sar_tui.loop.phrase_keys import holds_number
+from sar_tui.loop.task import Task
+from sar_tui.model.language import language, read_words, slot_problem
+from sar_tui.model.messages import Action, Feedback, Prompt, Waiting
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Situation, Stimulus
 from sar_tui.plugins import Catalogue, task_folder
+from sar_tui.rules.parameters import build, fields
+from sar_tui.rules.translated_settings import texts as setting_texts
 from sar_tui.runs.plan import make_plan
 from sar_tui.runs.simulate import simulate
 from sar_tui.simulation.participant_model import PEOPLE

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.gesture import GESTURES
-from sar_tui.framework.phrase_keys import PHRASE_KEYS, VOCABULARY
-from sar_tui.framework.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
+from sar_tui.loop.phrase_keys import PHRASE_KEYS, VOCABULARY
+from sar_tui.model.gesture import GESTURES
+from sar_tui.model.theme import FACES, MANNERS, Manner, Theme, ThemeError, Voice
 from sar_tui.plugins import Catalogue, PluginError, load_theme
 from sar_tui.theme_folder import files, languages, may_have_images, read, read_theme
 from tests.edit import edit

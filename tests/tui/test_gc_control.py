@@ -4,7 +4,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.tui import gc_control
 from sar_tui.tui.gc_control import GcControl
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.tui import timestamps
 from sar_tui.tui.timestamps import OnsetWatch
 

@@ -16,8 +16,8 @@ from textual.geometry import Size
 from textual.message import Message
 
 from sar_tui.app.agent.app import AgentApp
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.tui import terminal_input
 from sar_tui.tui.base_app import BaseApp

@@ -6,8 +6,8 @@ import pytest
 from textual import events
 from textual._xterm_parser import XTermParser
 
-from sar_tui.framework.clock import MS, SECOND
 from sar_tui.link.peer import TerminalState
+from sar_tui.model.units import MS, SECOND
 from sar_tui.tui import terminal_probe
 from sar_tui.tui.terminal_probe import INTERVAL_S, MAX_UNANSWERED, QUERY, TerminalProbe, is_relayed
 

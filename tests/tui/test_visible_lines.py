@@ -13,13 +13,13 @@ from textual.widgets import Static
 
 from sar_tui.app.agent.app import AgentApp
 from sar_tui.cli.theme_scaffold import make
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.trial_types import Metric, Result, Situation, Stimulus, Trial
 from sar_tui.link import discovery
 from sar_tui.link.discovery import JoinableSession
+from sar_tui.loop import topics as t
+from sar_tui.loop.task import Task
+from sar_tui.model import messages as m
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import Metric, Result, Situation, Stimulus, Trial
 from sar_tui.operator.app import WizardApp
 from sar_tui.plugins import Catalogue
 from sar_tui.tui.base_app import BaseApp

@@ -2,8 +2,8 @@
 
 import pytest
 
-from sar_tui.framework.policies import decline
 from sar_tui.plugins import Catalogue
+from sar_tui.rules import decline
 from sar_tui.validation import corrections
 from sar_tui.validation.noise_worlds import WORLDS
 from sar_tui.validation.report import Conditions, Report

@@ -19,7 +19,7 @@ def file(folder: Path, name: str, lines: int) -> str:
 
 def test_a_session_of_the_keyboard_task_loads_no_movement_science(catalogue: Catalogue) -> None:
     loaded = set(load("keyboard", catalogue).modules)
-    assert {"sar_tui.framework.bus", "sar_tui.framework.nodes.event_handler", "sar_tui.inputs.keyboard"} <= loaded
+    assert {"sar_tui.loop.bus", "sar_tui.loop.nodes.event_handler", "sar_tui.inputs.keyboard"} <= loaded
     assert not {name for name in loaded if name.startswith(("sar_tui.motion", "sar_tui.simulation", "sar_tui.store"))}
 
 
@@ -32,7 +32,7 @@ def test_a_session_of_the_reaching_task_loads_the_sensor_and_not_the_simulated_h
 def test_modules_of_a_tasks_folder_are_its_own_and_those_of_the_app_shared(tmp_path: Path) -> None:
     loaded = Loaded(
         modules={
-            "sar_tui.framework.bus": file(tmp_path, "bus.py", 10),
+            "sar_tui.loop.bus": file(tmp_path, "bus.py", 10),
             "sar_tui.app.app": file(tmp_path, "app.py", 100),
             "sar_tui_tasks.mine.task": file(tmp_path / "mine", "task.py", 3),
         },
@@ -41,7 +41,7 @@ def test_modules_of_a_tasks_folder_are_its_own_and_those_of_the_app_shared(tmp_p
     )
     file(tmp_path / "mine", "view.py", 2)
     counted = code(loaded)
-    assert counted.shared == {"sar_tui.framework.bus": 10}
+    assert counted.shared == {"sar_tui.loop.bus": 10}
     assert counted.own == {"task.py": 3, "view.py": 2}
 
 
@@ -53,7 +53,7 @@ def test_modules_loaded_by_an_external_task_are_its_own(tmp_path: Path) -> None:
 def test_in_the_strict_count_modules_used_by_one_task_are_its_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
 ) -> None:
-    both = {"sar_tui.framework.bus": file(tmp_path, "bus.py", 60)}
+    both = {"sar_tui.loop.bus": file(tmp_path, "bus.py", 60)}
     one = both | {"sar_tui.motion.single_axis": file(tmp_path, "robust.py", 20)}
 
     def loaded(name: str, _: Catalogue) -> Loaded:
@@ -74,7 +74,7 @@ def test_a_task_that_shares_too_little_or_does_not_run_fails_the_claim(
     def loaded(name: str, _: Catalogue) -> Loaded:
         if name == "keyboard":
             raise NotLoaded("its session does not end")
-        modules = {"sar_tui.framework.bus": file(tmp_path, "bus.py", 60), f"{name}.task": file(tmp_path, "task.py", 40)}
+        modules = {"sar_tui.loop.bus": file(tmp_path, "bus.py", 60), f"{name}.task": file(tmp_path, "task.py", 40)}
         return Loaded(modules, name, str(tmp_path / "none"))
 
     monkeypatch.setattr(modularity, "load", loaded)

@@ -8,19 +8,19 @@ import pytest
 from msgspec.structs import replace
 
 from sar_tui.export.contents import Contents
-from sar_tui.framework import attempt_scoring
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import Feedback, KeyPerceived
-from sar_tui.framework.nodes.event_handler import EventHandler
-from sar_tui.framework.nodes.perception import Perception
-from sar_tui.framework.policies import limits
-from sar_tui.framework.policies.difficulty import POLICIES, one_up_one_down
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Result, Score
+from sar_tui.loop import attempt_scoring
+from sar_tui.loop.nodes.event_handler import EventHandler
+from sar_tui.loop.nodes.perception import Perception
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import Feedback, KeyPerceived
+from sar_tui.model.trial_types import Result, Score
+from sar_tui.model.units import MS
 from sar_tui.motion import measures as motion_measures
 from sar_tui.motion import repetitions
 from sar_tui.plugins import Catalogue
 from sar_tui.reports import intervention
+from sar_tui.rules import limits
+from sar_tui.rules.difficulty import POLICIES, one_up_one_down
 from sar_tui.store import recorder
 from sar_tui.validation import measures
 from sar_tui.validation.registry import VALIDATIONS

@@ -4,8 +4,8 @@ from statistics import fmean
 
 import pytest
 
-from sar_tui.framework.policies.real_change import LEAST_ATTEMPTS, LEAST_TRIALS
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.real_change import LEAST_ATTEMPTS, LEAST_TRIALS
 from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.validation import praise, praised_sessions
 from sar_tui.validation.noise_worlds import WORLDS, sem
@@ -46,7 +46,7 @@ def test_each_world_is_tried_with_few_and_many_earlier_attempts(catalogue: Catal
 def test_a_wrong_margin_fails_its_claim(
     monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, margin: float, fails: list[int]
 ) -> None:
-    monkeypatch.setattr("sar_tui.framework.policies.real_change.quantile", lambda df, share: margin)
+    monkeypatch.setattr("sar_tui.rules.real_change.quantile", lambda df, share: margin)
     claims: list[Claim] = list(run(catalogue).claims)
     assert [number for number, claim in enumerate(claims) if not claim.holds] == fails
 
@@ -55,7 +55,7 @@ def test_a_wrong_margin_fails_its_claim(
 def test_praise_after_one_earlier_attempt_fails_its_claim(
     monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
 ) -> None:
-    monkeypatch.setattr("sar_tui.framework.policies.real_change.LEAST_ATTEMPTS", 2)
+    monkeypatch.setattr("sar_tui.rules.real_change.LEAST_ATTEMPTS", 2)
     assert not run(catalogue).claims[2].holds
 
 

@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 from sar_tui.app.loop_graph import loop_graph
-from sar_tui.framework.session import Parts
+from sar_tui.loop.session import Parts
 from sar_tui.plugins import Catalogue
 from sar_tui.validation import broken_parts, requirements
 from sar_tui.validation.changed_parts import node_classes

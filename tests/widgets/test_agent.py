@@ -7,9 +7,10 @@ import pytest
 from textual.app import App, ComposeResult
 from textual.pilot import Pilot
 
-from sar_tui.framework.clock import MS, SECOND, VirtualClock
-from sar_tui.framework.gesture import Gesture, Keyframe
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.gesture import Gesture, Keyframe
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.agent import FRAME, MOUTH, Agent
 

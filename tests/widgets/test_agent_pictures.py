@@ -11,8 +11,8 @@ from PIL import Image
 from textual.app import App, ComposeResult
 from textual.widgets import Static
 
-from sar_tui.framework.clock import VirtualClock
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.theme import Theme
 from sar_tui.widgets.agent import Agent
 from sar_tui.widgets.picture import find_pictures, load_pictures
 

@@ -5,7 +5,7 @@ import pytest
 from rich.cells import cell_len
 from textual.app import App, ComposeResult
 
-from sar_tui.framework.messages import Prompt
+from sar_tui.model.messages import Prompt
 from sar_tui.widgets.big_prompt import BigPrompt, DrawPrompt
 from sar_tui.widgets.prompt_lines import FIXATION, plain_lines
 

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import Feedback, FeedbackChoice
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.language import Language
+from sar_tui.model.messages import Feedback, FeedbackChoice
+from sar_tui.model.trial_types import Metric
 from sar_tui.widgets.goal_bar import GoalBar, bar_of, draw_bars, line
 
 TIME = Metric("reaction_time", unit="ms", better="lower")

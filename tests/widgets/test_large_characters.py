@@ -9,8 +9,8 @@ from itertools import combinations
 import pytest
 from rich.cells import cell_len
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.rules.parameters import build
 from sar_tui.widgets.large_characters import bitmap, draw, is_large, unknown
 
 STAGE = (78, 12)

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from sar_tui.framework.gesture import GESTURES, REST, Pose
-from sar_tui.framework.theme import FACES, GAZES, Theme
+from sar_tui.model.gesture import GESTURES, REST, Pose
+from sar_tui.model.theme import FACES, GAZES, Theme
 from sar_tui.plugins import Catalogue
 from sar_tui.widgets.robot import HEIGHT, WIDTH, draw, posed, with_mouth
 

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Frame, Metric, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Frame, Metric, Result, Situation, Stimulus, Trial
 
 DURATIONS_MS = (50, 20, 110, 33, 250, 25, 75, 130)
 """Durations of the frames; most are no multiple of a monitor's refresh."""

@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 from sar_tui.app.agent.remote import AgentView
 from sar_tui.app.agent.screen import AgentViewScreen
-from sar_tui.framework.clock import LiveClock
-from sar_tui.framework.theme import Theme
 from sar_tui.link.peer import Peer, PeerListener
+from sar_tui.loop.clock import LiveClock
+from sar_tui.model.theme import Theme
 from sar_tui.tui.base_app import BaseApp
 from sar_tui.tui.web_driver import BrowserVoice
 

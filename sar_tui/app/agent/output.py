@@ -6,11 +6,12 @@ from typing import Protocol
 
 from msgspec.structs import replace
 
-from sar_tui.framework.agent_state import AgentState, clears_words, step
-from sar_tui.framework.clock import MS, SECOND, Handle
-from sar_tui.framework.gesture import Gesture
-from sar_tui.framework.messages import Action, ActionPart, AgentActing, CueGiven, Message, OutputReport, Waiting
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.agent_state import AgentState, clears_words, step
+from sar_tui.loop.clock import Handle
+from sar_tui.model.gesture import Gesture
+from sar_tui.model.messages import Action, ActionPart, AgentActing, CueGiven, Message, OutputReport, Waiting
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output
 
 READING, PER_WORD = 4 * SECOND, 600 * MS

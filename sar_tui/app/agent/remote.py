@@ -4,12 +4,13 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from sar_tui.app.agent.output import AgentStage, DrawnAgent
-from sar_tui.framework.agent_state import AgentState
-from sar_tui.framework.clock import SECOND, Clock, Handle
-from sar_tui.framework.messages import Action, AgentActing, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
 from sar_tui.link.peer import Connection, Frame, PeerEvent, Welcome
+from sar_tui.loop.agent_state import AgentState
+from sar_tui.loop.clock import Clock, Handle
+from sar_tui.loop.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
+from sar_tui.model.messages import Action, AgentActing, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.tui.web_driver import BrowserVoice
 
 FRESH = 3 * SECOND

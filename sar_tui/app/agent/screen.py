@@ -7,13 +7,13 @@ from textual.containers import Vertical
 from textual.screen import Screen
 from textual.widgets import Static
 
-from sar_tui.framework.agent_state import AWAITED
-from sar_tui.framework.clock import Clock
-from sar_tui.framework.gesture import Gesture
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import Action, Waiting
-from sar_tui.framework.theme import ENGLISH, Theme
 from sar_tui.link.peer import Connection
+from sar_tui.loop.agent_state import AWAITED
+from sar_tui.loop.clock import Clock
+from sar_tui.model.gesture import Gesture
+from sar_tui.model.language import Language
+from sar_tui.model.messages import Action, Waiting
+from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.tui.language import app_language
 from sar_tui.widgets.agent import Agent
 

@@ -8,10 +8,10 @@ from textual.app import ComposeResult
 from textual.widgets import Static
 
 from sar_tui.app.live import LiveSession
-from sar_tui.framework.gesture import Gesture
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import Action
-from sar_tui.framework.theme import Theme
+from sar_tui.model.gesture import Gesture
+from sar_tui.model.language import Language
+from sar_tui.model.messages import Action
+from sar_tui.model.theme import Theme
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import session_language
 from sar_tui.widgets.agent import Agent

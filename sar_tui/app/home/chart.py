@@ -45,7 +45,7 @@ class Chart(msgspec.Struct, frozen=True):
 
 def charted(line: "LineProgress") -> Chart:
     """Return the chart of a line: of the levels at goal, or of the mean results where the level never changed."""
-    from sar_tui.framework.results_for_people import metric_for_people
+    from sar_tui.model.results_for_people import metric_for_people
 
     metric, factor = metric_for_people(line.metric)
     is_result = line.measure == "result"

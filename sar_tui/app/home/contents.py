@@ -12,17 +12,17 @@ from sar_tui.app.home import words
 from sar_tui.app.home.chart import Chart, charted
 from sar_tui.app.home.session_table import Line
 from sar_tui.app.home.words import Programme
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import build, usable
-from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
-from sar_tui.framework.policies.wellbeing import tell_therapist
-from sar_tui.framework.results_for_people import short_goal
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.results_for_people import short_goal
+from sar_tui.model.trial_types import Metric
+from sar_tui.plugin_calls import PLUGIN_ERRORS
 from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.progress.lines import SessionResults
 from sar_tui.reports.progress import progress
 from sar_tui.reports.wellbeing import advice, marks
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import build, usable
+from sar_tui.rules.wellbeing import tell_therapist
 from sar_tui.runs.plan import Failed, set_up
 from sar_tui.runs.start_level import LOOKED_AT, start_after
 from sar_tui.store import participants, programmes, provenance, results, sessions, visits, wellbeing

@@ -17,7 +17,7 @@ from sar_tui.widgets.option_list import OptionList
 
 if TYPE_CHECKING:
     from sar_tui.app.home.contents import Listed
-    from sar_tui.framework.messages import RecordChange
+    from sar_tui.model.messages import RecordChange
     from sar_tui.store.sessions import Row
 
 _BESIDE = 4

@@ -8,7 +8,7 @@ from sar_tui.plugins import PluginError
 from sar_tui.store.database import StoreError
 
 if TYPE_CHECKING:
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
     from sar_tui.store.programmes import Programme
 
 
@@ -41,7 +41,7 @@ class StartingScreen(Screen[None]):
 
         If the programme cannot be used in full, say so first; a second press begins without the rest.
         """
-        from sar_tui.framework.declaration import ParameterError
+        from sar_tui.rules.declaration import ParameterError
         from sar_tui.runs.plan import Failed, left_out_text, make_plan
         from sar_tui.store import programmes
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 if TYPE_CHECKING:  # the empty screen is shown before it is loaded
-    from sar_tui.framework.trial_types import Metric
+    from sar_tui.model.trial_types import Metric
     from sar_tui.progress.lines import SessionResults
     from sar_tui.reports.progress import LineProgress
 
@@ -66,7 +66,7 @@ def progress_words(line: "LineProgress", others: int) -> str:
 
     ``others`` is the number of earlier sessions that had other settings.
     """
-    from sar_tui.framework.language import Language
+    from sar_tui.model.language import Language
     from sar_tui.reports.progress_words import standing
 
     said = standing(line, Language())

@@ -12,14 +12,14 @@ from textual.widgets.option_list import Option
 
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.waiting_text import marks_text
-from sar_tui.framework.bus import Record
-from sar_tui.framework.declaration import Field, ParameterError
-from sar_tui.framework.live_settings import FEEDBACK_EVERY, GOAL, adjustable, with_setting
-from sar_tui.framework.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
-from sar_tui.framework.parameters import fields
-from sar_tui.framework.results_for_people import goal_text
-from sar_tui.framework.topics import COMMAND, NOTE_ADDED, SETTING
-from sar_tui.framework.visible_text import visible
+from sar_tui.loop.bus import Record
+from sar_tui.loop.live_settings import FEEDBACK_EVERY, GOAL, adjustable, with_setting
+from sar_tui.loop.topics import COMMAND, NOTE_ADDED, SETTING
+from sar_tui.model.messages import NoteAdded, SessionCommand, SettingChanged, Waiting
+from sar_tui.model.results_for_people import goal_text
+from sar_tui.model.visible_text import visible
+from sar_tui.rules.declaration import Field, ParameterError
+from sar_tui.rules.parameters import fields
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.option_list import OptionList

@@ -12,7 +12,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 from textual.widgets.option_list import Option
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.option_list import OptionList
 

@@ -12,8 +12,8 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 from textual.widgets.option_list import Option
 
-from sar_tui.framework.declaration import Field
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
+from sar_tui.rules.declaration import Field
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.widgets.option_list import OptionList
 

@@ -23,7 +23,7 @@ from sar_tui.widgets.marked_list import PickList
 from sar_tui.widgets.option_list import OptionList
 
 if TYPE_CHECKING:  # loaded when the lists are filled: the empty screen is shown before
-    from sar_tui.framework.task import Task
+    from sar_tui.loop.task import Task
 
 _LOOK_SECONDS = 3.0
 _FIRST_TASK = "keyboard"

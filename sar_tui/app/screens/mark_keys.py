@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
-from sar_tui.framework.language import Language
-from sar_tui.framework.marks import TrialMark
-from sar_tui.framework.trial_types import Mark
+from sar_tui.loop.marks import TrialMark
+from sar_tui.model.language import Language
+from sar_tui.model.trial_types import Mark
 
 
 class MarkKeys:

@@ -10,7 +10,7 @@ from textual.screen import Screen
 from textual.widgets import Button, Static
 
 from sar_tui.app.screens.wellbeing import ALONE, TELL_OF_PAIN
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.runs.patient_plan import PLAN_ERRORS, plan_exercise, unfinished
 from sar_tui.store.database import StoreError
 from sar_tui.tui.gc_control import end_loading

@@ -3,7 +3,7 @@
 from textual.message import Message
 from textual.widgets.option_list import Option
 
-from sar_tui.framework.messages import SessionCommand
+from sar_tui.model.messages import SessionCommand
 from sar_tui.widgets.language import language_of
 from sar_tui.widgets.option_list import OptionList
 

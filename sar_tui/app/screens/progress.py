@@ -12,7 +12,7 @@ from textual.widgets import Static
 from sar_tui.app.screens.chart_colors import colored
 from sar_tui.app.screens.progress_records import RECORDS, Records
 from sar_tui.app.screens.progress_reports import Reports
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.reports import comparison_words, progress_words
 from sar_tui.reports import progress_parts as parts
 from sar_tui.reports.progress import LineProgress, Progress, compare, progress

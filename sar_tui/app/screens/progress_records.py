@@ -5,7 +5,7 @@ from typing import Any
 
 from textual.screen import Screen
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.progress.instruments import Score
 from sar_tui.reports import record_parts
 from sar_tui.reports.progress import Progress

@@ -6,7 +6,7 @@ from typing import Any
 from textual import work
 from textual.screen import Screen
 
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.reports import progress_words
 from sar_tui.reports.progress import LineProgress, Progress
 

@@ -10,7 +10,7 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
-from sar_tui.framework.language import Language
+from sar_tui.model.language import Language
 from sar_tui.store.programmes import LONGEST_TEXT
 from sar_tui.tui.dismissed_once import DismissedOnce
 

@@ -15,9 +15,10 @@ from textual.widgets import Static
 from sar_tui.app.patient_keys import keys_in_mode
 from sar_tui.app.sensor_advice import MARKS, Fact, Mark, facts, reach_test_text, signed, worst
 from sar_tui.app.sensor_monitor import SensorWatch
-from sar_tui.framework.clock import MS, SECOND, Clock, Handle, LiveClock
-from sar_tui.framework.language import Language
 from sar_tui.inputs.imu_feed import ImuFeed
+from sar_tui.loop.clock import Clock, Handle, LiveClock
+from sar_tui.model.language import Language
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.reach_bounds import Hand
 from sar_tui.runs.plan import Plan
 from sar_tui.tui.dismissed_once import DismissedOnce

@@ -8,8 +8,9 @@ from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_keys import KeysScreen
 from sar_tui.app.screens.summary import Summary
 from sar_tui.app.trial_feedback_onset import report_trial_feedback
-from sar_tui.framework.agent_state import AWAITED
-from sar_tui.framework.messages import (
+from sar_tui.loop.agent_state import AWAITED
+from sar_tui.loop.topics import ACTING, MARKERS, RECALL, STEP_ENDED
+from sar_tui.model.messages import (
     AgentActing,
     AttemptEnded,
     AttemptStarted,
@@ -19,7 +20,6 @@ from sar_tui.framework.messages import (
     TrialFeedback,
     Waiting,
 )
-from sar_tui.framework.topics import ACTING, MARKERS, RECALL, STEP_ENDED
 from sar_tui.tui.paint_now import paint_now
 from sar_tui.widgets.big_prompt import BigPrompt
 

@@ -7,8 +7,8 @@ from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_pause import PausingScreen
 from sar_tui.app.screens.waiting_text import help_text, key_name
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import SessionCommand, TrialMarked, Waiting
+from sar_tui.model.messages import SessionCommand, TrialMarked, Waiting
+from sar_tui.model.units import SECOND
 from sar_tui.tui.gc_control import GcControl
 
 _IN_VAIN = 3

@@ -13,7 +13,7 @@ from sar_tui.app.screens.mark_keys import MarkKeys
 from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.summary import Summary
-from sar_tui.framework.messages import Waiting
+from sar_tui.model.messages import Waiting
 from sar_tui.plugins import task_folder
 from sar_tui.widgets.big_prompt import BigPrompt
 from sar_tui.widgets.key_footer import KeyFooter

@@ -6,8 +6,9 @@ from sar_tui.app.screens.message_panel import MessagePanel
 from sar_tui.app.screens.session_layout import LayoutScreen
 from sar_tui.app.screens.step_text import decline_text, step_text
 from sar_tui.app.screens.waiting_text import WaitingText, key_name, waiting_text
-from sar_tui.framework.clock import SECOND, Handle
-from sar_tui.framework.messages import Feedback, Waiting
+from sar_tui.loop.clock import Handle
+from sar_tui.model.messages import Feedback, Waiting
+from sar_tui.model.units import SECOND
 from sar_tui.widgets.goal_bar import GoalBar, bar_of
 
 _BETWEEN = ("attempt", "answer", "step", "rest", "review")

@@ -6,7 +6,7 @@ from textual.binding import Binding, BindingType
 
 from sar_tui.app.screens.pause import PauseMenu
 from sar_tui.app.screens.session_message import MessageScreen
-from sar_tui.framework.messages import SessionCommand, StepEnded
+from sar_tui.model.messages import SessionCommand, StepEnded
 
 
 class PausingScreen(MessageScreen):

@@ -1,12 +1,12 @@
 """Texts of a step between attempts: the question, what can be chosen, and how."""
 
 from sar_tui.app.screens.waiting_text import WaitingText
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import AskedStep
-from sar_tui.framework.results_for_people import duration_text
-from sar_tui.framework.steps.entry import FULL
-from sar_tui.framework.steps.step import TIMED, points
+from sar_tui.model.language import Language
+from sar_tui.model.messages import AskedStep
+from sar_tui.model.results_for_people import duration_text
+from sar_tui.model.step import TIMED, points
+from sar_tui.model.step_entry import FULL
+from sar_tui.model.units import SECOND
 
 _CELL, _LINE = 5, 51
 """Columns of a number on a scale, and of a line."""

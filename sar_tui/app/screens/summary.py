@@ -9,9 +9,9 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widgets import Static
 
-from sar_tui.framework.messages import AttemptEnded
-from sar_tui.framework.results_for_people import axis, result_text
-from sar_tui.framework.trial_types import Metric
+from sar_tui.model.messages import AttemptEnded
+from sar_tui.model.results_for_people import axis, result_text
+from sar_tui.model.trial_types import Metric
 from sar_tui.widgets.language import language_of
 
 if TYPE_CHECKING:  # loaded when a session ends

@@ -8,8 +8,8 @@ from textual.binding import Binding, BindingType
 from textual.widgets import Static
 
 from sar_tui.app.live import LiveSession
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.theme import Note
+from sar_tui.model.theme import Note
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Report
 from sar_tui.outputs.sound.mixer import Sound
 from sar_tui.tui.dismissed_once import DismissedOnce

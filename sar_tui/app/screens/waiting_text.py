@@ -2,11 +2,11 @@
 
 from typing import NamedTuple
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.language import Language
-from sar_tui.framework.messages import Waiting
-from sar_tui.framework.results_for_people import duration_text
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.messages import Waiting
+from sar_tui.model.results_for_people import duration_text
+from sar_tui.model.units import SECOND
 from sar_tui.tui.language import session_language
 
 

@@ -11,8 +11,8 @@ from textual.containers import Vertical
 from textual.widgets import Static
 
 from sar_tui.app.patient_keys import keys_in_mode
-from sar_tui.framework.language import Language
-from sar_tui.framework.policies.wellbeing import HIGHEST, PAIN_ENDS, Advice, Moment, PainLimits, stop_now
+from sar_tui.model.language import Language
+from sar_tui.rules.wellbeing import HIGHEST, PAIN_ENDS, Advice, Moment, PainLimits, stop_now
 from sar_tui.store.wellbeing import NOT_SAID, Question
 from sar_tui.tui.dismissed_once import DismissedOnce
 from sar_tui.tui.language import translated

@@ -42,8 +42,8 @@ def outputs() -> Finding:
     """Load the plug-ins among the outputs. None is opened, because only a session knows its address."""
     from importlib.metadata import entry_points
 
-    from sar_tui.framework.plugin_errors import PLUGIN_ERRORS
     from sar_tui.outputs.outputs import GROUP, output_names
+    from sar_tui.plugin_calls import PLUGIN_ERRORS
 
     problems = []
     for entry in entry_points(group=GROUP):

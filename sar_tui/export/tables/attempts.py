@@ -24,7 +24,7 @@ from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import columns, value_for
 from sar_tui.export.run_numbers import runs_of_starts
 from sar_tui.export.seats import codes_by_seat
-from sar_tui.framework.policies.feedback import POLICIES
+from sar_tui.rules.feedback import POLICIES
 
 _CHOICE = {
     "schedule": _stored(

@@ -11,7 +11,7 @@ from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Colum
 from sar_tui.export.damage import Damage
 from sar_tui.export.messages_of_topic import messages_of_topic
 from sar_tui.export.seats import codes_by_seat
-from sar_tui.framework.topics import SENSOR, TRUNK_SENSOR
+from sar_tui.loop.topics import SENSOR, TRUNK_SENSOR
 from sar_tui.store.imu import layout
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Any, get_args
 from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.messages_of_topic import messages_of_topic
-from sar_tui.framework.messages.base import ActionPart
+from sar_tui.model.messages.base import ActionPart
 
 _ENDS = ("done", "aborted", "failed")
 

@@ -9,7 +9,7 @@ from typing import Any
 from sar_tui.export.columns import PARTICIPANT, SESSION, TASK, TO_SESSION, Reference, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import written
-from sar_tui.framework.declaration import Field
+from sar_tui.rules.declaration import Field
 
 Fields = Mapping[str, Mapping[str, Field]]
 """Declared parameters by the name of the task and their own."""

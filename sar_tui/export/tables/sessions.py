@@ -8,7 +8,7 @@ from typing import Any
 from sar_tui.export.columns import MODE, SESSION, TASK, Column, Reference, Table, Values, stored
 from sar_tui.export.damage import Damage
 from sar_tui.export.messages_of_topic import messages_of_topic
-from sar_tui.framework.topics import SESSION as SESSION_STARTED
+from sar_tui.loop.topics import SESSION as SESSION_STARTED
 from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
 from sar_tui.store.sites import resolved
 

@@ -7,7 +7,7 @@ from typing import get_args, get_type_hints
 
 from sar_tui.export.columns import SESSION, TO_SESSION, Table, Values, stored
 from sar_tui.export.damage import Damage
-from sar_tui.framework.messages.inputs import SyncSignal
+from sar_tui.model.messages.inputs import SyncSignal
 
 _TYPES = get_type_hints(SyncSignal)
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from sar_tui import __version__
 from sar_tui.drivers.installation import pip_install_extra
-from sar_tui.framework.clock import MS, SECOND, host_now
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.markers.marker import CODES, Marker, MarkerError
 
 SAME_CLOCK_NS = 100_000

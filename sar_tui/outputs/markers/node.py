@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, ClassVar, Literal
 
-from sar_tui.framework.bus import Bus, Topic
-from sar_tui.framework.clock import Clock
-from sar_tui.framework.messages import MarkersChanged, Message, Shown
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import MARKERS
+from sar_tui.loop.bus import Bus, Topic
+from sar_tui.loop.clock import Clock
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import MARKERS
+from sar_tui.model.messages import MarkersChanged, Message, Shown
 from sar_tui.outputs.markers.destination import Destination
 from sar_tui.outputs.markers.marker import Marker
 from sar_tui.outputs.markers.sender import Changed, Sender

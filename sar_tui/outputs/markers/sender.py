@@ -6,10 +6,11 @@ from collections.abc import Callable
 from statistics import median
 from typing import Literal
 
-from sar_tui.framework.clock import MS, host_now
-from sar_tui.framework.plugin_errors import describe
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import MS
 from sar_tui.outputs.markers.destination import Destination
 from sar_tui.outputs.markers.marker import Marker, MarkerError
+from sar_tui.plugin_calls import describe
 
 LONGEST_QUEUE = 10_000
 RETRY_SECONDS = 2.0

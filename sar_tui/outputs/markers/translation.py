@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.bus import Topic
+from sar_tui.loop import topics as t
+from sar_tui.loop.bus import Topic
+from sar_tui.model import messages as m
 from sar_tui.outputs.markers.marker import Fields, Marker
 
 _PARTS = {"say": "utterance", "show": "text", "gesture": "gesture", "tone": "tone", "gaze": "gaze"}

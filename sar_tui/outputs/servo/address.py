@@ -7,7 +7,7 @@ from urllib.parse import parse_qsl
 import msgspec
 from msgspec import Meta
 
-from sar_tui.framework.gesture import JOINTS
+from sar_tui.model.gesture import JOINTS
 from sar_tui.outputs.output import OutputError
 
 _CHANNEL = re.compile("-?[0-9]{1,2}")

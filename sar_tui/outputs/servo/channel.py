@@ -5,7 +5,7 @@ from contextlib import suppress
 from typing import Any
 
 from sar_tui.drivers.phidget import describe
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.outputs.servo.address import JointChannel, ServoAddress
 
 FAILSAFE_MS = 1000

@@ -1,6 +1,6 @@
 """Motion of servos through a gesture, limited in speed."""
 
-from sar_tui.framework.gesture import JOINTS, Gesture, Pose
+from sar_tui.model.gesture import JOINTS, Gesture, Pose
 
 STEP_MS = 20
 """Interval between two targets that are sent to a servo."""

@@ -9,10 +9,11 @@ from typing import Any
 
 from sar_tui.drivers.installation import pip_install
 from sar_tui.drivers.phidget import UDEV_RULE, describe, new_channel, usb_denied
-from sar_tui.framework.clock import MS, SECOND, Clock, VirtualClock
-from sar_tui.framework.gesture import REST
-from sar_tui.framework.messages import ActionPart, PartState
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.model.gesture import REST
+from sar_tui.model.messages import ActionPart, PartState
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output, Report
 from sar_tui.outputs.servo.address import parse
 from sar_tui.outputs.servo.channel import FEED_MS, ServoChannel

@@ -3,7 +3,8 @@
 import threading
 from collections.abc import Callable
 
-from sar_tui.framework.clock import SECOND, Clock, Handle, VirtualClock
+from sar_tui.loop.clock import Clock, Handle, VirtualClock
+from sar_tui.model.units import SECOND
 
 
 class StepTimer:

@@ -8,9 +8,9 @@ import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from sar_tui.framework.clock import Clock, VirtualClock
-from sar_tui.framework.messages import PartState
-from sar_tui.framework.theme import Note
+from sar_tui.loop.clock import Clock, VirtualClock
+from sar_tui.model.messages import PartState
+from sar_tui.model.theme import Note
 from sar_tui.outputs.output import Report
 from sar_tui.outputs.sound.protocol import Examine, Examined, Reply, Say, Setup, SoundError, Tone, Voicing, Warm
 from sar_tui.outputs.sound.supervisor import PATIENCE_S, Kind, PartEvent, SoundJob, Supervisor

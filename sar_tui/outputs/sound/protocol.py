@@ -4,7 +4,7 @@ from typing import Literal
 
 import msgspec
 
-from sar_tui.framework.theme import Note
+from sar_tui.model.theme import Note
 
 
 class SoundError(ValueError):

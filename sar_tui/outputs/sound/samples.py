@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from sar_tui.framework.theme import Note
+from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.protocol import SoundError
 
 RATE = 22_050

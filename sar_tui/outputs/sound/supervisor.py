@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Literal, NamedTuple
 
-from sar_tui.framework.clock import host_now
-from sar_tui.framework.messages import PartState
+from sar_tui.loop.clock import host_now
+from sar_tui.model.messages import PartState
 from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Warm
 from sar_tui.outputs.sound.voice_process import PROGRAM, VoiceProcess
 

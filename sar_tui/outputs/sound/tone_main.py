@@ -7,8 +7,8 @@ voice process does; it is another one, so that speech cannot delay a tone.
 import os
 from typing import BinaryIO, NoReturn
 
-from sar_tui.framework.clock import host_now
-from sar_tui.framework.theme import Note
+from sar_tui.loop.clock import host_now
+from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.player import Folder, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import (
     Cue,

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Literal, NamedTuple
 
 from sar_tui.drivers import child_process
-from sar_tui.framework.clock import host_now
-from sar_tui.framework.theme import Note
-from sar_tui.framework.tone import Tone
+from sar_tui.loop.clock import host_now
+from sar_tui.model.theme import Note
+from sar_tui.model.tone import Tone
 from sar_tui.outputs.sound.mixer import CARD, sound_folder
 from sar_tui.outputs.sound.protocol import Cue, Drop, Ended, Examine, Examined, Reckon, Reply, Setup, Started, Warm
 from sar_tui.outputs.sound.voice_process import VoiceProcess

@@ -6,7 +6,8 @@ from collections import deque
 from collections.abc import Generator, Sequence
 from typing import NamedTuple
 
-from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.sound.player import SoundCard
 from sar_tui.outputs.sound.samples import RATE
 

@@ -4,8 +4,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sar_tui.framework.clock import SECOND, Handle, VirtualClock
-from sar_tui.framework.messages import PartState
+from sar_tui.loop.clock import Handle, VirtualClock
+from sar_tui.model.messages import PartState
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.sound.supervisor import Kind, SoundJob
 
 

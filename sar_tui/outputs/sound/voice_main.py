@@ -17,7 +17,7 @@ from typing import BinaryIO, NoReturn
 
 import msgspec
 
-from sar_tui.framework.clock import host_now
+from sar_tui.loop.clock import host_now
 from sar_tui.outputs.sound.engine import Engine
 from sar_tui.outputs.sound.player import Destination, Folder, NoSound, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import (

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from sar_tui.framework.visible_text import visible
+from sar_tui.model.visible_text import visible
 from sar_tui.store.adverse_events import LONGEST_REMARK
 from sar_tui.store.database import StoreError
 from sar_tui.store.merge import conflicts

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from datetime import date, timedelta
 
 from sar_tui.app.home.chart import Bar, Chart, charted, draw
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports.progress import progress

@@ -8,7 +8,7 @@ import pytest
 
 from sar_tui.app.home import contents
 from sar_tui.app.home.words import progress_words
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from sar_tui.reports.progress import progress
 from sar_tui.store.database import connect

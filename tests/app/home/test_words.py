@@ -16,10 +16,10 @@ from sar_tui.app.home.words import (
     short,
     waits_words,
 )
-from sar_tui.framework.language import Language
-from sar_tui.framework.results_for_people import short_goal
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Metric
+from sar_tui.loop.task import Task
+from sar_tui.model.language import Language
+from sar_tui.model.results_for_people import short_goal
+from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 from sar_tui.reports import progress_words as report_words

@@ -8,7 +8,7 @@ import pytest
 from sar_tui.cli.doctor import servo
 from sar_tui.cli.doctor.servo import servo_controller
 from sar_tui.drivers import phidget
-from sar_tui.framework.clock import VirtualClock
+from sar_tui.loop.clock import VirtualClock
 from tests.outputs.servo_fixtures import UNSUPPORTED, FakeServo
 
 

@@ -6,7 +6,8 @@ from types import ModuleType
 
 import pytest
 
-from sar_tui.framework.clock import SECOND, host_now
+from sar_tui.loop.clock import host_now
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers import lsl
 from sar_tui.outputs.markers.marker import Marker
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.topics import SHOWN
+from sar_tui.loop.topics import SHOWN
 from sar_tui.outputs.markers.marker import Marker
 from sar_tui.outputs.markers.translation import Translation
 from sar_tui.plugins import Catalogue

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from sar_tui.framework.clock import MS
+from sar_tui.model.units import MS
 from sar_tui.outputs.markers.marker import Marker, MarkerError
 from sar_tui.outputs.markers.sender import Sender
 from tests.outputs.markers.receivers import PATIENCE_S

@@ -2,12 +2,13 @@
 
 from typing import Any
 
-from sar_tui.framework import messages as m
-from sar_tui.framework import topics as t
-from sar_tui.framework.bus import Topic
-from sar_tui.framework.clock import SECOND, VirtualClock
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
+from sar_tui.loop import topics as t
+from sar_tui.loop.bus import Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.task import Task
+from sar_tui.model import messages as m
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import SECOND
 from sar_tui.outputs.markers.destinations import make_destinations
 from sar_tui.outputs.markers.marker import Marker
 from sar_tui.outputs.markers.node import MarkerNode

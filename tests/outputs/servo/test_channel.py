@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sar_tui.drivers.phidget import new_channel
-from sar_tui.framework.clock import LiveClock
+from sar_tui.loop.clock import LiveClock
 from sar_tui.outputs.servo.servo import Servo
 from tests.outputs.contract import Rig
 

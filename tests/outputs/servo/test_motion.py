@@ -3,9 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.gesture import JOINTS, REST, Gesture, Keyframe, Pose
+from sar_tui.model.gesture import JOINTS, REST, Gesture, Keyframe, Pose
 from sar_tui.outputs.servo.motion import STEP_MS, Motion
-from tests.framework.test_gesture import gestures, poses
+from tests.model.test_gesture import gestures, poses
 
 
 @given(gestures(), poses, st.floats(0.3, 72), st.lists(st.integers(1, 400), max_size=30))

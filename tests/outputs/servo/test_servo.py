@@ -10,9 +10,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND, LiveClock, VirtualClock
-from sar_tui.framework.gesture import Gesture, Keyframe
-from sar_tui.framework.theme import Theme
+from sar_tui.loop.clock import LiveClock, VirtualClock
+from sar_tui.model.gesture import Gesture, Keyframe
+from sar_tui.model.theme import Theme
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import OutputError
 from sar_tui.outputs.servo import servo as servo_module
 from sar_tui.outputs.servo.servo import Servo

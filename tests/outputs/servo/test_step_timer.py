@@ -1,6 +1,7 @@
 """The step timer: steps at once when woken, none when finished."""
 
-from sar_tui.framework.clock import MS, VirtualClock
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.model.units import MS
 from sar_tui.outputs.servo.step_timer import StepTimer
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.theme import Theme
+from sar_tui.model.theme import Theme
 from sar_tui.outputs.sound.mixer import Sound, check_sound, examine
 from sar_tui.outputs.sound.protocol import SoundError
 from tests.needs_speech import needs_speech

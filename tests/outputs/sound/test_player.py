@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.theme import Note
+from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.player import Destination, Folder, NoSound, Playback, SoundCard
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.outputs.sound.samples import seconds, tone

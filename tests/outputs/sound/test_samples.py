@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.theme import Note
+from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.protocol import SoundError
 from sar_tui.outputs.sound.samples import FULL, RATE, TONE_LEVEL, at_volume, is_whole, peak, read, seconds, tone
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import LiveClock
-from sar_tui.framework.theme import Note
+from sar_tui.loop.clock import LiveClock
+from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.protocol import Reply, Setup, Tone
 from sar_tui.outputs.sound.supervisor import PartEvent, SoundJob, Supervisor
 from sar_tui.outputs.sound.voice_process import VoiceProcess

@@ -5,7 +5,7 @@ from collections.abc import Generator
 
 import pytest
 
-from sar_tui.framework.clock import MS, SECOND
+from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.sound.player import SoundCard
 from sar_tui.outputs.sound.samples import RATE
 from sar_tui.outputs.sound.tone_stream import DeviceClock, ToneStream

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.clock import host_now
-from sar_tui.framework.theme import Note
+from sar_tui.loop.clock import host_now
+from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, encode
 from sar_tui.outputs.sound.voice_process import VoiceProcess
 from tests.needs_speech import needs_speech

@@ -1,7 +1,7 @@
 """Posner's cueing, written from docs/write-your-own-task.md: the agent looks to a side, then a target appears."""
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Cue, Metric, Result, Stimulus
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Cue, Metric, Result, Stimulus
 
 SIDES = ("left", "right")
 VALID = 0.8

@@ -1,7 +1,7 @@
 """An auditory oddball, written from docs/write-your-own-task.md: respond to the rare high tone, not to the low one."""
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Frame, Metric, Result, Stimulus, Tone
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Frame, Metric, Result, Stimulus, Tone
 
 RARE, FREQUENT = Tone(1000, 60), Tone(500, 60)
 

@@ -2,10 +2,10 @@
 
 from typing import Annotated
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Frame, Metric, Result, Stimulus
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Frame, Metric, Result, Stimulus
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 DIGITS = "123456789"
 

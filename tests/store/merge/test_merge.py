@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sar_tui.framework.messages import RecordChange
+from sar_tui.model.messages import RecordChange
 from sar_tui.store import sessions
 from sar_tui.store.database import FILE, connect
 from sar_tui.store.merge.merge import Merged

@@ -5,10 +5,10 @@ from itertools import pairwise, product
 
 import pytest
 
-from sar_tui.framework.parameters import build, fields
-from sar_tui.framework.rules import RULES
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build, fields
+from sar_tui.rules.version import RULES
 
 CHOICE_SETS = ("both hands", "left hand", "right hand", "arrow keys")
 LAYOUTS = ("qwerty", "azerty", "qwertz")

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.messages import KeyPerceived
-from sar_tui.framework.parameters import build, fields
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Performance, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import KeyPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.units import MS
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import build, fields
 
 
 def make(**parameters: object) -> Task:

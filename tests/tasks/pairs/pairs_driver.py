@@ -1,8 +1,8 @@
 """Drives the pairs task with keys."""
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS
-from sar_tui.framework.topics import TRIAL
+from sar_tui.loop.topics import TRIAL
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS
 from tests.loop_driver import LoopDriver
 
 SHORT: dict[str, object] = {"prompts_per_attempt": 2, "attempts": 2, "foreperiod_min_ms": 500}

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Any
 
-from sar_tui.framework import messages as m
-from sar_tui.framework.clock import MS
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import SENSOR, TRIAL
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import SENSOR, TRIAL
+from sar_tui.model import messages as m
+from sar_tui.model.units import MS
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 from sar_tui.plugins import Catalogue

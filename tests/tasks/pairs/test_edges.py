@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import CUE, FEEDBACK, TRIAL
-from sar_tui.framework.trial_types import Performance, Result, Situation, Stimulus
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import CUE, FEEDBACK, TRIAL
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import Performance, Result, Situation, Stimulus
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
 NewSession = Callable[..., PairsDriver]

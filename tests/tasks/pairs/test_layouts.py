@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import pytest
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 
 KIND = Catalogue().task("pairs")
 LAYOUTS = importlib.import_module(KIND.__module__.rpartition(".")[0] + ".layouts")

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.task import Task
-from sar_tui.framework.theme import Theme
-from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, LEVEL, PERCEIVED, PROMPT, PROPOSED, TRIAL, WAITING
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ATTEMPT_ENDED, CUE, FEEDBACK, LEVEL, PERCEIVED, PROMPT, PROPOSED, TRIAL, WAITING
+from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
 
@@ -379,8 +379,8 @@ def test_the_cueing_effect_is_incongruent_minus_congruent(new_session: NewSessio
 
 
 def test_a_lead_longer_than_the_shortest_foreperiod_is_refused(pairs: type[Task]) -> None:
-    from sar_tui.framework.declaration import ParameterError
-    from sar_tui.framework.parameters import build
+    from sar_tui.rules.declaration import ParameterError
+    from sar_tui.rules.parameters import build
 
     with pytest.raises(ParameterError, match=r"Cue lead \(900 ms\) is longer than the shortest wait \(500 ms\)"):
         build(pairs.Parameters, {"policy": "joint attention", "cue_lead_ms": 900})

@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from sar_tui.framework.parameters import build
-from sar_tui.framework.task import Task
-from sar_tui.framework.topics import ATTEMPT_ENDED, CUE, FEEDBACK, PROMPT, REACH, TRIAL, VOIDED, WAITING
+from sar_tui.loop.task import Task
+from sar_tui.loop.topics import ATTEMPT_ENDED, CUE, FEEDBACK, PROMPT, REACH, TRIAL, VOIDED, WAITING
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import build
 from tests.tasks.pairs.pairs_reaching_driver import SLOW, TWITCH, PairsReachingDriver
 
 NEAR = 30

@@ -6,14 +6,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from sar_tui.framework.bus import Record, Topic
-from sar_tui.framework.clock import MS, SECOND
-from sar_tui.framework.messages import ImuBlock, ReachPerceived, TrialEnded
-from sar_tui.framework.node import Node
-from sar_tui.framework.topics import IMU, REACH, TRIAL
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import Imu
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.loop.bus import Record, Topic
+from sar_tui.loop.node import Node
+from sar_tui.loop.topics import IMU, REACH, TRIAL
+from sar_tui.model.messages import ImuBlock, ReachPerceived, TrialEnded
+from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.analysis import AnalysisParameters, Finding, Window, analyse
 from sar_tui.motion.reach_plans import end_of
 from sar_tui.motion.samples import Samples, unpack

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.declaration import ParameterError
-from sar_tui.framework.parameters import build, fields
-from sar_tui.framework.task import Task
+from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
+from sar_tui.rules.declaration import ParameterError
+from sar_tui.rules.parameters import build, fields
 
 
 def make(**parameters: object) -> Task:

@@ -7,10 +7,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import SensorChanged
-from sar_tui.framework.topics import ATTEMPT_ENDED, PROMPT, REACH, SENSOR, TRIAL, VOIDED
 from sar_tui.inputs import sensor
+from sar_tui.loop.topics import ATTEMPT_ENDED, PROMPT, REACH, SENSOR, TRIAL, VOIDED
+from sar_tui.model.messages import SensorChanged
+from sar_tui.model.units import MS
 from sar_tui.motion.reach_plans import end_of
 from sar_tui.motion.samples import Samples
 from sar_tui.motion.shapes import ReachShape

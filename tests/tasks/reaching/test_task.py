@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sar_tui.framework.clock import SECOND
-from sar_tui.framework.messages import KeyPerceived, ReachPerceived
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Again, Performance, Result, Situation, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import KeyPerceived, ReachPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Again, Performance, Result, Situation, Trial
+from sar_tui.model.units import SECOND
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.plugins import Catalogue
 from tests.tasks.reaching.test_parameters import make

@@ -7,14 +7,14 @@ from typing import Any
 import msgspec
 import pytest
 
-from sar_tui.framework.clock import MS
-from sar_tui.framework.messages import TrialEnded
-from sar_tui.framework.session import ReplayError
-from sar_tui.framework.topics import FEEDBACK, IMU, TRUNK_IMU, TRUNK_SENSOR
 from sar_tui.inputs.imu import Status
 from sar_tui.inputs.imu_feed import ImuFeed
 from sar_tui.inputs.sensor import TrunkImu
 from sar_tui.inputs.simulated import SimulatedSource
+from sar_tui.loop.session import ReplayError
+from sar_tui.loop.topics import FEEDBACK, IMU, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.model.messages import TrialEnded
+from sar_tui.model.units import MS
 from sar_tui.motion.synthesis import PROFILES, SimulatedHand
 from tests.tasks.reaching.reaching_driver import REACH_OUT, ReachingDriver, merged
 

@@ -4,10 +4,10 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.trial_types import Details, Metric, Result, Situation, Stimulus, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 # The keys of each level, easiest first.
 KEYS = ("fj", "dfj", "dfjk", "sdfjk", "sdfjkl")

@@ -5,12 +5,12 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.messages import KeyPerceived
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import KeyPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 # The keys of each level, easiest first; they are tapped in turn, again and again.
 SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")

@@ -4,13 +4,11 @@ from typing import Annotated, Any
 
 import msgspec
 
-from sar_tui.framework.declaration import meta
-from sar_tui.framework.messages import ReachPerceived
-from sar_tui.framework.node import Node
-from sar_tui.framework.parameters import TaskParameters
-from sar_tui.framework.random_streams import RandomStreams
-from sar_tui.framework.task import Task
-from sar_tui.framework.trial_types import (
+from sar_tui.loop.node import Node
+from sar_tui.loop.task import Task
+from sar_tui.model.messages import ReachPerceived
+from sar_tui.model.random_streams import RandomStreams
+from sar_tui.model.trial_types import (
     Act,
     Again,
     Details,
@@ -22,6 +20,8 @@ from sar_tui.framework.trial_types import (
     Target,
     Trial,
 )
+from sar_tui.rules.declaration import meta
+from sar_tui.rules.parameters import TaskParameters
 
 # The goal of each level, as a share of the first level's.
 GOALS = (1.0, 0.97, 0.94, 0.91, 0.88)

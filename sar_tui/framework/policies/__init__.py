@@ -1,1 +1,0 @@
-"""Decisions as pure functions of state and result, so that they can be read, tested and replayed."""

@@ -1,1 +1,0 @@
-"""Steps between attempts: questions, screens to read, rests and calibrations."""

@@ -1,0 +1,162 @@
+"""Acts of operators: commands to the session, and decisions on the agent's proposals."""
+
+from typing import Literal
+
+from sar_tui.model.messages.base import ControlledKind, Json, Message, Mode, Role, Valence
+
+__all__ = [
+    "Decision",
+    "LateDecision",
+    "ModeChanged",
+    "NoteAdded",
+    "OperatorChanged",
+    "PeerRequestRefused",
+    "ProposalSeen",
+    "RecordChange",
+    "RecordChanged",
+    "Remark",
+    "SessionCommand",
+    "SettingChanged",
+]
+
+
+class SessionCommand(Message, frozen=True, kw_only=True):
+    """A command that controls the session.
+
+    ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt, or what ``reason`` says), ``repeat`` (this
+    prompt), ``level`` (sets it to ``value``), ``hold`` (attempts leave the level as it is), ``release`` (they change it
+    again), ``mark`` (the current trial, else the last), ``stop`` (everything the agent says and does; ``at`` is the
+    time stamp of the key). ``reason``: for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or
+    empty; for a mark, its name (see `trial_types.Mark`); for ``skip``, ``rest`` if a rest that must be taken is to be
+    ended, ``attempt`` if the attempt that is under way or comes next is to be left out, ``step`` if the step between
+    attempts whose number is ``value`` is to be, and no other.
+    """
+
+    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "hold", "release", "mark", "stop"]
+    actor: str = "participant"
+    reason: str = ""
+    value: int | None = None
+    at: int = 0
+
+
+class SettingChanged(Message, frozen=True, kw_only=True):
+    """A therapist changes a setting, by its name, from the next attempt on (see `loop.live_settings`)."""
+
+    name: str
+    value: int | float
+    actor: str = "therapist"
+    at: int = 0
+
+
+class Decision(Message, frozen=True, kw_only=True):
+    """An operator decides on a proposal, by its id (``action``), while it is pending or queued.
+
+    ``edit`` replaces parts of the proposal: ``text``, ``valence`` (with its face, gesture and tone), ``gesture``; None
+    keeps a part, an empty text removes it. ``level``: the level to set, if the proposal changes the level. ``at``: time
+    stamp of the operator's key, on the session's clock.
+    """
+
+    action: str
+    verdict: Literal["accept", "veto", "edit"]
+    text: str | None = None
+    valence: Valence | None = None
+    gesture: str | None = None
+    level: int | None = None
+    actor: str = "operator"
+    at: int = 0
+
+
+class Remark(Message, frozen=True, kw_only=True):
+    """An operator makes the agent say or do something.
+
+    ``valence``: gives face, gesture and tone, except a ``gesture`` or ``face`` given here. ``source``: where the text
+    comes from.
+    """
+
+    text: str = ""
+    valence: Valence | None = None
+    gesture: str = ""
+    face: str = ""
+    gaze: str = ""
+    source: Literal["phrase", "free text", "gesture"] = "phrase"
+    actor: str = "operator"
+    at: int = 0
+
+
+class ModeChanged(Message, frozen=True, kw_only=True):
+    """The mode of a kind of action changes, also for proposals that are pending."""
+
+    kind: ControlledKind
+    mode: Mode
+    actor: str = "operator"
+    at: int = 0
+
+
+class ProposalSeen(Message, frozen=True, kw_only=True):
+    """A proposal was shown on an operator's screen."""
+
+    action: str
+    actor: str = "operator"
+    at: int = 0
+
+
+class NoteAdded(Message, frozen=True, kw_only=True):
+    """An operator's note, for the record only. ``label``: one word, if it marks an event."""
+
+    text: str = ""
+    label: str = ""
+    actor: str = "operator"
+    at: int = 0
+
+
+class OperatorChanged(Message, frozen=True, kw_only=True):
+    """A peer joined the link, left it, or was lost.
+
+    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says why), ``baton`` (the peer took control), ``unproven``
+    (the peer is connected, but nothing proves that a person's terminal is; ``detail`` says why). ``operated``: True if
+    an operator is in control now. ``holder``: that operator's name, or empty. ``peers``: the peers present, by name.
+    """
+
+    actor: str
+    role: Role = "operator"
+    state: Literal["joined", "left", "lost", "baton", "unproven"]
+    operated: bool
+    holder: str = ""
+    detail: str = ""
+    peers: dict[str, Role] = {}
+
+
+class PeerRequestRefused(Message, frozen=True, kw_only=True):
+    """A request of a peer was refused: a connection or an act. ``count``: such refusals since the last message."""
+
+    actor: str
+    what: str
+    why: str
+    count: int = 1
+
+
+class LateDecision(Message, frozen=True, kw_only=True):
+    """An operator's decision had no effect, because it came too late (derived)."""
+
+    actor: str
+    what: str
+    why: str
+
+
+RecordChange = Literal["dismissed", "discarded", "restored", "moved", "redacted"]
+"""``dismissed``: nobody goes on with the interrupted session. ``discarded``: it was begun by mistake, and does not
+count. ``restored``: neither any longer. ``moved``: it is of another participant. ``redacted``: texts were erased."""
+
+
+class RecordChanged(Message, frozen=True, kw_only=True):
+    """Something was done to a session's record after the session.
+
+    ``actor``: who did it, the login name. ``at``: when, UTC. ``details``: for ``moved``, the participant ``before`` and
+    ``after``; for ``redacted``, by the number of each message its hash as it was and that of what remains of it.
+    """
+
+    change: RecordChange
+    actor: str = ""
+    at: str
+    reason: str = ""
+    details: Json = {}

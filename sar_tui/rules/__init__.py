@@ -1,0 +1,1 @@
+"""Settings, and the decisions made by them: pure functions on immutable state."""

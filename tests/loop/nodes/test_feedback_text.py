@@ -1,0 +1,445 @@
+"""Feedback texts have the right form, numbers and direction."""
+
+from typing import Any
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from sar_tui.loop.phrase_keys import QUALITATIVE, QUANTITATIVE, holds_number
+from sar_tui.loop.task import Task
+from sar_tui.model.theme import Theme
+from sar_tui.model.trial_types import Metric
+from sar_tui.plugins import Catalogue
+from sar_tui.rules.parameters import TaskParameters, build
+from sar_tui.rules.version import RULES
+from tests.lifting_task import Lift
+from tests.loop.nodes.agent_driver import Agent, Spelled, spelled, spelling
+
+CATALOGUE = Catalogue()
+VOICES = [
+    CATALOGUE.theme(name, language) for name in CATALOGUE.theme_names() for language in CATALOGUE.theme(name).languages
+]
+FORMS = ("qualitative", "quantitative", "both")
+REFERENCES = ("last attempt", "best attempt", "session's mean", "goal")
+CONTENTS = ("results", "performance", "both")
+REMARK = "Please wait for the signal before you lift."
+
+
+class Reps(Lift):
+    """The same task with a metric that is counted: higher is better, fractions count."""
+
+    name = "reps"
+    metric = Metric("reps", "reps", "higher", improved="more", worsened="fewer", decimals=1)
+
+
+LIFTS = st.fixed_dictionaries(
+    {
+        "metric": st.one_of(st.none(), st.floats(150, 3000), st.sampled_from([990.0, 1000.0, 1010.0])),
+        "level": st.integers(1, 3),
+        "correct": st.integers(10, 20),
+        "remark": st.sampled_from(["", REMARK]),
+        "sums_up": st.sampled_from([1, 1, 1, 4]),
+        "reached": st.integers(0, 4),
+        "practice": st.booleans(),
+    },
+    optional={"sway": st.floats(0, 50), "grip": st.floats(0, 99)},
+)
+ANY_CHANGE = 4
+"""The last rules by which feedback reports each change; test_feedback_on_change.py has those that follow."""
+SESSIONS = st.lists(LIFTS, min_size=1, max_size=12)
+
+
+def lift(**fields: object) -> dict[str, Any]:
+    """Return an attempt that reached its goal."""
+    return {"metric": 900.0, "level": 1, "correct": 20, **fields}
+
+
+# --- the form -------------------------------------------------------------------------------------------------
+
+
+@given(
+    SESSIONS,
+    st.sampled_from(VOICES),
+    st.sampled_from(REFERENCES),
+    st.sampled_from(CONTENTS),
+    st.sampled_from([{}, {"1": 700.0, "2": 400.0}]),
+    st.integers(0, 1000),
+    st.sampled_from([ANY_CHANGE, RULES]),
+)
+def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
+    attempts: list[dict[str, Any]],
+    theme: Theme,
+    reference: str,
+    about: str,
+    best: dict[str, float],
+    seed: int,
+    rules: int,
+) -> None:
+    agents = {
+        form: Agent(Lift, theme, form, seed, best, rules, about=about, feedback_compared_with=reference)
+        for form in FORMS
+    }
+    for attempt in attempts:
+        said = {form: agent.feedback_on(**attempt) for form, agent in agents.items()}
+        assert not holds_number(said["qualitative"], theme.language), said["qualitative"]
+        assert any(character.isdigit() for character in said["quantitative"]), said["quantitative"]
+        assert any(character.isdigit() for character in said["both"]), said["both"]
+        assert all(text and "{" not in text for text in said.values())
+
+
+@example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both", ANY_CHANGE).via(
+    "no previous value to compute a percentage from"
+)
+@given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS), st.sampled_from([ANY_CHANGE, RULES]))
+def test_the_form_both_gives_words_then_figures(
+    attempts: list[dict[str, Any]], reference: str, about: str, rules: int
+) -> None:
+    theme, compared = spelling(VOICES[0]), {"feedback_compared_with": reference}
+    agents = {form: Agent(Lift, theme, form, rules=rules, about=about, **compared) for form in FORMS}
+    for attempt in attempts:
+        said = {
+            form: [part.situation for part in spelled(agent.feedback_on(**attempt))] for form, agent in agents.items()
+        }
+        assert set(said["qualitative"]) <= set(QUALITATIVE)
+        first, *more = said["quantitative"]
+        assert first in QUANTITATIVE
+        assert set(more) <= {*QUANTITATIVE, *said["qualitative"]}, "words if the change has no percentage"
+        assert said["both"][-len(said["quantitative"]) :] == said["quantitative"]
+        assert set(said["both"]) <= {*said["qualitative"], *said["quantitative"]}
+
+
+# --- the right number, in the right direction -----------------------------------------------------------------
+
+
+def figures(
+    task: type[Task],
+    attempts: list[tuple[float, int]],
+    reference: str,
+    best: dict[str, float] | None = None,
+    **parameters: object,
+) -> list[Spelled]:
+    """Return the figures in the feedback on each of successive attempts."""
+    voice, compared = spelling(VOICES[0]), {"feedback_compared_with": reference, **parameters}
+    agent = Agent(task, voice, "quantitative", 1, best, ANY_CHANGE, **compared)
+    return [spelled(agent.feedback_on(metric, level))[0] for metric, level in attempts]
+
+
+RESULTS = st.lists(st.tuples(st.floats(1, 3000), st.integers(1, 2)), min_size=1, max_size=12)
+
+
+def shown(metric: Metric, value: float, decimals: int = 2) -> str:
+    """Return a result as it is shown: a time in seconds."""
+    return metric.show(value) if metric.unit != "ms" else f"{value / 1000:.{decimals}f} seconds"
+
+
+def difference(metric: Metric, value: float, against: float, decimals: int) -> str:
+    """Return the difference of two results as they are shown."""
+    if metric.unit != "ms":
+        return shown(metric, abs(round(value, metric.decimals) - round(against, metric.decimals)))
+    return shown(metric, 1000 * abs(round(value / 1000, decimals) - round(against / 1000, decimals)), decimals)
+
+
+@pytest.mark.parametrize("task", [Lift, Reps])
+@pytest.mark.parametrize("reference", REFERENCES)
+@given(attempts=RESULTS, best=st.dictionaries(st.sampled_from(["1", "2"]), st.floats(1, 3000)))
+def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
+    task: type[Task], reference: str, attempts: list[tuple[float, int]], best: dict[str, float]
+) -> None:
+    goal_texts = {1: "1 second", 2: "1.1 seconds"} if task is Lift else {1: "1000.0 reps", 2: "1100.0 reps"}
+    words = dict(zip(REFERENCES, ("last time", "your best", "your average today", "the goal"), strict=True))
+    metric = task.metric
+    goals = {1: 1000.0, 2: 1100.0}
+    before: dict[int, list[float]] = {1: [], 2: []}
+    levels = [0, *(level for _, level in attempts)]
+    found = figures(task, attempts, reference, best)
+    for (value, level), last, (situation, slots) in zip(attempts, levels, found, strict=False):
+        words["last attempt"] = "last time" if level == last else "last time at this level"
+        known = before[level]
+        close = round(value / 1000, 2) == goals[level] / 1000 and value != goals[level]
+        decimals = 3 if close else 2
+        with_earlier = [*known, *([best[str(level)]] if str(level) in best else [])]
+        against = {
+            "last attempt": known[-1] if known else None,
+            "best attempt": (min if metric.better == "lower" else max)(with_earlier, default=None),
+            "session's mean": sum(known) / len(known) if known else None,
+            "goal": goals[level],
+        }[reference]
+        if against is None:
+            assert situation.endswith("_first")
+            assert (slots["value"], slots["goal"]) == (shown(metric, value, decimals), goal_texts[level])
+        elif (apart := difference(metric, value, against, decimals)) == shown(metric, 0.0, decimals):
+            assert situation.endswith("_same")
+            assert slots["reference"] == words[reference]
+        else:
+            better = value < against if task is Lift else value > against
+            assert situation.endswith("_improved" if better else "_worsened")
+            assert slots["difference"] == apart
+            assert slots["change"] == (metric.improved if better else metric.worsened)
+            assert (slots["reference"], slots["value"]) == (words[reference], shown(metric, value, decimals))
+        known.append(value)
+
+
+@pytest.mark.parametrize("reference", ["last attempt", "session's mean"])
+def test_the_best_of_earlier_sessions_is_used_only_as_best(reference: str) -> None:
+    ((situation, _),) = figures(Lift, [(800.0, 1)], reference, {"1": 500.0})
+    assert situation == "positive_first"
+
+
+def test_a_new_best_is_compared_with_the_previous_one() -> None:
+    first, second, third = figures(Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0})
+    assert (first.situation, first.slots["difference"]) == ("positive_worsened", "0.02 seconds")
+    assert (second.situation, second.slots["difference"]) == ("positive_improved", "0.02 seconds")
+    assert (third.situation, third.slots["difference"]) == ("positive_improved", "0.01 seconds")
+
+
+def test_practice_is_compared_with_the_goal_only() -> None:
+    agent = Agent(Lift, spelling(VOICES[0]))
+    agent.feedback_on(600, practice=True)
+    assert spelled(agent.feedback_on(700))[0].situation == "positive_first"
+
+
+def test_attempts_without_a_result_are_skipped_in_comparisons() -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), rules=ANY_CHANGE)
+    agent.feedback_on(800)
+    agent.feedback_on(None)
+    assert spelled(agent.feedback_on(700))[0].slots["difference"] == "0.10 seconds"
+
+
+def test_figures_are_written_as_the_language_writes_them() -> None:
+    theme = spelling(CATALOGUE.theme("calm", "es"))
+    (found,) = spelled(Agent(Reps, theme).feedback_on(1234.5))
+    assert found.slots["value"] == "1234,5 reps"
+
+
+# --- where there is nothing to compare ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
+def test_an_attempt_without_a_result_reports_the_correct_trials(
+    metric: float | None, correct: int, situation: str
+) -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
+    agent.feedback_on(800, sway=1.0)
+    words, found = spelled(agent.feedback_on(metric, correct=correct, sway=9.0))
+    assert words == (situation, {})
+    assert found == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
+
+
+@pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
+def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
+    metric: float | None, correct: int, situation: str
+) -> None:
+    said = {
+        form: Agent(Lift, spelling(VOICES[0]), form).feedback_on(metric, correct=correct, remark=REMARK)
+        for form in FORMS
+    }
+    assert said["qualitative"] == REMARK
+    assert [part.situation for part in spelled(said["quantitative"])] == [f"{situation}_figures"]
+    assert said["both"] == f"{REMARK} {said['quantitative']}"
+
+
+@pytest.mark.parametrize(("metric", "correct"), [(500.0, 12), (None, 18)])
+def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone(metric: float | None, correct: int) -> None:
+    advice = "Lift your arm as soon as you hear the signal."
+    (words,) = spelled(Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice))
+    assert words == ("unanswered", {"advice": advice})
+    both = Agent(Lift, VOICES[0], "qualitative").feedback_on(metric, correct=correct, advice=advice, remark=REMARK)
+    assert both == REMARK, "the task's own remark on what went wrong says more"
+
+
+@pytest.mark.parametrize(
+    ("metric", "text"), [(412.4, "0.41 seconds"), (1000.0, "1.00 seconds"), (996.0, "0.996 seconds")]
+)
+def test_times_are_in_seconds_and_never_look_like_a_goal_that_they_are_not(metric: float, text: str) -> None:
+    (found,) = spelled(Agent(Lift, spelling(VOICES[0])).feedback_on(metric))
+    assert (found.slots["value"], found.slots["goal"]) == (text, "1 second")
+
+
+def test_times_in_spanish_have_a_decimal_comma() -> None:
+    (found,) = spelled(Agent(Lift, spelling(CATALOGUE.theme("calm", "es"))).feedback_on(412))
+    assert (found.slots["value"], found.slots["goal"]) == ("0,41 segundos", "1 segundo")
+
+
+def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
+    assert REMARK not in Agent(Lift, VOICES[0], "both").feedback_on(500, remark=REMARK)
+
+
+# --- a summary ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("metric", "valence"), [(500.0, "positive"), (1005.0, "neutral"), (1500.0, "negative")])
+def test_a_summary_reports_goals_reached_and_means(metric: float, valence: str) -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
+    agent.feedback_on(400, sway=3.0)
+    words, found = spelled(agent.feedback_on(metric, sums_up=5, reached=3, sway=9.0))
+    assert words.situation == f"summary_{valence}"
+    assert found == (
+        "summary_figures",
+        {
+            "reached": "3",
+            "attempts": "5",
+            "value": shown(Lift.metric, metric, 3 if metric == 1005 else 2),
+            "goal": "1 second",
+        },
+    )
+
+
+def test_a_summary_without_times_gives_counts_only() -> None:
+    agent = Agent(Lift, spelling(VOICES[0]), "both")
+    words, found = spelled(agent.feedback_on(None, sums_up=5, reached=0))
+    assert words.situation == "summary_negative"
+    assert found == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
+
+
+# --- knowledge of performance: how it was done ----------------------------------------------------------------
+
+
+def how(agent: Agent, **attempt: Any) -> Spelled:
+    """Return the performance feedback, which comes last."""
+    return spelled(agent.feedback_on(**{"metric": 900.0, **attempt}))[-1]
+
+
+def watcher(form: str = "qualitative", about: str = "performance") -> Agent:
+    """Return an agent with feedback on performance: sway in steps of 2, grip in steps of 5."""
+    return Agent(Lift, spelling(VOICES[0]), form, about=about, rules=ANY_CHANGE)
+
+
+STEADY, FIRM = "with a steady arm", "with a firm grip"
+
+
+def test_the_first_performance_feedback_gives_the_aim() -> None:
+    assert how(watcher(), sway=10.0, grip=50.0) in [("performance_first", {"aim": aim}) for aim in (STEADY, FIRM)]
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "situation", "words"),
+    [
+        (8.0, 50.0, "performance_improved", "steadier"),
+        (8.1, 50.0, "performance_same", ""),
+        (10.0, 55.0, "performance_improved", "firmer"),
+        (12.0, 55.0, "performance_improved", "firmer"),
+        (7.0, 56.0, "performance_improved", "steadier"),
+        (7.0, 60.0, "performance_improved", "firmer"),
+        (12.0, 50.0, "performance_worsened", STEADY),
+        (10.0, 45.0, "performance_worsened", FIRM),
+        (12.0, 40.0, "performance_worsened", FIRM),
+        (11.9, 45.1, "performance_same", ""),
+        (10.0, 50.0, "performance_same", ""),
+    ],
+)
+def test_performance_feedback_reports_the_largest_improvement_or_else_decline(
+    sway: float, grip: float, situation: str, words: str
+) -> None:
+    agent = watcher()
+    agent.feedback_on(900, sway=10.0, grip=50.0)
+    found = how(agent, sway=sway, grip=grip)
+    assert found.situation == situation
+    assert found.slots["reference"] == "last time"
+    assert found.slots.get("change", found.slots.get("aim")) in ({words} if words else {STEADY, FIRM})
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "percent"),
+    [(8.0, 50.0, "20 %"), (10.0, 60.0, "20 %"), (15.0, 50.0, "50 %"), (10.0, 25.0, "50 %"), (10.0, 50.0, "0 %")],
+)
+def test_quantitative_performance_feedback_is_in_percent(sway: float, grip: float, percent: str) -> None:
+    agent = watcher("quantitative")
+    agent.feedback_on(900, sway=10.0, grip=50.0)
+    found = how(agent, sway=sway, grip=grip)
+    assert found.situation.endswith("_figures")
+    assert found.slots["percent"] == percent
+
+
+@pytest.mark.parametrize(
+    ("sway", "grip", "valence"), [(7.0, 50.0, "positive"), (15.0, 50.0, "negative"), (10.0, 50.0, "neutral")]
+)
+def test_the_face_matches_the_performance_feedback(sway: float, grip: float, valence: str) -> None:
+    """No praise accompanies advice, however fast the attempt was."""
+    agent = watcher(about="performance")
+    agent.feedback_on(900, sway=10.0, grip=50.0)
+    for metric in (850, 1090):
+        agent.feedback_on(metric, sway=sway, grip=grip)
+        assert agent.said[-1].valence == valence
+        agent.feedback_on(900, sway=10.0, grip=50.0)
+
+
+def test_a_change_without_meaningful_percentage_is_reported_with_the_result() -> None:
+    agent = watcher("quantitative", about="performance")
+    agent.feedback_on(900, sway=10.0, grip=50.0)
+    agent.feedback_on(900, sway=40.0, grip=50.0)
+    assert "percent" not in agent.said[-1].text
+    assert "0.90 seconds" in agent.said[-1].text
+
+
+def test_performance_is_compared_between_similar_attempts_only() -> None:
+    """A slower movement has higher values; that is no decline."""
+    agent = watcher()
+    agent.feedback_on(900, sway=10.0)
+    assert how(agent, metric=1200, sway=20.0).situation == "performance_first"
+    assert how(agent, metric=950, sway=7.0).slots["change"] == "steadier"
+
+
+def test_performance_is_compared_with_the_last_attempt_at_the_level() -> None:
+    agent = watcher()
+    agent.feedback_on(900, sway=10.0)
+    assert how(agent, level=2, sway=30.0).situation == "performance_first"
+    assert how(agent, sway=7.0).situation == "performance_improved"
+    reference = "last time at this level"
+    assert how(agent, level=2, sway=40.0) == ("performance_worsened", {"aim": STEADY, "reference": reference})
+
+
+def test_performance_in_practice_is_not_a_reference() -> None:
+    agent = watcher()
+    agent.feedback_on(900, practice=True, sway=30.0)
+    assert how(agent, sway=10.0).situation == "performance_first"
+
+
+def test_only_qualities_measured_both_times_are_compared() -> None:
+    agent = watcher()
+    agent.feedback_on(900, sway=10.0)
+    assert how(agent, sway=10.5, grip=99.0).situation == "performance_same"
+    assert how(agent, grip=50.0).slots["aim"] == FIRM
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_without_measured_qualities_the_result_is_reported(form: str) -> None:
+    assert watcher(form).feedback_on(900) == watcher(form, about="results").feedback_on(900)
+
+
+@pytest.mark.parametrize(
+    ("form", "about", "situations"),
+    [
+        ("qualitative", "results", ["positive"]),
+        ("qualitative", "performance", ["performance_first"]),
+        ("qualitative", "both", ["positive", "performance_first"]),
+        ("quantitative", "results", ["positive_first"]),
+        ("quantitative", "performance", ["performance_first_figures"]),
+        ("quantitative", "both", ["positive_first", "performance_first"]),
+        ("both", "results", ["positive", "positive_first"]),
+        ("both", "performance", ["performance_first_figures"]),
+        ("both", "both", ["positive", "positive_first", "performance_first"]),
+    ],
+)
+def test_the_task_selects_the_content(form: str, about: str, situations: list[str]) -> None:
+    said = spelled(watcher(form, about).feedback_on(800, sway=1.0))
+    assert [part.situation for part in said] == situations
+
+
+def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
+    assert TaskParameters().feedback_form == "both"
+    assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").feedback_on(700))) == 2
+
+
+# --- texts of tasks -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("language", ["en", "es"])
+@pytest.mark.parametrize("name", CATALOGUE.task_names())
+def test_text_that_a_task_adds_holds_no_number(name: str, language: str) -> None:
+    kind = CATALOGUE.task(name)
+    task = kind(build(kind.Parameters, {"language": language}))
+    changes = [quality.improved for quality in task.qualities] + [task.metric.improved, task.metric.worsened]
+    added = [*changes, *(quality.aim for quality in task.qualities), *(mark.remark for mark in task.marks)]
+    said = [*map(task.tr, added), task.when_to_respond()]
+    assert [text for text in said if holds_number(text, language)] == []

@@ -1,0 +1,114 @@
+"""Memory answers recalls of scored attempts and earlier bests."""
+
+from typing import Any
+
+import pytest
+
+from sar_tui.loop.bus import Bus, Topic
+from sar_tui.loop.clock import VirtualClock
+from sar_tui.loop.node import Node, on
+from sar_tui.loop.nodes.memory import Memory
+from sar_tui.loop.topics import ATTEMPT_ENDED, RECALL, SESSION
+from sar_tui.model.messages import AttemptEnded, Message, Recall, RecalledAttempts, SessionStarted
+
+
+class Done(Message, frozen=True, kw_only=True):
+    ended: AttemptEnded
+
+
+DONE = Topic("test/done", Done, origin="input")
+
+
+class Handler(Node):
+    """Stub of the event handler."""
+
+    name = "handler"
+    emits = (ATTEMPT_ENDED,)
+
+    @on(DONE)
+    def done(self, done: Done) -> None:
+        self.emit(ATTEMPT_ENDED, done.ended)
+
+
+@pytest.fixture
+def bus() -> Bus:
+    """Return the memory of a session whose earlier bests are 500 ms at level 1 and 700 ms at level 3."""
+    bus = Bus(VirtualClock())
+    for node in (Memory(), Handler()):
+        node.attach(bus)
+    best = {"1": 500.0, "3": 700.0}
+    bus.publish(SESSION, SessionStarted(run=1, task="lift", theme="calm", seed=1, best=best))
+    return bus
+
+
+def end(bus: Bus, attempt: int, level: int = 1, metric: float | None = 600.0, **more: Any) -> None:
+    facts: dict[str, Any] = {
+        "metric_unit": "ms",
+        "accuracy": 1.0,
+        "correct": 1,
+        "trials": 1,
+        "outcome": "success",
+        "feedback": "none",
+        "started": 0,
+        "ended": 1,
+        "practice": False,
+    }
+    bus.publish(DONE, Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})))
+
+
+def recall(bus: Bus, level: int | None = None, seat: str = "A", condition: str | None = None) -> RecalledAttempts:
+    return bus.call(RECALL, Recall(level=level, seat=seat, condition=condition))
+
+
+def test_a_recall_returns_scored_attempts_oldest_first(bus: Bus) -> None:
+    end(bus, 1, practice=True)
+    for attempt in (2, 3, 4):
+        end(bus, attempt)
+    assert [attempt.attempt for attempt in recall(bus).attempts] == [2, 3, 4]
+
+
+def test_a_recall_of_a_level_returns_that_level_only(bus: Bus) -> None:
+    for attempt, level in ((1, 1), (2, 2), (3, 1)):
+        end(bus, attempt, level)
+    assert [attempt.attempt for attempt in recall(bus, 1).attempts] == [1, 3]
+    assert recall(bus, 4).attempts == ()
+
+
+def test_a_recall_of_a_condition_returns_that_condition_only(bus: Bus) -> None:
+    for attempt, condition in ((1, "cued"), (2, ""), (3, "cued")):
+        end(bus, attempt, condition=condition)
+    assert [attempt.attempt for attempt in recall(bus, 1, condition="cued").attempts] == [1, 3]
+    assert [attempt.attempt for attempt in recall(bus, 1, condition="").attempts] == [2]
+    assert [attempt.attempt for attempt in recall(bus).attempts] == [1, 2, 3]
+
+
+def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
+    end(bus, 1, metric=600.0)
+    end(bus, 2)
+    end(bus, 1, metric=900.0)
+    assert [(attempt.attempt, attempt.metric) for attempt in recall(bus).attempts] == [(1, 900.0), (2, 600.0)]
+
+
+def test_each_seat_has_its_own_attempts(bus: Bus) -> None:
+    end(bus, 1)
+    end(bus, 1, seat="B")
+    assert [attempt.seat for attempt in recall(bus, seat="B").attempts] == ["B"]
+
+
+@pytest.mark.parametrize(("level", "best"), [(1, 500.0), (2, None), (3, 700.0), (None, None)])
+def test_the_best_of_earlier_sessions_is_returned_for_a_level(bus: Bus, level: int | None, best: float | None) -> None:
+    end(bus, 1, metric=300.0)
+    assert recall(bus, level).earlier_best == best
+
+
+def test_a_new_run_updates_the_best_of_earlier_sessions(bus: Bus) -> None:
+    bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0}))
+    assert recall(bus, 1).earlier_best == 450.0
+
+
+def test_the_best_of_earlier_sessions_in_a_condition_is_its_own(bus: Bus) -> None:
+    best = {"1": 450.0, "1 cued": 400.0}
+    bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best=best))
+    assert recall(bus, 1, condition="").earlier_best == 450.0
+    assert recall(bus, 1, condition="cued").earlier_best == 400.0
+    assert recall(bus, 1, condition="uncued").earlier_best is None

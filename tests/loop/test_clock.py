@@ -1,0 +1,95 @@
+"""Clocks run callbacks in order; the virtual clock does so identically each time."""
+
+import asyncio
+import threading
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.loop.clock import LiveClock, VirtualClock, host_now
+
+
+def test_the_virtual_clock_stands_still_until_stepped() -> None:
+    clock = VirtualClock(5)
+    ran: list[str] = []
+    clock.call_at(5, lambda: ran.append("due at once"))
+    assert (clock.now(), ran) == (5, [])
+
+
+@given(st.lists(st.integers(0, 50)))
+def test_callbacks_run_by_time_then_in_the_order_of_request(times: list[int]) -> None:
+    clock = VirtualClock()
+    ran: list[tuple[int, int, int]] = []
+    for number, when in enumerate(times):
+        clock.call_at(when, lambda number=number, when=when: ran.append((when, number, clock.now())))
+    while clock.step():
+        pass
+    assert ran == [(when, number, when) for when, number in sorted((when, n) for n, when in enumerate(times))]
+
+
+def test_a_callback_in_the_past_runs_now() -> None:
+    clock = VirtualClock(100)
+    at: list[int] = []
+    clock.call_at(20, lambda: at.append(clock.now()))
+    assert clock.step()
+    assert at == [100]
+
+
+def test_a_callback_may_schedule_another() -> None:
+    clock = VirtualClock()
+    at: list[int] = []
+    clock.call_at(10, lambda: clock.call_at(clock.now() + 5, lambda: at.append(clock.now())))
+    clock.advance(20)
+    assert (at, clock.now()) == ([15], 20)
+
+
+def test_advance_runs_what_falls_due_and_leaves_the_rest() -> None:
+    clock = VirtualClock()
+    ran: list[int] = []
+    for when in (10, 20, 30):
+        clock.call_at(when, lambda when=when: ran.append(when))
+    clock.advance(20)
+    assert (ran, clock.now()) == ([10, 20], 20)
+    clock.advance(20)
+    assert (ran, clock.now()) == ([10, 20, 30], 40)
+
+
+def test_a_cancelled_callback_does_not_run_or_move_the_clock() -> None:
+    clock = VirtualClock()
+    ran: list[str] = []
+    clock.call_at(10, lambda: ran.append("called off")).cancel()
+    assert not clock.step()
+    assert (ran, clock.now()) == ([], 0)
+
+
+def test_set_moves_the_clock_and_runs_nothing() -> None:
+    clock = VirtualClock()
+    ran: list[str] = []
+    clock.call_at(10, lambda: ran.append("skipped over"))
+    clock.set(10)
+    assert (ran, clock.now()) == ([], 10)
+
+
+def test_call_soon_runs_before_any_time_passes() -> None:
+    clock = VirtualClock(7)
+    at: list[int] = []
+    clock.call_soon(lambda: at.append(clock.now()))
+    clock.advance(0)
+    assert at == [7]
+
+
+async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_before_they_are_due() -> None:
+    clock = LiveClock(asyncio.get_running_loop())
+    ran: list[tuple[str, bool]] = []
+    done = asyncio.Event()
+    due = host_now() + 3_000_000
+    clock.call_at(due, lambda: (ran.append(("timer", clock.now() >= due)), done.set()))
+    clock.call_at(due, lambda: ran.append(("called off", False))).cancel()
+    thread = threading.Thread(target=clock.call_soon, args=(lambda: ran.append(("post", True)),))
+    thread.start()
+    thread.join()
+    assert ran == []
+    running = asyncio.create_task(clock.run())
+    await done.wait()
+    running.cancel()
+    assert ran == [("post", True), ("timer", True)]

@@ -1,0 +1,200 @@
+"""A wording for a situation is valid, or its problem is reported."""
+
+import re
+import unicodedata
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from text_to_num import alpha2digit
+
+from sar_tui.loop.phrase_keys import (
+    FIGURES,
+    PERFORMANCE,
+    PHRASE_KEYS,
+    QUALITATIVE,
+    QUANTITATIVE,
+    holds_number,
+    wording_problems,
+)
+
+
+def test_every_phrase_key_is_either_verbal_or_numeric() -> None:
+    assert set(QUALITATIVE) | set(QUANTITATIVE) == set(PHRASE_KEYS)
+    assert not set(QUALITATIVE) & set(QUANTITATIVE)
+    assert {"positive", "negative_strong", "accuracy", "performance_improved", "greeting"} <= set(QUALITATIVE)
+    assert {"positive_first", "accuracy_figures", "performance_same_figures", "summary_figures"} <= set(QUANTITATIVE)
+
+
+def test_verbal_and_numeric_performance_have_the_same_phrase_keys() -> None:
+    in_words = [name for name in PERFORMANCE if not name.endswith("_figures")]
+    assert in_words == ["performance_first", "performance_improved", "performance_worsened", "performance_same"]
+    for name in in_words:
+        assert PHRASE_KEYS[name] < PHRASE_KEYS[f"{name}_figures"]
+
+
+def test_the_page_on_themes_lists_every_phrase_key_with_its_slots() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "themes-and-words.md").read_text(encoding="utf-8")
+    rows = [line.strip("|").split("|") for line in page.splitlines() if line.count("|") == 4]
+    listed = {
+        situation: set(re.findall(r"`(\w+)`", slots))
+        for situations, _, slots in rows
+        for situation in re.findall(r"`(\w+)`", situations)
+        if situation in PHRASE_KEYS
+    }
+    assert listed == PHRASE_KEYS
+
+
+@pytest.mark.parametrize(
+    ("situation", "wording"),
+    [
+        ("goodbye", "Bye."),
+        ("positive_first", "{value}"),
+        ("negative_improved", "{{ {difference} {change} than {reference} }}"),
+        ("performance_first", "Next time: {aim}."),
+    ],
+)
+def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
+    assert wording_problems(situation, wording, "en") == []
+
+
+@pytest.mark.parametrize(
+    ("situation", "wording", "problem"),
+    [
+        ("goodbye", "Bye, {name}.", " uses the unknown slot {name}."),
+        ("goodbye", "  ", " is empty."),
+        ("positive_first", "{value}, {difference}", " uses the unknown slot {difference}."),
+        ("neutral", "Three quarters there.", " holds a number: 'Three quarters there.'."),
+        ("accuracy", "Get 8 right.", " holds a number: 'Get 8 right.'."),
+        ("performance_first", "Do it twice {aim}.", " holds a number: 'Do it twice {aim}.'."),
+        ("negative_same", "The same as {reference}.", " has no slot for a figure: 'The same as {reference}.'."),
+        ("positive_improved", "You were {change}.", " has no slot for a figure: 'You were {change}.'."),
+        ("neutral_first", "At {value", " has broken slots (expected '}' before end of string): 'At {value'."),
+        ("neutral_first", "At {value:.1f}", " has a slot with more than a name: 'At {value:.1f}'."),
+        ("neutral_first", "At {value!x}", " has a slot with more than a name"),
+        ("neutral_first", "At {value:{width}}", " has a slot with more than a name"),
+        ("neutral_first", "At {}", " uses the unknown slot {}."),
+        ("neutral_first", "At {value.real}", " uses the unknown slot {value.real}."),
+    ],
+)
+def test_an_invalid_wording_is_reported_in_one_sentence(situation: str, wording: str, problem: str) -> None:
+    problem_found, *_ = wording_problems(situation, wording, "en")
+    assert problem_found.startswith(f"A wording for {situation} (en){problem}")
+
+
+def test_number_words_are_those_of_the_language() -> None:
+    assert wording_problems("positive", "Ya once veces.", "es") == [
+        "A wording for positive (es) holds a number: 'Ya once veces.'."
+    ]
+    assert wording_problems("positive", "Ocho, ocho!", "en") == []
+
+
+@given(st.text(max_size=60), st.sampled_from(sorted(PHRASE_KEYS)), st.sampled_from(["en", "es"]))
+def test_a_wording_without_problems_can_be_formatted(wording: str, situation: str, language: str) -> None:
+    if not wording_problems(situation, wording, language):
+        said = wording.format(**{slot: "12 ms" if slot in FIGURES else "faster" for slot in PHRASE_KEYS[situation]})
+        assert holds_number(said, language) == (situation in QUANTITATIVE)
+
+
+@given(st.lists(st.sampled_from(["{", "}", "{{", "}}", "value", "goal", "!", ":", "r", "12", "[0]", ".x", " "])))
+def test_wordings_with_any_braces_are_refused_or_can_be_formatted(parts: list[str]) -> None:
+    wording = "".join(parts)
+    if not wording_problems("neutral_first", wording, "en"):
+        assert wording.format(value="12 ms", goal="12 ms")
+
+
+# --- numbers in a text ----------------------------------------------------------------------------------------
+
+SMALL = {
+    "en": """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen
+        seventeen eighteen nineteen""",
+    "es": """cero uno dos tres cuatro cinco seis siete ocho nueve diez once doce trece catorce quince dieciséis
+        diecisiete dieciocho diecinueve veinte veintiuno veintidós veintitrés veinticuatro veinticinco veintiséis
+        veintisiete veintiocho veintinueve""",
+}
+TENS = {
+    "en": "twenty thirty forty fifty sixty seventy eighty ninety",
+    "es": "veinte treinta cuarenta cincuenta sesenta setenta ochenta noventa",
+}
+HUNDREDS = (
+    "ciento doscientos trescientos cuatrocientos quinientos seiscientos setecientos ochocientos novecientos".split()
+)
+
+
+def spelled(number: int, language: str) -> str:
+    """Return a number from 0 to 1000 in words."""
+    small = SMALL[language].split()
+    if number < len(small):
+        return small[number]
+    if number < 100:
+        tens, rest = divmod(number, 10)
+        joined = {"en": "-", "es": " y "}[language]
+        return TENS[language].split()[tens - 2] + (f"{joined}{small[rest]}" if rest else "")
+    hundreds, rest = divmod(number, 100)
+    more = f" {spelled(rest, language)}" if rest else ""
+    if language == "en":
+        return "one thousand" if number == 1000 else f"{small[hundreds]} hundred{more}"
+    if number in (100, 1000):
+        return "cien" if number == 100 else "mil"
+    return HUNDREDS[hundreds - 1] + more
+
+
+@pytest.mark.parametrize("language", ["en", "es"])
+def test_every_number_to_a_thousand_is_found_in_words(language: str) -> None:
+    for number in range(1001):
+        words = spelled(number, language)
+        assert alpha2digit(words, language, 0) == str(number)
+        for said in (f"Nearly {words}!", words.upper(), words.capitalize()):
+            assert holds_number(said, language), said
+
+
+@pytest.mark.parametrize("language", ["en", "es"])
+def test_every_single_word_of_a_number_is_found_alone(language: str) -> None:
+    for word in {word for number in range(1001) for word in spelled(number, language).replace("-", " ").split()} - {
+        "y"
+    }:
+        assert holds_number(word, language), word
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["32 ms", "Two more.", "One-handed", "a hundred", "TWICE as good", "٣ times", "x2", "½", "Ⅳ", "x²", "half of it"],
+)
+def test_numbers_are_found_in_digits_and_words(text: str) -> None:
+    assert holds_number(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["Doscientas veces", "a la mitad", "el doble", "VEINTIDÓS", "veintidos", "la primera vez"]
+)
+def test_spanish_numbers_are_found_with_and_without_accents(text: str) -> None:
+    for form in ("NFC", "NFD"):
+        assert holds_number(unicodedata.normalize(form, text), "es")
+
+
+@pytest.mark.parametrize("text", ["Everyone is often at tension.", "Well done.", "Attend to the phone", ""])
+def test_a_number_word_inside_another_word_is_not_a_number(text: str) -> None:
+    assert not holds_number(text)
+
+
+@pytest.mark.parametrize("text", ["Un poco más, una vez más.", "Muy bien, sonríe.", "Familia, oncología, parada"])
+def test_the_spanish_article_and_parts_of_words_are_not_numbers(text: str) -> None:
+    assert not holds_number(text, "es")
+
+
+def test_each_language_has_its_own_numbers() -> None:
+    assert holds_number("once", "es-MX")
+    assert holds_number("a one-off", "en-GB")
+    assert not holds_number("ocho", "en")
+    assert not holds_number("seven", "es")
+
+
+def test_digits_are_found_in_an_unknown_language() -> None:
+    assert holds_number("7 fois", "fr")
+    assert not holds_number("sept fois", "fr")
+
+
+@given(st.text(), st.sampled_from(["0", "7", "٣", "½"]), st.text(), st.sampled_from(["en", "es", "fr"]))
+def test_a_digit_is_found_anywhere_in_a_text(before: str, digit: str, after: str, language: str) -> None:
+    assert holds_number(before + digit + after, language)

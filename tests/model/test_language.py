@@ -1,0 +1,147 @@
+"""Translated texts: complete, with the right slots, and in English where a translation is missing."""
+
+from pathlib import Path
+
+import pytest
+
+from sar_tui.checks.task_translations import texts_in
+from sar_tui.loop.task import Task
+from sar_tui.model import language as module
+from sar_tui.model.language import Language, language, read_words, slot_problem
+from sar_tui.model.step import BORG_WORDS
+from sar_tui.model.trial_types import Metric
+from sar_tui.rules.questions import QUESTIONS
+
+ROOT = Path(module.__file__).parents[1]
+
+
+def words(folder: Path, code: str, text: str) -> Path:
+    """Write the translations of a language into a folder, and return the folder."""
+    folder.mkdir(exist_ok=True)
+    (folder / f"words.{code}.toml").write_text(text, encoding="utf-8")
+    return folder
+
+
+# --- the framework's translations --------------------------------------------------------------------------------
+
+
+def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolete() -> None:
+    code = (path.read_text("utf-8") for room in ("loop", "rules", "model") for path in (ROOT / room).rglob("*.py"))
+    usual = Metric("x", unit="", better="lower")
+    texts = {Task.trials, usual.improved, usual.worsened}.union(*map(texts_in, code))
+    texts |= {*BORG_WORDS.values(), *(text for step in QUESTIONS.values() for text in (step.text, *step.labels))}
+    translations = read_words(ROOT / "loop" / "words.es.toml")
+    assert set(translations) == texts
+    assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []
+
+
+# --- missing translations --------------------------------------------------------------------------------------------
+
+
+def test_a_language_without_a_file_shows_english(tmp_path: Path) -> None:
+    folder = words(tmp_path / "task", "es", '"Press {key}." = "Pulse {key}."')
+    assert language("de", folder)("Press {key}.", key="f") == "Press f."
+
+
+def test_only_untranslated_texts_are_in_english(tmp_path: Path) -> None:
+    tr = language("es", words(tmp_path / "task", "es", '"Press {key}." = "Pulse {key}."'))
+    assert tr("Press {key}.", key="f") == "Pulse f."
+    assert tr("Well done, {name}.", name="P1") == "Well done, P1."
+
+
+@pytest.mark.parametrize(
+    ("english", "own", "problem"),
+    [
+        ("Less than {goal}.", "Menos de {gaol}.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos de {goal}, {nombre}.", "has {nombre}, which the English does not have"),
+        ("Less than {goal}.", "Menos de {goal:d}.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos de {goal!r}.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos de {goal.real}.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos de {goal[0]}.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos de {}.", "lacks {goal}"),
+        ("Less than {goal}.", "Menos de {goal.", "has broken slots"),
+        ("Less than {goal}.", "Menos de goal}.", "has broken slots"),
+        ("Ready?", "¿Listo, {goal}?", "has {goal}, which the English does not have"),
+    ],
+)
+def test_a_translation_with_other_slots_is_reported_and_not_used(english: str, own: str, problem: str) -> None:
+    assert slot_problem(english, own).startswith(problem)
+    filled = {"goal": "5 s"} if "{goal}" in english else {}
+    assert Language("es", {english: own})(english, **filled) == english.format(**filled)
+    assert Language("es").including({english: own})(english, **filled) == english.format(**filled)
+
+
+@pytest.mark.parametrize(
+    ("english", "own", "said"),
+    [
+        ("{share:.0%} right", "aciertos: {share:.0%}", "aciertos: 50%"),
+        ("{share!s} right", "aciertos: {share!s}", "aciertos: 0.5"),
+        ("{{{share}}}", "({{{share}}})", "({0.5})"),
+    ],
+)
+def test_slots_may_have_format_specifications_if_both_texts_agree(english: str, own: str, said: str) -> None:
+    assert slot_problem(english, own) == ""
+    assert Language("es", {english: own})(english, share=0.5) == said
+
+
+def test_a_brace_that_is_not_a_slot_is_left_unchanged() -> None:
+    assert Language("es", {"Press {": "Pulse la llave"})("Press {") == "Pulse la llave"
+    assert Language("es")("Press {") == "Press {"
+
+
+@pytest.mark.parametrize("text", ["no = = toml", '"Ready?" = "\\ud800"', "= 1"])
+def test_an_unreadable_file_falls_back_to_english(tmp_path: Path, text: str) -> None:
+    assert language("es", words(tmp_path / "task", "es", text))("Ready?") == "Ready?"
+
+
+def test_a_value_that_is_not_text_does_not_affect_the_others(tmp_path: Path) -> None:
+    tr = language("es", words(tmp_path / "task", "es", '"Ready?" = "¿Todo listo?"\n"Go on" = 5'))
+    assert (tr("Ready?"), tr("Go on")) == ("¿Todo listo?", "Go on")
+
+
+def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
+    tr = language("es", words(tmp_path / "task", "es", '\ufeff"Ready?" = "¿Todo listo?"'))
+    assert tr("Ready?") == "¿Todo listo?"
+
+
+# --- precedence of translations ------------------------------------------------------------------------------------
+
+
+def test_texts_of_a_theme_precede_those_of_the_task_and_the_framework(tmp_path: Path) -> None:
+    framework = words(tmp_path / "framework", "es", '"a" = "a1"\n"b" = "b1"\n"c" = "c1"')
+    task = words(tmp_path / "task", "es", '"b" = "b2"\n"c" = "c2"')
+    tr = language("es", framework, task).including({"c": "c3"})
+    assert [tr(text) for text in "abc"] == ["a1", "b2", "c3"]
+
+
+def test_regional_texts_precede_those_of_the_language(tmp_path: Path) -> None:
+    folder = words(tmp_path / "task", "es", '"key" = "tecla"\n"computer" = "ordenador"')
+    words(folder, "es-mx", '"computer" = "computadora"')
+    assert [language("es-mx", folder)(text) for text in ("key", "computer")] == ["tecla", "computadora"]
+    assert language("es", folder)("computer") == "ordenador"
+
+
+# --- numbers --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("code", "figures"),
+    [
+        ("en", "0.85 s"),
+        ("en-gb", "0.85 s"),
+        ("es", "0,85 s"),
+        ("es-ar", "0,85 s"),
+        ("es-mx", "0.85 s"),
+        ("de", "0,85 s"),
+    ],
+)
+def test_numbers_are_formatted_for_the_language(code: str, figures: str) -> None:
+    assert Language(code).figures("0.85 s") == figures
+    assert Language(code)("It took {time}.", time="0.85 s") == f"It took {figures}."
+
+
+def test_a_full_stop_is_not_a_decimal_point() -> None:
+    tr = Language("es")
+    assert tr("Press: {key}", key=".") == "Press: ."
+    assert tr("{first} {next}", first="Marker 1.", next="Then 2.") == "Marker 1. Then 2."

@@ -1,0 +1,369 @@
+"""The bundled themes are complete, legible, kind and consistent."""
+
+import re
+from itertools import combinations, product
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
+from text_to_num import alpha2digit
+
+from sar_tui.loop.phrase_keys import FIGURES, PHRASE_KEYS, QUALITATIVE, QUANTITATIVE, holds_number
+from sar_tui.model.gesture import GESTURES, JOINTS
+from sar_tui.model.theme import FACES, MANNERS, Manner, Note, Theme
+from sar_tui.plugins import Catalogue, user_folder
+from sar_tui.rules.repetition import repeated
+from sar_tui.theme_folder import languages, read_theme
+from tests.examples import examples
+
+NAMES = ("calm", "high-contrast", "playful")
+LANGUAGES = ("en", "es")
+DEGREES = tuple(f"{valence}{degree}" for valence in ("positive", "negative") for degree in ("_slight", "", "_strong"))
+BREATH = 115
+"""Maximum number of characters of an utterance, so that it can be said in one breath."""
+
+UNKIND = {
+    "en": r"""wrong wrongly fail fails failed failing failure bad badly poor poorly lazy mistakes? errors? faults? blame
+        stupid silly weak worse worst useless sad shame pity disappoint\w* unfortunately careless clumsy sloppy never
+        must should slowly""",
+    "es": r"""mal malo mala malos malas fallos? fallad\w+ fallar falló errores error equivoc\w+ culpas? torpes? vag[oa]
+        perezos[oa] tont[oa] débil peor inútil triste vergüenza lástima pena decepci\w+ fracas\w+ desgraciadamente
+        descuid\w+ nunca debe debes debería deberías lento lenta""",
+}
+"""Pattern of words that blame, belittle or mock."""
+UNTRUE = {
+    "en": r"""perfect\w* amazing incredible unbelievable genius champion always guarantee\w* promise\w* heal\w* cure\w*
+        recover\w* therapy doctor medicine pain hurts? exercises?""",
+    "es": r"""perfect[oa]\w* increíble asombros[oa] genio campe\w+ siempre garantiz\w+ promet\w+ cur[aeo]r?\w* sana\w*
+        recupera\w* terapia médic[oa] medicina dolor duele ejercicios?""",
+}
+"""Pattern of words that exaggerate, give medical advice or promise recovery."""
+
+CHANGES = {"en": ("faster", "slower", "smoother"), "es": ("más rápido", "más lento", "más suave")}
+AIMS = {"en": ("as smoothly as you can", "with a steady hand"), "es": ("lo más suavemente posible", "con pulso firme")}
+COUNTS = ("correct", "trials", "reached", "attempts")
+UNITS = ("ms", "s", "cm", "%", "taps/s", "")
+ADVICE = {"en": "Press the key as soon as you see it.", "es": "Pulse la tecla en cuanto la vea."}
+SLOW = {
+    "en": r"slow(?:er|ly|down)?|your time|all the time|no hurry|no need to rush|calmer|calmly|a moment",
+    "es": r"despaci\w+|lent[oa]s?|tiempo|sin prisa|no hay prisa|con (?:más )?calma|un momento",
+}
+"""Pattern of words that ask somebody to be slower."""
+FAR = {
+    "en": r"a? ?long way|way to go|far (?:off|away|from)|more to do|short of the goal",
+    "es": r"lejos|distancia|queda (?:aún|mucho)|mucho por|sigue por delante|sigue delante",
+}
+"""Pattern of words that dwell on how far the goal is."""
+MORE = {
+    "en": r"again|another (?:go|round|attempt)|have a go|more tries|on to the next",
+    "es": r"otra|de nuevo|repetimos|más intentos|inténtal[oa]",
+}
+"""Pattern of words that announce another attempt."""
+
+
+@pytest.fixture(params=[(name, language) for name in NAMES for language in LANGUAGES], ids="-".join)
+def theme(request: pytest.FixtureRequest, catalogue: Catalogue) -> Theme:
+    """Each theme in each language, without texts inherited from other themes."""
+    name, language = request.param
+    return read_theme(catalogue.theme_folder(name), language)
+
+
+def said(theme: Theme, situation: str) -> list[str]:
+    """Return the wordings for a situation with all slots filled."""
+    slots = (
+        dict.fromkeys(FIGURES, "1.25 seconds")
+        | dict.fromkeys(COUNTS, "20")
+        | {
+            "percent": "100 %",
+            "change": CHANGES[theme.language][0],
+            "aim": AIMS[theme.language][0],
+            "advice": ADVICE[theme.language],
+            "reference": max(theme.vocabulary.values(), key=len),
+        }
+    )
+    return [wording.format(**slots) for wording in theme.phrases[situation]]
+
+
+def words_of(theme: Theme) -> str:
+    """Return all wordings and words of a theme in lower case."""
+    wordings = [wording for wordings in theme.phrases.values() for wording in wordings]
+    return " ".join([*wordings, *theme.vocabulary.values()]).lower()
+
+
+# --- complete --------------------------------------------------------------------------------------------------------
+
+
+def test_names_of_the_shipped_themes(catalogue: Catalogue) -> None:
+    assert not (user_folder() / "themes").exists()
+    assert tuple(catalogue.theme_names()) == NAMES
+    for name in NAMES:
+        assert languages(catalogue.theme_folder(name)) == LANGUAGES
+
+
+def test_every_shipped_theme_is_complete_in_every_language(theme: Theme) -> None:
+    assert theme.repairs == ()
+    assert set(theme.phrases) == set(PHRASE_KEYS)
+    assert set(theme.faces) == set(FACES)
+    assert set(theme.gestures) == set(GESTURES)
+    assert theme.units
+
+
+# --- words -----------------------------------------------------------------------------------------------------------
+
+
+def test_every_situation_has_more_than_one_wording(theme: Theme) -> None:
+    for situation, wordings in theme.phrases.items():
+        assert len(set(wordings)) == len(wordings) >= (3 if situation.startswith(("positive", "negative")) else 2)
+
+
+def test_each_degree_of_praise_and_consolation_has_its_own_wording(theme: Theme) -> None:
+    for one, other in combinations((*DEGREES, "neutral"), 2):
+        assert not set(theme.phrases[one]) & set(theme.phrases[other])
+
+
+def test_consolation_is_longer_the_farther_the_goal(theme: Theme) -> None:
+    slight, plain, strong = (sum(map(len, theme.phrases[f"negative{degree}"])) for degree in ("_slight", "", "_strong"))
+    assert slight < plain < strong
+
+
+def test_no_wording_blames(theme: Theme) -> None:
+    unkind = rf"\b(?:{'|'.join(UNKIND[theme.language].split())})\b"
+    assert re.findall(unkind, words_of(theme)) == []
+
+
+HEARTENING = ("encouragement", "encouragement_both", "performance_worsened", "performance_worsened_figures")
+CONSOLING = ("negative_slight", "negative", "negative_strong", "accuracy", "unanswered", "empty", "summary_negative")
+
+
+def test_no_attempt_short_of_its_goal_is_answered_with_slow_down(theme: Theme) -> None:
+    wordings = [wording for situation in (*CONSOLING, *HEARTENING) for wording in theme.phrases[situation]]
+    assert [text for text in wordings if re.search(rf"\b(?:{SLOW[theme.language]})\b", text, re.IGNORECASE)] == []
+
+
+def test_no_encouragement_after_two_misses_calls_the_next_attempt_hard(theme: Theme) -> None:
+    wordings = [wording for situation in HEARTENING[:2] for wording in theme.phrases[situation]]
+    hard = {"en": "next|hard|harder now", "es": "próxim[oa]|difícil"}[theme.language]
+    assert [text for text in wordings if re.search(rf"\b(?:{hard})\b", text, re.IGNORECASE)] == []
+
+
+def test_each_result_in_words_has_a_wording_that_does_not_repeat_the_figures_beside_it(theme: Theme) -> None:
+    slots = {"value": "1", "goal": "2", "difference": "1", "reached": "1", "attempts": "3", "change": "x"}
+    together = [("summary_neutral", "summary_figures"), ("summary_positive", "summary_figures")]
+    for valence in ("positive", "neutral", "negative"):
+        graded = [name for name in ("neutral", *DEGREES) if name.split("_")[0] == valence]
+        figures = [f"{valence}_{change}" for change in ("first", "improved", "worsened", "same")]
+        together += product(graded, figures)
+    for words, figures in together:
+        for other, reference in product(theme.phrases[figures], (theme.vocabulary["goal"], "x")):
+            said = other.format(reference=reference, **slots)
+            free = [one for one in theme.phrases[words] if not repeated(one, said)]
+            assert free, (words, said)
+
+
+def test_no_wording_says_how_far_the_goal_is(theme: Theme) -> None:
+    assert re.findall(rf"\b(?:{FAR[theme.language]})\b", words_of(theme)) == []
+
+
+def test_no_consolation_announces_another_attempt_as_it_may_follow_the_last(theme: Theme) -> None:
+    wordings = [wording for situation in CONSOLING for wording in theme.phrases[situation]]
+    assert [text for text in wordings if re.search(rf"\b(?:{MORE[theme.language]})\b", text, re.IGNORECASE)] == []
+
+
+def test_each_wording_after_unanswered_prompts_gives_the_tasks_advice(theme: Theme) -> None:
+    assert all("{advice}" in wording for wording in theme.phrases["unanswered"])
+
+
+def test_the_face_fits_the_words(theme: Theme) -> None:
+    faces = {situation: theme.manner(situation).face for situation in MANNERS}
+    assert {faces[situation] for situation in (*DEGREES[:3], "greeting", "goodbye")} == {"happy"}
+    assert {faces[situation] for situation in (*DEGREES[3:], "encouragement", "goodbye_early")} == {"encouraging"}
+    assert faces["rest"] == "sleeping"
+
+
+def test_no_wording_exaggerates_or_speaks_of_healing(theme: Theme) -> None:
+    untrue = rf"\b(?:{'|'.join(UNTRUE[theme.language].split())})\b"
+    assert re.findall(untrue, words_of(theme)) == []
+
+
+def test_every_wording_is_short_enough_for_one_breath(theme: Theme) -> None:
+    assert [text for situation in PHRASE_KEYS for text in said(theme, situation) if len(text) > BREATH] == []
+
+
+def test_every_wording_is_whole_sentences(theme: Theme) -> None:
+    for situation in PHRASE_KEYS:
+        for text in said(theme, situation):
+            assert re.match(r"[¡¿]?[A-ZÁÉÍÓÚ\d]", text), text
+            assert text[-1] in ".!?", text
+            assert text.count("¡") == (text.count("!") if theme.language == "es" else 0), text
+            assert text.count("¿") == (text.count("?") if theme.language == "es" else 0), text
+
+
+def test_combined_phrases_do_not_repeat_each_other(theme: Theme) -> None:
+    together = [(name, f"{name}_figures") for name in ("accuracy", "empty")]
+    for valence in ("positive", "neutral", "negative"):
+        graded = [name for name in ("neutral", *DEGREES) if name.split("_")[0] == valence]
+        figures = [f"{valence}_{change}" for change in ("first", "improved", "worsened", "same")]
+        together += [*product(graded, figures), (f"summary_{valence}", "summary_figures")]
+    for words, figures in together:
+        for one, other in product(theme.phrases[words], theme.phrases[figures]):
+            assert not word_triples(one) & word_triples(other), (one, other)
+
+
+def word_triples(text: str) -> set[str]:
+    """Return all sequences of three words within a sentence."""
+    sentences = [re.findall(r"[\w{}]+", sentence.lower()) for sentence in re.split(r"[.!?:;]", text)]
+    return {" ".join(words[i : i + 3]) for words in sentences for i in range(len(words) - 2)}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_spanish_addresses_adults_as_usted_and_children_as_tu(name: str, catalogue: Catalogue) -> None:
+    words = set(re.findall(r"\w+", words_of(read_theme(catalogue.theme_folder(name), "es"))))
+    formal, familiar = {"su", "sus", "usted", "le", "pruebe", "tómese"}, {"tu", "tus", "te", "ti", "contigo", "prueba"}
+    assert not words & (formal if name == "playful" else familiar)
+    assert words & (familiar if name == "playful" else formal)
+
+
+@st.composite
+def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
+    """Generate values of the slots except the reference: results of any task."""
+    decimals = draw(st.integers(0, 3))
+    unit = draw(st.sampled_from(UNITS))
+    numbers = st.floats(0, 99_999).map(lambda number: f"{number:.{decimals}f} {unit}".rstrip())
+    if language == "es":
+        numbers = numbers.map(lambda text: text.replace(".", ","))
+    counts = st.integers(0, 100).map(str)
+    return {
+        **{slot: draw(numbers) for slot in ("value", "goal", "difference")},
+        **{slot: draw(counts) for slot in COUNTS},
+        "percent": f"{draw(st.integers(0, 500))} %",
+        "change": draw(st.sampled_from(CHANGES[language])),
+        "aim": draw(st.sampled_from(AIMS[language])),
+        "advice": ADVICE[language],
+    }
+
+
+def spells_a_number(text: str, language: str) -> bool:
+    """Return True if an independent parser finds a number. It takes the Spanish article un, una for one."""
+    if language == "es":
+        text = re.sub(r"\b[Uu]na?\b", "·", text)
+    return any(character.isdigit() for character in alpha2digit(text, language, 0))
+
+
+@pytest.mark.parametrize(("name", "language"), [(name, language) for name in NAMES for language in LANGUAGES])
+@given(data=st.data())
+@examples(25)
+def test_verbal_wordings_contain_no_number_and_numeric_ones_always_do(
+    name: str, language: str, data: st.DataObject, catalogue: Catalogue
+) -> None:
+    theme = read_theme(catalogue.theme_folder(name), language)
+    slots = data.draw(fillings(language))
+    for reference in theme.vocabulary.values():
+        for situation, wordings in theme.phrases.items():
+            for wording in wordings:
+                text = wording.format(**slots, reference=reference)
+                assert holds_number(text, language) == (situation in QUANTITATIVE), text
+                assert re.search(r"\d", text) if situation in QUANTITATIVE else not spells_a_number(text, language), (
+                    text
+                )
+
+
+def test_verbal_wordings_have_no_numeric_slot() -> None:
+    assert all(not PHRASE_KEYS[situation] & FIGURES for situation in QUALITATIVE)
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "spoken"),
+    [
+        ("en", "412 ms, 30 ms faster than last time.", "412 milliseconds, 30 milliseconds faster than last time."),
+        ("en", "0.25 s; 12 % smoother", "0.25 seconds; 12 percent smoother"),
+        ("en", "2.0 taps/s", "2.0 taps per second"),
+        ("es", "0,25 s, un 12 % más suave", "0,25 segundos, un 12 por ciento más suave"),
+        ("en", "3 sheep, 4 msec, ms", "3 sheep, 4 msec, ms"),
+        ("en", "15cm.", "15 centimetres."),
+        ("en", "1 s, 3.5 s, 1.1 s, 0.1 s", "1 second, 3.5 seconds, 1.1 seconds, 0.1 seconds"),
+        ("en", "11 s; 21 ms; 1,001 ms; 1.0 s", "11 seconds; 21 milliseconds; 1,001 milliseconds; 1.0 seconds"),
+        ("en", "1 taps/s, 1 %", "1 tap per second, 1 percent"),
+        ("es", "1 s, 3,5 s, 1,1 s, 0,1 s", "1 segundo, 3,5 segundos, 1,1 segundos, 0,1 segundos"),
+        ("es", "1 Hz, 21 ms, 1 toque", "1 hercio, 21 milisegundos, 1 toque"),
+        ("en", "3 1/s, but 31/s", "3 per second, but 31/s"),
+    ],
+)
+def test_units_after_numbers_are_spoken_in_full(catalogue: Catalogue, language: str, text: str, spoken: str) -> None:
+    assert catalogue.theme("calm", language).spoken(text) == spoken
+
+
+def test_a_theme_without_units_speaks_its_written_text(calm: Theme) -> None:
+    from msgspec.structs import replace
+
+    assert replace(calm, units={}).spoken("412 ms") == "412 ms"
+
+
+# --- looks -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "ratio"), [("calm", 4.5), ("high-contrast", 7.0), ("playful", 4.5)])
+def test_every_text_colour_has_enough_contrast(catalogue: Catalogue, name: str, ratio: float) -> None:
+    theme = catalogue.theme(name)
+    contrasts = theme.colors.contrasts()
+    assert theme.minimum_contrast == ratio
+    assert len(contrasts) == 6 * 2
+    assert min(contrasts.values()) >= ratio
+
+
+def test_success_and_failure_differ_in_more_than_red_and_green(theme: Theme) -> None:
+    assert theme.faces["happy"] != theme.faces["encouraging"] != theme.faces["neutral"]
+    assert not set(theme.phrases["positive"]) & set(theme.phrases["negative"])
+
+
+def test_all_faces_have_the_same_size(theme: Theme) -> None:
+    lines = [face.split("\n") for face in theme.faces.values()]
+    assert {len(face) for face in lines} == {4}
+    assert {cell_len(line) for face in lines for line in face} == {11}
+
+
+def test_faces_differ_in_eyes_or_mouth(theme: Theme) -> None:
+    assert len(set(theme.faces.values())) == len(FACES)
+    frames = {(face.split("\n")[0], face.split("\n")[-1]) for face in theme.faces.values()}
+    assert len(frames) == 1
+
+
+def test_a_speaking_face_has_the_mouth_of_the_speaking_expression(theme: Theme) -> None:
+    mouths = {name: face.split("\n")[theme.mouth_line] for name, face in theme.faces.items()}
+    assert all(mouth != mouths["speaking"] for name, mouth in mouths.items() if name != "speaking")
+
+
+def test_calm_moves_the_least_and_playful_the_quickest(catalogue: Catalogue) -> None:
+    def reach(theme: Theme) -> float:
+        frames = [frame for gesture in theme.gestures.values() for frame in gesture.keyframes]
+        return max(abs(getattr(frame, joint)) for frame in frames for joint in JOINTS)
+
+    def pace(theme: Theme) -> float:
+        keyframes = sum(len(gesture.keyframes) for gesture in theme.gestures.values())
+        return sum(gesture.duration_ms for gesture in theme.gestures.values()) / keyframes
+
+    calm, plain, playful = (catalogue.theme(name) for name in NAMES)
+    assert reach(calm) < min(reach(plain), reach(playful))
+    assert pace(playful) < min(pace(calm), pace(plain))
+
+
+def test_every_joint_is_used_by_a_gesture(theme: Theme) -> None:
+    for name, gesture in theme.gestures.items():
+        assert any(getattr(frame, joint) for frame in gesture.keyframes for joint in JOINTS), name
+
+
+# --- manner, tones ---------------------------------------------------------------------------------------------------
+
+
+def test_a_theme_inherits_defaults_that_it_does_not_set(catalogue: Catalogue) -> None:
+    calm, playful = catalogue.theme("calm"), catalogue.theme("playful")
+    assert calm.manner("positive") == MANNERS["positive"] == Manner("happy", "nod", tone="success")
+    assert playful.manner("positive") == Manner("happy", "cheer", tone="success")
+    assert calm.manner("there is no such kind") == Manner()
+
+
+def test_a_theme_may_define_tones(catalogue: Catalogue) -> None:
+    calm, playful = catalogue.theme("calm"), catalogue.theme("playful")
+    assert calm.notes("go") == (Note(880, 120),)
+    assert playful.notes("go") == (Note(784, 80), Note(1047, 120))
+    assert calm.notes("there is no such tone") == ()

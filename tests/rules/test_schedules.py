@@ -1,0 +1,262 @@
+"""Feedback schedules decide on which attempts feedback is given."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sar_tui.model.messages import FeedbackChoice
+from sar_tui.model.trial_types import Metric, Score, Target
+from sar_tui.rules import feedback_choice, judgement
+from sar_tui.rules.feedback.faded import RAREST
+from sar_tui.rules.feedback.policy import History
+from sar_tui.rules.judgement import JudgedAttempt
+from sar_tui.rules.parameters import TaskParameters, build
+
+TIME = Metric("time", unit="ms", better="lower")
+GOAL = 1000.0
+SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
+
+RESULTS = st.lists(st.one_of(st.none(), st.floats(200, 3000), st.sampled_from([900.0, 1000.0, 1100.0])), max_size=60)
+OUTCOMES = st.lists(st.booleans(), max_size=80)
+
+
+def settings(schedule: str, **more: Any) -> TaskParameters:
+    return build(TaskParameters, {"feedback_schedule": schedule, "threshold": GOAL, **more})
+
+
+def judged(metric: float | None, accuracy: float | None = 1.0, goal: float = GOAL) -> JudgedAttempt:
+    score, target = Score(metric, accuracy, 0, 20), Target(goal, 10.0)
+    return JudgedAttempt(score, target, judgement.judge(score, TIME, target, 0.8))
+
+
+def step(
+    history: History, attempt: JudgedAttempt, parameters: TaskParameters, practice: bool = False
+) -> tuple[History, FeedbackChoice]:
+    """Remember an attempt and decide on its feedback, as a session does."""
+    if not practice:
+        history = feedback_choice.remember(history, attempt, parameters)
+    choice = feedback_choice.choose(history, attempt, parameters, "results", practice=practice)
+    return (feedback_choice.given(history) if choice.due and not practice else history), choice
+
+
+def chosen(parameters: TaskParameters, attempts: list[JudgedAttempt]) -> list[FeedbackChoice]:
+    history, choices = History(), []
+    for attempt in attempts:
+        history, choice = step(history, attempt, parameters)
+        choices.append(choice)
+    return choices
+
+
+def due(choices: list[FeedbackChoice]) -> list[int]:
+    """Return the numbers of the attempts with feedback."""
+    return [number for number, choice in enumerate(choices, 1) if choice.due]
+
+
+# --- every, summary -------------------------------------------------------------------------------------------
+
+
+@given(st.integers(1, 100), RESULTS, st.sampled_from(["every", "summary"]))
+def test_every_nth_attempt_gets_feedback_regardless_of_the_outcomes(
+    every: int, results: list[float | None], schedule: str
+) -> None:
+    choices = chosen(settings(schedule, feedback_every=every), [judged(result) for result in results])
+    assert due(choices) == list(range(every, len(results) + 1, every))
+
+
+@given(st.integers(1, 20), RESULTS)
+def test_a_summary_covers_exactly_the_attempts_since_the_last_one(every: int, results: list[float | None]) -> None:
+    parameters = settings("summary", feedback_every=every)
+    history = History()
+    for number, result in enumerate(results, 1):
+        history = feedback_choice.remember(history, judged(result), parameters)
+        choice = feedback_choice.choose(history, judged(result), parameters, "results")
+        if choice.due:
+            assert choice.attempts == every
+            assert [one.score.metric for one in history.recent] == results[number - every : number]
+            history = feedback_choice.given(history)
+        else:
+            assert choice.attempts == 1
+
+
+@given(
+    st.lists(
+        st.tuples(st.one_of(st.none(), st.floats(200, 3000)), st.floats(500, 2000), st.floats(0, 1)),
+        min_size=1,
+        max_size=20,
+    )
+)
+def test_a_summary_contains_the_means_and_counts_the_successes(
+    attempts: list[tuple[float | None, float, float]],
+) -> None:
+    recent = tuple(judged(metric, accuracy, goal) for metric, goal, accuracy in attempts)
+    score, target, reached = judgement.summary(recent)
+    measured = [(metric, goal) for metric, goal, _ in attempts if metric is not None]
+    assert reached == sum(
+        metric is not None and metric < goal and accuracy >= 0.8 for metric, goal, accuracy in attempts
+    )
+    if measured:
+        assert score.metric == pytest.approx(sum(metric for metric, _ in measured) / len(measured))
+        assert target.threshold == pytest.approx(sum(goal for _, goal in measured) / len(measured))
+        assert target.neutral_band == pytest.approx(10.0)
+    else:
+        assert (score.metric, target) == (None, recent[-1].target)
+
+
+@given(
+    st.lists(
+        st.tuples(st.one_of(st.none(), st.floats(200, 3000)), st.sampled_from([0.25, 0.75, 0.8, 1.0])),
+        min_size=1,
+        max_size=12,
+    )
+)
+def test_a_summary_takes_its_valence_from_the_majority_of_attempts(
+    attempts: list[tuple[float | None, float]],
+) -> None:
+    recent = tuple(judged(metric, accuracy) for metric, accuracy in attempts)
+    verdict, _, _, reached = judgement.judge_summary(recent, TIME, 0.8)
+    if verdict.valence == "positive":
+        assert 2 * reached >= len(recent)
+    if verdict.valence == "negative":
+        assert 2 * reached <= len(recent)
+
+
+# --- faded ----------------------------------------------------------------------------------------------------
+
+
+@given(OUTCOMES, st.integers(1, 50))
+def test_faded_feedback_thins_with_success_and_returns_with_failure_within_bounds(
+    outcomes: list[bool], fade: int
+) -> None:
+    parameters = settings("faded", feedback_fade=fade)
+    choices = chosen(parameters, [judged(500.0 if success else 2000.0) for success in outcomes])
+    before = 1
+    for success, choice in zip(outcomes, choices, strict=True):
+        assert choice.interval is not None
+        assert 1 <= choice.interval <= RAREST
+        assert choice.interval >= before if success else choice.interval <= before
+        before = choice.interval
+
+
+@given(st.integers(1, 6))
+def test_faded_feedback_thins_to_its_maximum_interval_with_constant_success(fade: int) -> None:
+    given = due(chosen(settings("faded", feedback_fade=fade), [judged(500.0)] * 200))
+    gaps = [later - earlier for earlier, later in zip([0, *given], given, strict=False)]
+    assert gaps == sorted(gaps)
+    assert (gaps[0], gaps[-1]) == (1, RAREST)
+
+
+@given(OUTCOMES, st.integers(1, 10))
+def test_after_enough_failures_each_attempt_gets_feedback_again(outcomes: list[bool], fade: int) -> None:
+    attempts = [judged(500.0 if success else 2000.0) for success in outcomes]
+    choices = chosen(settings("faded", feedback_fade=fade), attempts + [judged(2000.0)] * (len(outcomes) + RAREST))
+    assert all(choice.due and choice.interval == 1 for choice in choices[-RAREST // 2 :])
+
+
+@given(RESULTS, st.integers(1, 10))
+def test_faded_feedback_is_due_after_its_interval(results: list[float | None], fade: int) -> None:
+    since = 0
+    for choice in chosen(settings("faded", feedback_fade=fade), [judged(result) for result in results]):
+        since += 1
+        assert choice.since == since
+        assert choice.due == (choice.interval is not None and since >= choice.interval)
+        if choice.due:
+            since = 0
+
+
+# --- bandwidth ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("metric", "is_due"),
+    [(899.9, True), (900.0, False), (1000.0, False), (1100.0, False), (1100.1, True), (None, True)],
+)
+def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(metric: float | None, is_due: bool) -> None:
+    (choice,) = chosen(settings("bandwidth", feedback_tolerance=10), [judged(metric)])
+    assert (choice.due, choice.tolerance) == (is_due, 100.0)
+
+
+@given(st.integers(1, 2000), st.integers(0, 100), st.integers(-150, 150))
+def test_the_tolerance_is_symmetric_around_any_goal(goal: int, percent: int, off: int) -> None:
+    """In percent of the goal, so that a result on the bound lies exactly on it."""
+    parameters = settings("bandwidth", feedback_tolerance=percent, min_accuracy=0)
+    choices = [chosen(parameters, [judged(goal * (1 + side * off / 100), goal=float(goal))])[0] for side in (1, -1)]
+    assert [choice.due for choice in choices] == [abs(off) > percent] * 2
+
+
+def test_bounds_of_a_fractional_goal_are_within_the_tolerance() -> None:
+    parameters = settings("bandwidth", feedback_tolerance=10)
+    assert 0.7 * 1.1 - 0.7 > 0.07, "floating-point arithmetic puts this bound outside the tolerance"
+    assert not chosen(parameters, [judged(0.7 * 1.1, goal=0.7)])[0].due
+
+
+@given(st.floats(900, 1100), st.floats(0, 0.79))
+def test_an_inaccurate_attempt_is_always_outside_the_tolerance(metric: float, accuracy: float) -> None:
+    (choice,) = chosen(settings("bandwidth"), [judged(metric, accuracy)])
+    assert choice.due
+    assert "right" in choice.why
+
+
+# --- on request, never ----------------------------------------------------------------------------------------
+
+
+@given(RESULTS, st.sampled_from(["request", "none"]), st.booleans())
+def test_on_request_and_none_never_give_feedback_without_a_request(
+    results: list[float | None], schedule: str, practice: bool
+) -> None:
+    history = History()
+    for result in results:
+        history, choice = step(history, judged(result), settings(schedule), practice)
+        assert not choice.due
+
+
+# --- practice -------------------------------------------------------------------------------------------------
+
+
+@given(RESULTS, st.sampled_from(["every", "faded", "bandwidth", "summary"]), st.integers(1, 10))
+def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
+    results: list[float | None], schedule: str, every: int
+) -> None:
+    parameters = settings(schedule, feedback_every=every)
+    history = History(since=2, skill=3, recent=(judged(700.0),))
+    for result in results:
+        after, choice = step(history, judged(result), parameters, practice=True)
+        assert choice.due
+        assert choice.attempts == 1, "a summary does not include practice"
+        assert after == history
+
+
+# --- the stored decision ----------------------------------------------------------------------------------------
+
+
+@given(RESULTS, st.sampled_from(SCHEDULES), st.integers(1, 10), st.floats(0, 1), st.booleans())
+def test_every_attempt_records_its_feedback_decision_and_reason(
+    results: list[float | None], schedule: str, every: int, accuracy: float, practice: bool
+) -> None:
+    parameters = settings(
+        schedule,
+        feedback_every=every,
+        feedback_form="quantitative",
+        feedback_compared_with="best attempt",
+        feedback_delay_ms=1500,
+    )
+    history = History()
+    for result in results:
+        attempt = judged(result, accuracy)
+        history, choice = step(history, attempt, parameters, practice)
+        assert (choice.schedule, choice.content, choice.form) == (schedule, "results", "quantitative")
+        assert (choice.compared_with, choice.delay_ms) == ("best attempt", 0 if schedule == "request" else 1500)
+        assert choice.why.endswith(".")
+        assert choice.why[0].isupper() or choice.why[0].isdigit()
+        failed = result is None or accuracy < 0.8
+        assert choice.degree == ("clear" if failed else judgement.degree(result, attempt.target))
+
+
+@given(st.integers(2, 50), RESULTS)
+def test_the_reason_for_no_feedback_counts_the_attempts_since_the_last(every: int, results: list[float | None]) -> None:
+    choices = chosen(settings("every", feedback_every=every), [judged(result) for result in results])
+    for number, choice in enumerate(choices, 1):
+        since = (number - 1) % every + 1
+        assert (choice.since, choice.interval) == (since, every)
+        assert choice.why == f"Due every {every} attempts; {since} since the last."
