@@ -1,4 +1,6 @@
-"""Run the benchmarks, print the results, and store them in ``benchmarks/results/``. Exit with 1 if a check fails."""
+"""Run the benchmarks, print the results, and store them in ``benchmarks/results/``. Exit with 1 if
+a check fails.
+"""
 
 import argparse
 import compileall
@@ -24,7 +26,10 @@ def main() -> int:
     """Run the benchmarks, and return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
-        "parts", nargs="*", metavar="PART", help=f"measure only these, and store nothing: {', '.join(PARTS)}"
+        "parts",
+        nargs="*",
+        metavar="PART",
+        help=f"measure only these, and store nothing: {', '.join(PARTS)}",
     )
     parser.add_argument("--quick", action="store_true", help="fewer of everything; store nothing")
     parser.add_argument("--trials", type=int, help="number of reaction times for each program")
@@ -35,7 +40,13 @@ def main() -> int:
     failed: dict[str, str] = {}
     console = Console()
     checkout = RESULTS.parent.parent
-    for code in ("sar_tui", "tasks", "themes", "benchmarks"):  # pip compiles what it installs, except from a checkout
+    # pip compiles what it installs, except from a checkout
+    for code in (
+        "sar_tui",
+        "tasks",
+        "themes",
+        "benchmarks",
+    ):
         compileall.compile_dir(checkout / code, quiet=1)
     root = checkout / "build"
     root.mkdir(exist_ok=True)
@@ -69,7 +80,9 @@ def main() -> int:
 def _keep(results: report.Results, now: datetime) -> str:
     """Write the results and the page, and return the file's name."""
     own = results["machine"]
-    named = re.sub(r"[^a-z0-9]+", "-", f"{own['system']} {own['architecture']} {own['cores']} cores".lower())
+    named = re.sub(
+        r"[^a-z0-9]+", "-", f"{own['system']} {own['architecture']} {own['cores']} cores".lower()
+    )
     name = f"{now:%Y-%m-%d}-{named}.json"
     RESULTS.mkdir(exist_ok=True)
     (RESULTS / name).write_text(json.dumps(results, indent=1) + "\n")

@@ -14,14 +14,24 @@ import msgspec
 
 from benchmarks.silent_app import MOTOR, PLAYER
 from sar_tui.store.database import FILE
-from sar_tui.timing.closed_loop import LEAVE_KEYS, SAR_TUI, Block, Mismatch, Program, Row, take_turns
+from sar_tui.timing.closed_loop import (
+    LEAVE_KEYS,
+    SAR_TUI,
+    Block,
+    Mismatch,
+    Program,
+    Row,
+    take_turns,
+)
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
 
 WORST_STOP_MS = 100.0
 MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.2, 1.5
-"""Limits for the agent's effect on reaction-time errors: added to the median, and ratio of the IQRs."""
+"""Limits for the agent's effect on reaction-time errors: added to the median, and ratio of the
+IQRs.
+"""
 BLOCKS = 5
 PER_ATTEMPT = 10
 MOST_ATTEMPTS = 200
@@ -36,7 +46,9 @@ class NotStopped(RuntimeError):
 
 
 class Stop(NamedTuple):
-    """One press of the stop key: ms from the key to each report of stillness, and to each record that shows it."""
+    """One press of the stop key: ms from the key to each report of stillness, and to each record
+    that shows it.
+    """
 
     reported: dict[str, float]
     observed: dict[str, float]
@@ -67,10 +79,17 @@ def measure(
     return {
         "stops": {name: _summary(values) for name, values in _by_name(stopped).items()},
         "stops_ms": [stop.reported | stop.observed for stop in stopped],
-        "programs": {name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()},
-        "errors_ms": {name: [round(error, 4) for error in of_program] for name, of_program in errors.items()},
+        "programs": {
+            name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()
+        },
+        "errors_ms": {
+            name: [round(error, 4) for error in of_program] for name, of_program in errors.items()
+        },
         "checks": {
-            f"everything still within {WORST_STOP_MS:g} ms of the key": max(s.worst for s in stopped) < WORST_STOP_MS,
+            f"everything still within {WORST_STOP_MS:g} ms of the key": max(
+                s.worst for s in stopped
+            )
+            < WORST_STOP_MS,
             **_checks(figures[SPEAKING.name], figures[SILENT.name]),
         },
     }
@@ -84,7 +103,8 @@ def _checks(speaking: ErrorStatistics, silent: ErrorStatistics) -> dict[str, boo
     }
 
 
-# --- the onset, with and without the agent ---------------------------------------------------------------------
+# --- the onset, with and without the agent
+# ---------------------------------------------------------------------
 
 
 def _program(name: str, outputs: str) -> Program:
@@ -94,9 +114,20 @@ def _program(name: str, outputs: str) -> Program:
         attempts = -(-block.prompts // PER_ATTEMPT)
         per_attempt = -(-block.prompts // attempts)
         ordered = SAR_TUI.command(folder, block)
-        settings = [f"outputs={outputs}", f"attempts={attempts}", f"prompts_per_attempt={per_attempt}"]
+        settings = [
+            f"outputs={outputs}",
+            f"attempts={attempts}",
+            f"prompts_per_attempt={per_attempt}",
+        ]
         said = [word for setting in settings for word in ("--set", setting)]
-        return [sys.executable, "-m", "benchmarks.silent_app", str(folder), *ordered[ordered.index("run") :], *said]
+        return [
+            sys.executable,
+            "-m",
+            "benchmarks.silent_app",
+            str(folder),
+            *ordered[ordered.index("run") :],
+            *said,
+        ]
 
     def recorded(folder: Path) -> list[Row]:
         rows = SAR_TUI.read_trials(folder)
@@ -113,14 +144,18 @@ def _check_speech(folder: Path, outputs: str, trials: int) -> None:
     if "tones" in outputs and done.count("tone") < trials:
         raise Mismatch(f"Of {trials} prompts only {done.count('tone')} had their tone.")
     if ("speech" in outputs) != ("say" in done):
-        raise Mismatch(f"With the outputs {outputs or 'none'}, speech was {'' if 'say' in done else 'not '}heard.")
+        raise Mismatch(
+            f"With the outputs {outputs or 'none'}, speech was "
+            f"{'' if 'say' in done else 'not '}heard."
+        )
 
 
 SILENT = _program("without the agent", "")
 SPEAKING = _program("face, speech and tones", "screen,speech,tones")
 
 
-# --- the stop key ---------------------------------------------------------------------------------------------------
+# --- the stop key
+# ---------------------------------------------------------------------------------------------------
 
 
 def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
@@ -137,7 +172,17 @@ def _stops(count: int, folder: Path, on_stop: Callable[[], None]) -> list[Stop]:
         "foreperiod_min_ms": 40,
         "foreperiod_max_ms": 80,
     }
-    command = [sys.executable, "-m", "benchmarks.silent_app", str(folder), "run", "keyboard", "-p", "BENCH", "--new"]
+    command = [
+        sys.executable,
+        "-m",
+        "benchmarks.silent_app",
+        str(folder),
+        "run",
+        "keyboard",
+        "-p",
+        "BENCH",
+        "--new",
+    ]
     command += ["--data", str(folder), "--seed", "1", "--outputs", "screen,speech,servo"]
     command += [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     stopped: list[Stop] = []
@@ -201,7 +246,9 @@ class _Log:
             return [json.loads(message) for (message,) in database.execute(query, given)]
 
     def wait_until_acting(self, terminal: Terminal, attempt: int) -> bool:
-        """Wait until all parts of the feedback on an attempt are under way; False if one is over by then."""
+        """Wait until all parts of the feedback on an attempt are under way; False if one is over by
+        then.
+        """
         deadline = time.monotonic() + _PATIENCE_S
         query = "SELECT message FROM events WHERE topic='arbiter/action' ORDER BY seq DESC LIMIT 1"
         while time.monotonic() < deadline:
@@ -209,13 +256,16 @@ class _Log:
             said = self.read(query)
             if said and (said[0]["kind"], said[0]["attempt"]) == ("feedback", attempt):
                 reports = self.read(
-                    "SELECT message FROM events WHERE topic='output/report' AND json_extract(message, '$.action')=?",
+                    "SELECT message FROM events WHERE topic='output/report' AND "
+                    "json_extract(message, '$.action')=?",
                     said[0]["id"],
                 )
                 states = {(report["output"], report["deed"]): report["state"] for report in reports}
                 found = [states.get(part, "queued") for part in _UNDER_WAY]
                 if "failed" in found:
-                    raise NotStopped(next(report["detail"] for report in reports if report["state"] == "failed"))
+                    raise NotStopped(
+                        next(report["detail"] for report in reports if report["state"] == "failed")
+                    )
                 if any(state in _OVER for state in found):
                     return False
                 if all(state == "started" for state in found):
@@ -223,7 +273,9 @@ class _Log:
         raise NotStopped(f"The agent gave no feedback on attempt {attempt}.")
 
     def wait_for_stops(self, terminal: Terminal, since: int) -> dict[str, int]:
-        """Return the time at which each output reported its stop after ``since``; raise NotStopped if one did not."""
+        """Return the time at which each output reported its stop after ``since``; raise NotStopped
+        if one did not.
+        """
         outputs = {output for output, _ in _UNDER_WAY}
         deadline = time.monotonic() + _PATIENCE_S
         while time.monotonic() < deadline:
@@ -238,7 +290,10 @@ class _Log:
 
 
 def _by_name(stops: Sequence[Stop]) -> dict[str, list[float]]:
-    found = [{f"{output} reported it": ms for output, ms in stop.reported.items()} | stop.observed for stop in stops]
+    found = [
+        {f"{output} reported it": ms for output, ms in stop.reported.items()} | stop.observed
+        for stop in stops
+    ]
     return {name: [stop[name] for stop in found] for name in found[0]}
 
 

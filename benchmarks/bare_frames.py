@@ -1,4 +1,6 @@
-"""Frames without a framework: sleeps until each is due, and writes it. Run with the number of prompts."""
+"""Frames without a framework: sleeps until each is due, and writes it. Run with the number of
+prompts.
+"""
 
 import sys
 import time

@@ -37,14 +37,20 @@ def _record_sessions(folder: Path) -> None:
     """Simulate short sessions, for `sar-tui sessions` to list."""
     catalogue = Catalogue()
     for seed in range(_SESSIONS):
-        plan = make_plan(catalogue, "keyboard", ["BENCH"], {"attempts": 1}, seed=seed, mode="simulated")
+        plan = make_plan(
+            catalogue, "keyboard", ["BENCH"], {"attempts": 1}, seed=seed, mode="simulated"
+        )
         simulate(plan, PEOPLE["average"], folder, catalogue)
 
 
 def _seconds(line: list[str]) -> float:
     started = time.perf_counter()
     done = subprocess.run(
-        line, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False
+        line,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        check=False,
     )
     taken = time.perf_counter() - started
     if done.stderr:

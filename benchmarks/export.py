@@ -1,4 +1,6 @@
-"""Rows a second and peak memory of exports of a million trials and of an hour of sensor samples, and how both grow."""
+"""Rows a second and peak memory of exports of a million trials and of an hour of sensor samples,
+and how both grow.
+"""
 
 import csv
 import json
@@ -26,7 +28,9 @@ LARGER = 10
 """The larger data have so many times the rows of the smaller ones."""
 SESSION_TRIALS = 400
 MOST_MEMORY_RATIO = {"csv": 1.25, "bids": 2.0, "parquet": 1.25}
-"""BIDS has some files a session: the manifest, which has all their names, grows with the sessions."""
+"""BIDS has some files a session: the manifest, which has all their names, grows with the
+sessions.
+"""
 MOST_TIME_RATIO = 1.25 * LARGER
 _BARE = "a bare loop"
 _TABLES = ("sessions", "runs", "attempts", "trials", "actions", "notes")
@@ -55,15 +59,21 @@ print(json.dumps([time.perf_counter() - began, memory]))
 
 
 class Kind(NamedTuple):
-    """Data to export: the name of a row, their number in the larger database, and what makes a database of so many."""
+    """Data to export: the name of a row, their number in the larger database, and what makes a
+    database of so many.
+    """
 
     rows: str
     most: int
     make: Callable[[Path, int], None]
 
 
-def measure(trials: int, samples: int, folder: Path, measured: Callable[[], None]) -> dict[str, Any]:
-    """Measure exports of so many trials, and of so many samples, and of a tenth of them, in each format."""
+def measure(
+    trials: int, samples: int, folder: Path, measured: Callable[[], None]
+) -> dict[str, Any]:
+    """Measure exports of so many trials, and of so many samples, and of a tenth of them, in each
+    format.
+    """
     exports = []
     for kind in (Kind("trials", trials, _store_trials), Kind("samples", samples, _store_samples)):
         sizes: dict[str, list[dict[str, Any]]] = {}
@@ -72,10 +82,14 @@ def measure(trials: int, samples: int, folder: Path, measured: Callable[[], None
             kind.make(data, count)
             for name in FORMATS:
                 taken_s, memory = _export(data, folder / "exported", name)
-                sizes.setdefault(name, []).append({"rows": count, "s": taken_s, "memory_mb": memory})
+                sizes.setdefault(name, []).append(
+                    {"rows": count, "s": taken_s, "memory_mb": memory}
+                )
                 measured()
             if kind.rows == "trials":
-                sizes.setdefault(_BARE, []).append({"rows": count, "s": _bare(data / FILE, folder), "memory_mb": 0})
+                sizes.setdefault(_BARE, []).append(
+                    {"rows": count, "s": _bare(data / FILE, folder), "memory_mb": 0}
+                )
             shutil.rmtree(data)
         exports += [{"what": kind.rows, "as": name, "sizes": both} for name, both in sizes.items()]
     return {"exports": exports, "checks": _checks(exports)}
@@ -88,8 +102,12 @@ def _checks(exports: list[dict[str, Any]]) -> dict[str, bool]:
         name = f"export of {LARGER} times the {each['what']} as {each['as']}"
         if each["as"] != _BARE:
             most = MOST_MEMORY_RATIO[each["as"]]
-            found[f"{name}: memory at most {most} x"] = large["memory_mb"] <= most * small["memory_mb"]
-            found[f"{name}: time at most {MOST_TIME_RATIO} x"] = large["s"] <= MOST_TIME_RATIO * small["s"]
+            found[f"{name}: memory at most {most} x"] = (
+                large["memory_mb"] <= most * small["memory_mb"]
+            )
+            found[f"{name}: time at most {MOST_TIME_RATIO} x"] = (
+                large["s"] <= MOST_TIME_RATIO * small["s"]
+            )
     return found
 
 
@@ -112,7 +130,21 @@ def _store_samples(data: Path, count: int) -> None:
             software={}, machine={}, mode="live",
         )  # fmt: skip
         sessions.begin_run(database, "5a3b1e", software={}, machine={}, clock_ns=0)
-        stream = ("5a3b1e", 1, "A", 1, "simulated", "model", "1", 1000, 35, 80, imu.layout(), 0, "hand")
+        stream = (
+            "5a3b1e",
+            1,
+            "A",
+            1,
+            "simulated",
+            "model",
+            "1",
+            1000,
+            35,
+            80,
+            imu.layout(),
+            0,
+            "hand",
+        )
         database.execute(imu.INSERT_STREAM, stream)
         database.execute("BEGIN")
         database.executemany(imu.INSERT_CHUNK, map(_chunk, range(count // _BLOCK)))
@@ -135,7 +167,9 @@ def _chunk(number: int) -> tuple[Any, ...]:
 
 
 def _export(data: Path, to: Path, format: str) -> tuple[float, float]:
-    """Return the seconds that the command takes, and its peak memory in MB; 0 where that is not known."""
+    """Return the seconds that the command takes, and its peak memory in MB; 0 where that is not
+    known.
+    """
     command = [sys.executable, "-c", _EXPORT, str(data), str(to), format]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     shutil.rmtree(to)
@@ -144,7 +178,9 @@ def _export(data: Path, to: Path, format: str) -> tuple[float, float]:
 
 
 def _bare(database: Path, folder: Path) -> float:
-    """Return the seconds of the least that an export does: all rows of the tables through Python's csv."""
+    """Return the seconds of the least that an export does: all rows of the tables through Python's
+    csv.
+    """
     began = time.perf_counter()
     with closing(sqlite3.connect(database)) as connection:
         for table in _TABLES:

@@ -1,4 +1,6 @@
-"""Stand-ins for Phidget devices: the library's own ``Spatial`` with callbacks called by hand, and a servo's limits."""
+"""Stand-ins for Phidget devices: the library's own ``Spatial`` with callbacks called by hand, and a
+servo's limits.
+"""
 
 import ctypes
 from collections.abc import Sequence

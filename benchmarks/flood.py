@@ -1,4 +1,6 @@
-"""A megabyte that nobody types, at the home screen: how long it takes to be read, and F1 in the middle of it."""
+"""A megabyte that nobody types, at the home screen: how long it takes to be read, and F1 in the
+middle of it.
+"""
 
 import sys
 import time
@@ -9,7 +11,11 @@ from typing import Any
 from sar_tui.timing.pty import Terminal
 
 SIZE, PART = 1_000_000, 10_000
-UNITS = {"escape sequences": b"\x1b[A", "letters": b"abcdefghij", "coloured text": b"\x1b[31mhello\x1b[0m"}
+UNITS = {
+    "escape sequences": b"\x1b[A",
+    "letters": b"abcdefghij",
+    "coloured text": b"\x1b[31mhello\x1b[0m",
+}
 LONGEST_S, LONGEST_F1_S = 5.0, 0.2
 AFTER_S = 1.0
 """Time after which a key is no part of what came before it."""
@@ -23,8 +29,12 @@ def measure(folder: Path, on_flood: Callable[[], None]) -> dict[str, Any]:
         figures[name] = _flood(folder, unit * (PART // len(unit)))
         on_flood()
     checks = {
-        f"a megabyte is read within {LONGEST_S:g} s": all(one["read_s"] <= LONGEST_S for one in figures.values()),
-        f"F1 answers within {LONGEST_F1_S:g} s in it": all(one["f1_s"] <= LONGEST_F1_S for one in figures.values()),
+        f"a megabyte is read within {LONGEST_S:g} s": all(
+            one["read_s"] <= LONGEST_S for one in figures.values()
+        ),
+        f"F1 answers within {LONGEST_F1_S:g} s in it": all(
+            one["f1_s"] <= LONGEST_F1_S for one in figures.values()
+        ),
     }
     return {"kinds": figures, "checks": checks}
 

@@ -1,4 +1,6 @@
-"""Frames of a prompt: how exactly each is drawn at its time, read at the other end of a pseudo-terminal."""
+"""Frames of a prompt: how exactly each is drawn at its time, read at the other end of a
+pseudo-terminal.
+"""
 
 import gc
 import json
@@ -36,9 +38,10 @@ def steps(attempts: int) -> int:
 def measure(attempts: int, folder: Path, on_prompt: Callable[[], None]) -> dict[str, Any]:
     """Return statistics of the errors, and the checks.
 
-    Beside what the terminal received are the program's own stamps, the wait for a prompt after its foreperiod, the
-    frames of a bare loop, and the errors of a program that shows each frame for a whole number of refreshes of a
-    monitor at 60 Hz, as programs that wait for the refresh do at best.
+    Beside what the terminal received are the program's own stamps, the wait for a prompt after its
+    foreperiod, the frames of a bare loop, and the errors of a program that shows each frame for a
+    whole number of refreshes of a monitor at 60 Hz, as programs that wait for the refresh do at
+    best.
 
     Args:
         attempts: of `PROMPTS` prompts each.
@@ -72,9 +75,31 @@ def measure(attempts: int, folder: Path, on_prompt: Callable[[], None]) -> dict[
 def _read_prompts(data: Path, attempts: int, on_prompt: Callable[[], None]) -> list[list[int]]:
     """Run the task, and return when each frame of each prompt was read (ns)."""
     shortest, longest = FOREPERIOD_MS
-    settings = {"attempts": attempts, "foreperiod_min_ms": shortest, "foreperiod_max_ms": longest, "quiet_ms": QUIET_MS}
-    command = [sys.executable, "-m", "sar_tui", "run", "sequence", "-p", "BENCH", "--data", str(data), "--seed", "1"]
-    command += ["--new", "--tasks", str(TASKS), *(f"--set={name}={value}" for name, value in settings.items())]
+    settings = {
+        "attempts": attempts,
+        "foreperiod_min_ms": shortest,
+        "foreperiod_max_ms": longest,
+        "quiet_ms": QUIET_MS,
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "sar_tui",
+        "run",
+        "sequence",
+        "-p",
+        "BENCH",
+        "--data",
+        str(data),
+        "--seed",
+        "1",
+    ]
+    command += [
+        "--new",
+        "--tasks",
+        str(TASKS),
+        *(f"--set={name}={value}" for name, value in settings.items()),
+    ]
     found = []
     with Terminal(command) as terminal:
         terminal.wait_for("Enter")
@@ -110,8 +135,12 @@ def _read_bare(prompts: int, on_prompt: Callable[[], None]) -> list[list[int]]:
     return found
 
 
-def _read_frames(terminal: Terminal, trial: int, since: int, key: str = "f") -> tuple[list[int], int]:
-    """Read the frames of a prompt and answer it; return when each came, and where the output of the next begins."""
+def _read_frames(
+    terminal: Terminal, trial: int, since: int, key: str = "f"
+) -> tuple[list[int], int]:
+    """Read the frames of a prompt and answer it; return when each came, and where the output of the
+    next begins.
+    """
     shown = []
     for place in range(len(DURATIONS_MS) + 1):
         since = terminal.wait_for(frame_text(trial, place), since=since)
@@ -122,15 +151,25 @@ def _read_frames(terminal: Terminal, trial: int, since: int, key: str = "f") -> 
 
 
 def _stored(data: Path) -> tuple[list[list[int]], list[float]]:
-    """Return the stamps of the frames of each prompt (ns), and how long each came after its foreperiod (ms)."""
+    """Return the stamps of the frames of each prompt (ns), and how long each came after its
+    foreperiod (ms).
+    """
     with closing(sqlite3.connect(data / "sar-tui.db")) as database:
-        trials = database.execute("SELECT attempt, trial, timing FROM trials ORDER BY attempt, trial").fetchall()
-        prompts = database.execute(
-            "SELECT message->>'attempt', message->>'trial', at_ns FROM events WHERE topic='event_handler/prompt'"
+        trials = database.execute(
+            "SELECT attempt, trial, timing FROM trials ORDER BY attempt, trial"
         ).fetchall()
-    requested = {(attempt, trial): at for attempt, trial, at in prompts}  # of a repeated prompt the last
-    stamps = {(attempt, trial): json.loads(timing)["frame_onsets_ns"] for attempt, trial, timing in trials}
-    return list(stamps.values()), [(shown[0] - requested[key]) / MS for key, shown in stamps.items()]
+        prompts = database.execute(
+            "SELECT message->>'attempt', message->>'trial', at_ns FROM events WHERE "
+            "topic='event_handler/prompt'"
+        ).fetchall()
+    # of a repeated prompt the last
+    requested = {(attempt, trial): at for attempt, trial, at in prompts}
+    stamps = {
+        (attempt, trial): json.loads(timing)["frame_onsets_ns"] for attempt, trial, timing in trials
+    }
+    return list(stamps.values()), [
+        (shown[0] - requested[key]) / MS for key, shown in stamps.items()
+    ]
 
 
 def _errors(prompts: Sequence[Sequence[int]]) -> list[float]:

@@ -35,7 +35,9 @@ _WHO = "BENCH"
 
 
 def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) -> dict[str, Any]:
-    """Measure lists of few and ``many`` sessions, alternately, and the resume of a session of ``trials`` trials."""
+    """Measure lists of few and ``many`` sessions, alternately, and the resume of a session of
+    ``trials`` trials.
+    """
     catalogue = Catalogue()
     few, full = folder / "few", folder / "many"
     for data, count in ((few, FEW), (full, many)):
@@ -57,7 +59,10 @@ def measure(many: int, trials: int, folder: Path, measured: Callable[[], None]) 
         "trials": trials,
         "resume_s": resume_s,
         "checks": {
-            **{f"{name}: at most {MOST_RATIO} x": slow <= MOST_RATIO * fast for name, (fast, slow) in looks.items()},
+            **{
+                f"{name}: at most {MOST_RATIO} x": slow <= MOST_RATIO * fast
+                for name, (fast, slow) in looks.items()
+            },
             f"resume: at most {MOST_RESUME_S:.0f} s": resume_s <= MOST_RESUME_S,
         },
     }
@@ -87,7 +92,9 @@ _LOOKS: dict[str, Callable[[Path], None]] = {
 
 
 def fill(data: Path, catalogue: Catalogue, count: int, ids: str = "c0de") -> None:
-    """Store a simulated session and copies of it, whose ids begin with ``ids``, as sessions of one participant."""
+    """Store a simulated session and copies of it, whose ids begin with ``ids``, as sessions of one
+    participant.
+    """
     plan = make_plan(catalogue, "keyboard", [_WHO], seed=1, mode="simulated")
     session = simulate(plan, PEOPLE["average"], data, catalogue)
     with closing(connect(data)) as database:
@@ -104,10 +111,13 @@ def fill(data: Path, catalogue: Catalogue, count: int, ids: str = "c0de") -> Non
 
 def _copy(database: sqlite3.Connection, session: str, copy: str) -> None:
     def insert(table: str, key: str) -> None:
-        names = [name for _, name, *_ in database.execute(f"PRAGMA table_info({table})") if name != key]
+        names = [
+            name for _, name, *_ in database.execute(f"PRAGMA table_info({table})") if name != key
+        ]
         columns = ", ".join(names)
         database.execute(
-            f"INSERT INTO {table} ({key}, {columns}) SELECT ?, {columns} FROM {table} WHERE {key}=? ORDER BY rowid",
+            f"INSERT INTO {table} ({key}, {columns}) SELECT ?, {columns} FROM {table} WHERE "
+            f"{key}=? ORDER BY rowid",
             (copy, session),
         )
 
@@ -116,16 +126,23 @@ def _copy(database: sqlite3.Connection, session: str, copy: str) -> None:
         insert(table, "session")
     database.execute("INSERT INTO session_numbers (id) VALUES (?)", (copy,))
     database.execute(
-        "INSERT INTO messages SELECT last_insert_rowid(), seq, run, at_ns, topic, message FROM messages"
+        "INSERT INTO messages SELECT last_insert_rowid(), seq, run, at_ns, topic, message FROM "
+        "messages"
         " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?)",
         (session,),
     )
 
 
 def _resume(data: Path, catalogue: Catalogue, trials: int) -> float:
-    """Return the seconds that it takes to resume a session that was interrupted after ``trials`` trials."""
+    """Return the seconds that it takes to resume a session that was interrupted after ``trials``
+    trials.
+    """
     prompts = min(trials, 200)
-    settings = {"attempts": trials // prompts + 10, "prompts_per_attempt": prompts}  # more than are played
+    # more than are played
+    settings = {
+        "attempts": trials // prompts + 10,
+        "prompts_per_attempt": prompts,
+    }
     plan = make_plan(catalogue, "keyboard", [_WHO], settings, seed=1)
 
     def nodes(task: Task, theme: Theme, seed: int) -> list[Node]:

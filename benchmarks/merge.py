@@ -1,4 +1,5 @@
-"""Seconds of a merge, of a second one that finds nothing new, and peak memory, at two sizes a factor ten apart.
+"""Seconds of a merge, of a second one that finds nothing new, and peak memory, at two sizes a
+factor ten apart.
 
 The growth is that of the CPU's seconds: the disk's depend on what else it writes.
 """
@@ -42,7 +43,9 @@ print(json.dumps([time.perf_counter() - began, time.process_time(), memory]))
 
 
 def measure(few: int, many: int, folder: Path, measured: Callable[[], None]) -> dict[str, Any]:
-    """Measure the merge of few and of many sessions of 400 trials each into a database of as many others."""
+    """Measure the merge of few and of many sessions of 400 trials each into a database of as many
+    others.
+    """
     sizes = []
     for count in (few, many):
         here, there = (
@@ -58,7 +61,9 @@ def measure(few: int, many: int, folder: Path, measured: Callable[[], None]) -> 
             runs.append((first_s, cpu_s, again_s, memory))
             shutil.rmtree(data)
             measured()
-        first_s, cpu_s, again_s, memory = (statistics.median(values) for values in zip(*runs, strict=True))
+        first_s, cpu_s, again_s, memory = (
+            statistics.median(values) for values in zip(*runs, strict=True)
+        )
         sizes.append({"sessions": count, "trials": 400 * count, "megabytes": (there / FILE).stat().st_size / 1e6,
                       "merge_s": first_s, "cpu_s": cpu_s, "again_s": again_s, "memory_mb": memory})  # fmt: skip
     small, large = sizes
@@ -66,9 +71,8 @@ def measure(few: int, many: int, folder: Path, measured: Callable[[], None]) -> 
     return {
         "sizes": sizes,
         "checks": {
-            f"merge: {factor:g} times the sessions in at most {MOST_GROWTH / 10 * factor:g} times the CPU's seconds": (
-                large["cpu_s"] <= MOST_GROWTH / 10 * factor * small["cpu_s"]
-            ),
+            f"merge: {factor:g} times the sessions in at most {MOST_GROWTH / 10 * factor:g} times "
+            "the CPU's seconds": (large["cpu_s"] <= MOST_GROWTH / 10 * factor * small["cpu_s"]),
             f"merge: memory of {factor:g} times the sessions at most {MOST_MEMORY_RATIO} x": (
                 large["memory_mb"] <= MOST_MEMORY_RATIO * small["memory_mb"]
             ),
@@ -89,7 +93,9 @@ def _site(data: Path, code: str, count: int, ids: str) -> Path:
 
 
 def _merge(data: Path, other: Path) -> tuple[float, float, float]:
-    """Return the seconds and CPU seconds that the command takes, and its peak memory in MB; 0 if it is not known."""
+    """Return the seconds and CPU seconds that the command takes, and its peak memory in MB; 0 if it
+    is not known.
+    """
     command = [sys.executable, "-c", _MERGE, str(data), str(other / FILE)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     taken_s, cpu_s, memory = json.loads(done.stdout.splitlines()[-1])

@@ -1,7 +1,8 @@
-"""Milliseconds of the analysis of a reach, and seconds and memory of `sar-tui detect` on hours of samples.
+"""Milliseconds of the analysis of a reach, and seconds and memory of `sar-tui detect` on hours of
+samples.
 
-The analysis stands beside a bare low-pass of the same samples: six Fourier transforms of three axes, which no detector
-can do without. Times are those of the CPU.
+The analysis stands beside a bare low-pass of the same samples: six Fourier transforms of three
+axes, which no detector can do without. Times are those of the CPU.
 """
 
 import json
@@ -49,9 +50,13 @@ print(json.dumps([time.process_time() - began, len(found.reaches), memory]))
 
 
 def measure(quick: bool, folder: Path, measured: Callable[[], None]) -> dict[str, Any]:
-    """Measure windows of all kinds of reach, and recordings of an hour and of several, by each detector."""
+    """Measure windows of all kinds of reach, and recordings of an hour and of several, by each
+    detector.
+    """
     seeds = 1 if quick else 5
-    windows = [_samples(simulate_reaches(kind, seed).recording) for kind in KINDS for seed in range(seeds)]
+    windows = [
+        _samples(simulate_reaches(kind, seed).recording) for kind in KINDS for seed in range(seeds)
+    ]
     analyses = [_analysis_ms(samples) for samples in windows]
     measured()
     bare = [_bare_ms(samples) for samples in windows]
@@ -72,11 +77,12 @@ def measure(quick: bool, folder: Path, measured: Callable[[], None]) -> dict[str
         "ratio": analyse_ms / bare_ms,
         "runs": runs,
         "checks": {
-            f"motion: a reach is analysed in at most {MOST_ANALYSE_MS:g} ms": analyse_ms <= MOST_ANALYSE_MS,
-            f"motion: reaches of an hour are found in at most {MOST_HOUR_S:g} s": short["cpu_s"] <= MOST_HOUR_S,
-            f"motion: memory of {long['hours']:g} hours at most {MOST_MEMORY_RATIO} x that of one": (
-                long["memory_mb"] <= MOST_MEMORY_RATIO * short["memory_mb"]
-            ),
+            f"motion: a reach is analysed in at most {MOST_ANALYSE_MS:g} ms": analyse_ms
+            <= MOST_ANALYSE_MS,
+            f"motion: reaches of an hour are found in at most {MOST_HOUR_S:g} s": short["cpu_s"]
+            <= MOST_HOUR_S,
+            f"motion: memory of {long['hours']:g} hours at most {MOST_MEMORY_RATIO} x that of "
+            "one": (long["memory_mb"] <= MOST_MEMORY_RATIO * short["memory_mb"]),
         },
     }
 

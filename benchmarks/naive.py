@@ -26,7 +26,9 @@ class Naive(App[None]):
         if self._trial < 0 and event.key == "enter":
             self._next()
         elif self._onset is not None:
-            self._procedure.record(self._trial, event.character or event.key, (response - self._onset) / 1e6)
+            self._procedure.record(
+                self._trial, event.character or event.key, (response - self._onset) / 1e6
+            )
             self._next()
 
     def _next(self) -> None:

@@ -1,4 +1,6 @@
-"""The operator: latency from their keys to the participant's screen, and effect on reaction times."""
+"""The operator: latency from their keys to the participant's screen, and effect on reaction
+times.
+"""
 
 import contextlib
 import json
@@ -27,7 +29,9 @@ from sar_tui.timing.pty import Terminal, read_together, visible
 MEDIAN_MS, P99_MS = 20.0, 100.0
 """Limits from an operator's key to the participant's screen."""
 MEDIAN_ALLOWANCE_MS, IQR_RATIO = 0.05, 1.5
-"""Limits on what an operator adds to the median error of a reaction time, and on the ratio of its IQR."""
+"""Limits on what an operator adds to the median error of a reaction time, and on the ratio of its
+IQR.
+"""
 BLOCKS = 5
 MAX_ATTEMPTS = 200
 _TIMEOUT_S = 30.0
@@ -39,7 +43,9 @@ class NoAnswer(TimeoutError):
     """One of the two programs did not respond as expected."""
 
 
-def measure(acts: int, trials: int, folder: Path, on_act: Callable[[], None], on_press: Callable[[], None]) -> Any:
+def measure(
+    acts: int, trials: int, folder: Path, on_act: Callable[[], None], on_press: Callable[[], None]
+) -> Any:
     """Measure latencies and reaction times, and check them against the limits.
 
     Args:
@@ -58,12 +64,20 @@ def measure(acts: int, trials: int, folder: Path, on_act: Callable[[], None], on
     acts_done = {name: _summary(values) for name, values in latencies.items()}
     return {
         "acts": acts_done,
-        "acts_ms": {name: [round(each, 3) for each in values] for name, values in latencies.items()},
-        "programs": {name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()},
-        "errors_ms": {name: [round(error, 4) for error in of_program] for name, of_program in errors.items()},
+        "acts_ms": {
+            name: [round(each, 3) for each in values] for name, values in latencies.items()
+        },
+        "programs": {
+            name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()
+        },
+        "errors_ms": {
+            name: [round(error, 4) for error in of_program] for name, of_program in errors.items()
+        },
         "checks": {
-            f"operator's key to participant's screen: p50 < {MEDIAN_MS:g} ms, p99 < {P99_MS:g} ms": all(
-                act["median_ms"] < MEDIAN_MS and act["p99_ms"] < P99_MS for act in acts_done.values()
+            f"operator's key to participant's screen: p50 < {MEDIAN_MS:g} ms, p99 < {P99_MS:g} "
+            "ms": all(
+                act["median_ms"] < MEDIAN_MS and act["p99_ms"] < P99_MS
+                for act in acts_done.values()
             ),
             **_checks(figures[OPERATED.name], figures[ALONE.name]),
         },
@@ -74,16 +88,23 @@ def _checks(operated: ErrorStatistics, alone: ErrorStatistics) -> dict[str, bool
     added = abs(operated.median_ms) - abs(alone.median_ms)
     return {
         f"an operator adds ≤ {MEDIAN_ALLOWANCE_MS} ms to |median|": added <= MEDIAN_ALLOWANCE_MS,
-        f"IQR with an operator ≤ {IQR_RATIO} × without": operated.iqr_ms <= IQR_RATIO * alone.iqr_ms,
+        f"IQR with an operator ≤ {IQR_RATIO} × without": operated.iqr_ms
+        <= IQR_RATIO * alone.iqr_ms,
     }
 
 
 def _summary(values: list[float]) -> dict[str, float]:
     percentiles = quantiles(values, n=100, method="inclusive")
-    return {"n": len(values), "median_ms": median(values), "p99_ms": percentiles[98], "max_ms": max(values)}
+    return {
+        "n": len(values),
+        "median_ms": median(values),
+        "p99_ms": percentiles[98],
+        "max_ms": max(values),
+    }
 
 
-# --- the onset, with and without an operator -------------------------------------------------------------------
+# --- the onset, with and without an operator
+# -------------------------------------------------------------------
 
 
 @contextlib.contextmanager
@@ -113,8 +134,11 @@ def _operated(folder: Path, block: Block) -> list[str]:
 
 def _recorded(folder: Path) -> list[Row]:
     states = [changed["state"] for changed in Log(folder).messages("operator/presence")]
-    if states[:2] != ["joined", "baton"] or set(states[2:]) - {"unproven"}:  # nobody presses a key of this panel
-        raise Mismatch(f"The operator should have been present all the time, but was: {', '.join(states)}.")
+    # nobody presses a key of this panel
+    if states[:2] != ["joined", "baton"] or set(states[2:]) - {"unproven"}:
+        raise Mismatch(
+            f"The operator should have been present all the time, but was: {', '.join(states)}."
+        )
     return SAR_TUI.read_trials(folder)
 
 
@@ -124,11 +148,14 @@ OPERATED = msgspec.structs.replace(
 )
 
 
-# --- the operator's keys -------------------------------------------------------------------------------------------
+# --- the operator's keys
+# -------------------------------------------------------------------------------------------
 
 
 def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, list[float]]:
-    """Press each key ``count`` times; return the ms from writing the key until its effect was read."""
+    """Press each key ``count`` times; return the ms from writing the key until its effect was
+    read.
+    """
     folder.mkdir()
     settings = {
         "attempts": count,
@@ -146,10 +173,28 @@ def _acts(count: int, folder: Path, on_act: Callable[[], None]) -> dict[str, lis
         "operator_gesture": "manual",  # so that the session does not wait for gestures
         "operator_time_ms": 120_000,
     }
-    command = [sys.executable, "-m", "sar_tui", "run", "keyboard", "-p", "BENCH", "--data", str(folder), "--seed", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "sar_tui",
+        "run",
+        "keyboard",
+        "-p",
+        "BENCH",
+        "--data",
+        str(folder),
+        "--seed",
+        "1",
+    ]
     command.append("--new")
-    command += ["--operator", *(word for name, value in settings.items() for word in ("--set", f"{name}={value}"))]
-    done: dict[str, list[float]] = {"approve → the words are seen": [], "free text → it is seen": []}
+    command += [
+        "--operator",
+        *(word for name, value in settings.items() for word in ("--set", f"{name}={value}")),
+    ]
+    done: dict[str, list[float]] = {
+        "approve → the words are seen": [],
+        "free text → it is seen": [],
+    }
     approve, say = done.values()
     with Terminal(command) as participant:
         participant.wait_for(_ENTER)
@@ -197,7 +242,9 @@ class _Terminals:
         """Approve the feedback once it can have been read."""
         log = self._log
         log.wait(
-            self._participant, lambda: log.proposal_after(self._last_proposal), "a proposal that an operator can see"
+            self._participant,
+            lambda: log.proposal_after(self._last_proposal),
+            "a proposal that an operator can see",
         )
         proposal = log.proposal_after(self._last_proposal)
         assert proposal
@@ -223,7 +270,9 @@ class _Terminals:
         try:
             self._participant.wait_for(text, since=since, seconds=_TIMEOUT_S)
         except TimeoutError as error:
-            raise NoAnswer(f"{error} The panel shows: {visible(bytes(self._operator.output))[-300:]!r}") from None
+            raise NoAnswer(
+                f"{error} The panel shows: {visible(bytes(self._operator.output))[-300:]!r}"
+            ) from None
         return (self._participant.read_at - pressed) / MS
 
     def _read_for(self, ms: float) -> None:
@@ -261,8 +310,13 @@ class Log:
         return [json.loads(message) for (message,) in found]
 
     def proposal_after(self, id: str) -> tuple[str, str, int] | None:
-        """Return the last feedback proposed, unless it is this one or not yet shown: id, text, time shown (ns)."""
-        query = "SELECT id, proposed, shown_ns FROM actions WHERE kind='feedback' ORDER BY proposed_ns DESC LIMIT 1"
+        """Return the last feedback proposed, unless it is this one or not yet shown: id, text, time
+        shown (ns).
+        """
+        query = (
+            "SELECT id, proposed, shown_ns FROM actions WHERE kind='feedback' ORDER BY "
+            "proposed_ns DESC LIMIT 1"
+        )
         for found, proposed, shown in self.read(query):
             if found != id and shown:
                 return found, json.loads(proposed)["text"], shown

@@ -26,7 +26,8 @@ class Extent(NamedTuple):
 
     Attributes:
         folder: an empty folder on the disk to write to.
-        progress: shows what is measured and its total, and returns a function that is called after each step.
+        progress: shows what is measured and its total, and returns a function that is called after
+            each step.
         quick: measure fewer of everything.
         asked_trials: the number of reaction times of each program that somebody asked for.
     """
@@ -49,7 +50,9 @@ def _response(extent: Extent) -> Any:
 
 def _frames(extent: Extent) -> Any:
     attempts = 1 if extent.quick else 10
-    return frames.measure(attempts, extent.folder, extent.progress("prompts of frames", frames.steps(attempts)))
+    return frames.measure(
+        attempts, extent.folder, extent.progress("prompts of frames", frames.steps(attempts))
+    )
 
 
 def _paint(extent: Extent) -> Any:
@@ -99,7 +102,9 @@ def _operator(extent: Extent) -> Any:
 
 def _export(extent: Extent) -> Any:
     trials, samples = (20_000, 50_000) if extent.quick else (1_000_000, 3_600_000)
-    return export.measure(trials, samples, extent.folder, extent.progress("exports", export.steps()))
+    return export.measure(
+        trials, samples, extent.folder, extent.progress("exports", export.steps())
+    )
 
 
 def _merge(extent: Extent) -> Any:
@@ -109,7 +114,9 @@ def _merge(extent: Extent) -> Any:
 
 def _motion(extent: Extent) -> Any:
     return motion.measure(
-        extent.quick, extent.folder, extent.progress("reaches in samples", motion.steps(extent.quick))
+        extent.quick,
+        extent.folder,
+        extent.progress("reaches in samples", motion.steps(extent.quick)),
     )
 
 

@@ -1,7 +1,7 @@
 """The program's voice with a player that records when it got its last sample, and when it stopped.
 
-Run ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice_main``. Each time the player
-stops, a line with both times (ns) is added to the file.
+Run ``python -m benchmarks.recorded_player FILE`` in place of ``sar_tui.outputs.sound.voice_main``.
+Each time the player stops, a line with both times (ns) is added to the file.
 """
 
 import sys

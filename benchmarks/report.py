@@ -52,7 +52,18 @@ def _processor() -> str:
 def checks(results: Results) -> dict[str, bool]:
     """Return all checks by name; True if one passed."""
     found: dict[str, bool] = {}
-    for name in ("response", "frames", "flood", "sessions", "export", "merge", "motion", "sensor", "agent", "operator"):
+    for name in (
+        "response",
+        "frames",
+        "flood",
+        "sessions",
+        "export",
+        "merge",
+        "motion",
+        "sensor",
+        "agent",
+        "operator",
+    ):
         found |= results.get(name, {}).get("checks", {})
     return found
 
@@ -72,22 +83,35 @@ def _response(response: Results) -> dict[str, Rows]:
 
 
 def _frames(frames: Results) -> dict[str, Rows]:
-    return {"Onset of a frame to that of the next, minus its duration (ms)": _errors(frames["programs"])}
+    return {
+        "Onset of a frame to that of the next, minus its duration (ms)": _errors(frames["programs"])
+    }
 
 
 def _paint(paint: Results) -> dict[str, Rows]:
     medians = [[name, f"{seconds:.3f}"] for name, seconds in paint["median_s"].items()]
-    return {"Start to first paint (s)": [["program", "median"], *medians, ["ratio", f"{paint['ratio']:.2f}"]]}
+    return {
+        "Start to first paint (s)": [
+            ["program", "median"],
+            *medians,
+            ["ratio", f"{paint['ratio']:.2f}"],
+        ]
+    }
 
 
 def _commands(commands: Results) -> dict[str, Rows]:
     ratios = {name: f"{ratio:.1f}" for name, ratio in commands["ratios"].items()}
-    rows = [[name, f"{seconds:.3f}", ratios.get(name, "1")] for name, seconds in commands["median_s"].items()]
+    rows = [
+        [name, f"{seconds:.3f}", ratios.get(name, "1")]
+        for name, seconds in commands["median_s"].items()
+    ]
     return {"A command from start to end (s)": [["command", "median", "times Python"], *rows]}
 
 
 def _flood(flood: Results) -> dict[str, Rows]:
-    rows = [[kind, f"{one['read_s']:.2f}", f"{one['f1_s']:.3f}"] for kind, one in flood["kinds"].items()]
+    rows = [
+        [kind, f"{one['read_s']:.2f}", f"{one['f1_s']:.3f}"] for kind, one in flood["kinds"].items()
+    ]
     return {"A megabyte that nobody types (s)": [["kind", "read", "F1 in the middle"], *rows]}
 
 
@@ -114,11 +138,15 @@ def _simulate(tasks: Results) -> dict[str, Rows]:
 def _sessions(many: Results) -> dict[str, Rows]:
     few, most = many["sessions"]
     looks = [
-        [name, f"{fast:.3f}", f"{slow:.3f}", f"{slow / fast:.2f}"] for name, (fast, slow) in many["looks_s"].items()
+        [name, f"{fast:.3f}", f"{slow:.3f}", f"{slow / fast:.2f}"]
+        for name, (fast, slow) in many["looks_s"].items()
     ]
     figures = [f"{many['bytes_a_trial']:.0f}", f"{many['trials']}", f"{many['resume_s']:.2f}"]
     return {
-        "Lists of sessions of 400 trials (s)": [["", f"{few} sessions", f"{most} sessions", "ratio"], *looks],
+        "Lists of sessions of 400 trials (s)": [
+            ["", f"{few} sessions", f"{most} sessions", "ratio"],
+            *looks,
+        ],
         "A long session": [["bytes a trial", "trials", "resume (s)"], figures],
     }
 
@@ -127,7 +155,9 @@ def _export(exported: Results) -> dict[str, Rows]:
     rows = []
     for each in exported["exports"]:
         small, large = each["sizes"]
-        memory = [f"{size['memory_mb']:.0f}" if size["memory_mb"] else "" for size in (small, large)]
+        memory = [
+            f"{size['memory_mb']:.0f}" if size["memory_mb"] else "" for size in (small, large)
+        ]
         rows.append(
             [
                 f"{large['rows']} {each['what']}",
@@ -145,7 +175,15 @@ def _export(exported: Results) -> dict[str, Rows]:
 def _merge(merged: Results) -> dict[str, Rows]:
     return {
         "A merge into a database of as many sessions": [
-            ["sessions", "trials", "size (MB)", "seconds", "CPU's", "again, with nothing new", "peak memory (MB)"],
+            [
+                "sessions",
+                "trials",
+                "size (MB)",
+                "seconds",
+                "CPU's",
+                "again, with nothing new",
+                "peak memory (MB)",
+            ],
             *(
                 [
                     f"{size['sessions']}",
@@ -193,7 +231,15 @@ def _motion(motion: Results) -> dict[str, Rows]:
 def _sensor(sensor: Results) -> dict[str, Rows]:
     return {
         "A motion sensor's stream, with the session on the screen": [
-            ["samples per second", "seconds", "received", "lost", "CPU", "CPU of the sensor's thread", "µs per sample"],
+            [
+                "samples per second",
+                "seconds",
+                "received",
+                "lost",
+                "CPU",
+                "CPU of the sensor's thread",
+                "µs per sample",
+            ],
             *(
                 [
                     f"{run['rate_hz']}",
@@ -228,7 +274,11 @@ def _operator(operator: Results) -> dict[str, Rows]:
         "Operator's key to participant's screen (ms)": [
             ["what", "presses", "median", "p99", "worst"],
             *(
-                [name, str(figures["n"]), *(f"{figures[each]:.1f}" for each in ("median_ms", "p99_ms", "max_ms"))]
+                [
+                    name,
+                    str(figures["n"]),
+                    *(f"{figures[each]:.1f}" for each in ("median_ms", "p99_ms", "max_ms")),
+                ]
                 for name, figures in operator["acts"].items()
             ),
         ],
@@ -256,7 +306,10 @@ _TABLES: Mapping[str, Callable[[Results], dict[str, Rows]]] = {
 def _errors(programs: Mapping[str, Mapping[str, float]]) -> Rows:
     return [
         ["program", *_FIGURES.values()],
-        *([name, *(_number(figures[figure]) for figure in _FIGURES)] for name, figures in programs.items()),
+        *(
+            [name, *(_number(figures[figure]) for figure in _FIGURES)]
+            for name, figures in programs.items()
+        ),
     ]
 
 
@@ -267,7 +320,12 @@ def _number(value: float) -> str:
 def drawn(title: str, rows: Rows) -> Table:
     """Return a table for the terminal."""
     table = Table(
-        title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, title_justify="left", title_style="bold"
+        title=title,
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+        title_justify="left",
+        title_style="bold",
     )
     for number, name in enumerate(rows[0]):
         table.add_column(name, justify="right" if number else "left", no_wrap=True)
@@ -282,8 +340,10 @@ def page(results: Results) -> str:
     lines = [
         "# The latest benchmark",
         "",
-        f"{results['measured_at'][:10]}: {own['processor']}, {own['cores']} cores, {own['system']}; "
-        f"Python {own['python']}, Textual {own['textual']}, sar-tui {own['sar_tui']}. Generated by `make bench`.",
+        f"{results['measured_at'][:10]}: {own['processor']}, {own['cores']} cores, "
+        f"{own['system']}; "
+        f"Python {own['python']}, Textual {own['textual']}, sar-tui {own['sar_tui']}. Generated "
+        "by `make bench`.",
     ]
     for title, (head, *rows) in tables(results).items():
         lines += ["", f"## {title}", "", _line(head), _line(["---", *["---:"] * (len(head) - 1)])]
@@ -295,9 +355,15 @@ def page(results: Results) -> str:
 
 def _quality(quality: Mapping[str, Any]) -> str:
     """Say what sar-tui itself recorded of its timing."""
-    late = f"{quality['handler_delay_ms_median']:.2f} ms (median), {quality['handler_delay_ms_max']:.2f} ms (worst)"
+    late = (
+        f"{quality['handler_delay_ms_median']:.2f} ms (median), "
+        f"{quality['handler_delay_ms_max']:.2f} ms (worst)"
+    )
     sources = ", ".join(f"{count} × {source}" for source, count in quality["onset_sources"].items())
-    return f"As recorded by sar-tui: onset source {sources}; delay from a key's stamp to its handler {late}."
+    return (
+        f"As recorded by sar-tui: onset source {sources}; delay from a key's stamp to its "
+        f"handler {late}."
+    )
 
 
 def _line(cells: list[str]) -> str:

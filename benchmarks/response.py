@@ -1,4 +1,6 @@
-"""Recorded reaction times compared with the true ones, for a bare loop, a naive Textual app, and sar-tui."""
+"""Recorded reaction times compared with the true ones, for a bare loop, a naive Textual app, and
+sar-tui.
+"""
 
 from collections import Counter
 from collections.abc import Callable
@@ -30,15 +32,21 @@ def measure(trials: int, folder: Path, on_press: Callable[[str], None]) -> dict[
     errors = {name: [trial.error_ms for trial in done] for name, done in measured.items()}
     figures = {name: error_statistics(of_program) for name, of_program in errors.items()}
     return {
-        "programs": {name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()},
+        "programs": {
+            name: msgspec.structs.asdict(of_program) for name, of_program in figures.items()
+        },
         "quality": _quality(measured[SAR_TUI.name]),
         "checks": _checks(figures[SAR_TUI.name], figures[BASELINE.name]),
-        "errors_ms": {name: [round(error, 4) for error in of_program] for name, of_program in errors.items()},
+        "errors_ms": {
+            name: [round(error, 4) for error in of_program] for name, of_program in errors.items()
+        },
     }
 
 
 def _quality(trials: list[Trial]) -> dict[str, Any]:
-    """Summarise the timing quality that sar-tui stored: onset sources, delays of handlers and loop, flags."""
+    """Summarise the timing quality that sar-tui stored: onset sources, delays of handlers and loop,
+    flags.
+    """
     kept = [trial.timing for trial in trials]
     late = {
         f"{name}_median": error_statistics([timing[name] for timing in kept]).median_ms

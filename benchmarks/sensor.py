@@ -1,4 +1,6 @@
-"""A sensor's stream through the whole program: lost samples and CPU time, with the session on the screen."""
+"""A sensor's stream through the whole program: lost samples and CPU time, with the session on the
+screen.
+"""
 
 import json
 import sqlite3
@@ -24,9 +26,13 @@ PATIENCE_S = 60.0
 def measure(quick: bool, folder: Path, on_second: Callable[[], None]) -> dict[str, Any]:
     """Measure each rate, and check that every sample that was sent is in the database, in order."""
     runs = [
-        _run(rate_hz, 5.0 if quick else seconds, folder / f"sensor-{rate_hz}", on_second) for rate_hz, seconds in RUNS
+        _run(rate_hz, 5.0 if quick else seconds, folder / f"sensor-{rate_hz}", on_second)
+        for rate_hz, seconds in RUNS
     ]
-    checks = {f"all samples kept, {run['rate_hz']} Hz": run["lost"] == 0 and run["in_order"] for run in runs}
+    checks = {
+        f"all samples kept, {run['rate_hz']} Hz": run["lost"] == 0 and run["in_order"]
+        for run in runs
+    }
     return {"runs": runs, "checks": checks}
 
 
@@ -35,10 +41,20 @@ def total_seconds(quick: bool) -> int:
     return sum(5 if quick else round(seconds) for _, seconds in RUNS)
 
 
-def _run(rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], None]) -> dict[str, Any]:
+def _run(
+    rate_hz: int, seconds: float, folder: Path, on_second: Callable[[], None]
+) -> dict[str, Any]:
     folder.mkdir()
     result = folder / "result.json"
-    command = [sys.executable, "-m", "benchmarks.sensor_app", str(rate_hz), str(seconds), str(folder), str(result)]
+    command = [
+        sys.executable,
+        "-m",
+        "benchmarks.sensor_app",
+        str(rate_hz),
+        str(seconds),
+        str(folder),
+        str(result),
+    ]
     with Terminal(command) as terminal:
         for text in ("1044_1B", "Press Enter to go on", "Press Enter to begin"):
             terminal.wait_for(text)

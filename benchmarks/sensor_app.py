@@ -1,7 +1,7 @@
 """sar-tui's reaching task with a fake sensor: Phidget22's own channel, called back from a thread.
 
-Run ``python -m benchmarks.sensor_app RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The seconds count
-from the start of an attempt.
+Run ``python -m benchmarks.sensor_app RATE_HZ SECONDS DATA_FOLDER RESULT_FILE`` in a terminal. The
+seconds count from the start of an attempt.
 """
 
 import json
@@ -25,7 +25,9 @@ from sar_tui.store.database import FILE
 
 
 def pace(rate_hz: int, seconds: float, do: Callable[[int], object], first: int = 0) -> float:
-    """Call ``do`` at a rate, with numbers from ``first``, and return the CPU seconds of this thread."""
+    """Call ``do`` at a rate, with numbers from ``first``, and return the CPU seconds of this
+    thread.
+    """
     cpu, start = time.thread_time(), time.perf_counter()
     for index in range(round(seconds * rate_hz)):
         due = start + index / rate_hz
@@ -38,13 +40,18 @@ def pace(rate_hz: int, seconds: float, do: Callable[[int], object], first: int =
 def _has_begun(folder: Path) -> bool:
     """Return True if an attempt has started: from then on every sample counts."""
     asked = "SELECT count(*) FROM events WHERE topic='event_handler/attempt_started'"
-    with suppress(sqlite3.Error), closing(sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True)) as database:
+    with (
+        suppress(sqlite3.Error),
+        closing(sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True)) as database,
+    ):
         return bool(database.execute(asked).fetchone()[0])
     return False
 
 
 def _drive(fake: FakeSpatial, rate_hz: int, seconds: float, folder: Path) -> dict[str, float]:
-    """Attach, send samples until an attempt has started and then for ``seconds``, detach, and return the CPU shares."""
+    """Attach, send samples until an attempt has started and then for ``seconds``, detach, and
+    return the CPU shares.
+    """
 
     def send(index: int) -> None:
         fake.send(index, (0.0, 0.0, 90 * math.sin(index / rate_hz)))
@@ -62,12 +69,21 @@ def _drive(fake: FakeSpatial, rate_hz: int, seconds: float, folder: Path) -> dic
     cpu = time.process_time() - before
     sent += round(seconds * rate_hz)
     fake.detach()
-    return {"last_ms": (sent - 1) * 1000.0 / rate_hz, "cpu_share": cpu / seconds, "pacing_share": pacing}
+    return {
+        "last_ms": (sent - 1) * 1000.0 / rate_hz,
+        "cpu_share": cpu / seconds,
+        "pacing_share": pacing,
+    }
 
 
 def main() -> int:
     """Run the app, and drive the sensor from a thread."""
-    rate_hz, seconds, folder, result = int(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]), Path(sys.argv[4])
+    rate_hz, seconds, folder, result = (
+        int(sys.argv[1]),
+        float(sys.argv[2]),
+        Path(sys.argv[3]),
+        Path(sys.argv[4]),
+    )
     fake = FakeSpatial(new_channel("Spatial"), 1000 // rate_hz)
     sources._SHIPPED["phidget"] = lambda text, seed, clock: PhidgetSource(
         make=lambda: fake.spatial, denied=lambda: False

@@ -24,7 +24,9 @@ _FACTS = {
 
 
 class FakeServoChannel:
-    """Fake channel of an RC servo, attached when it is opened. Writes the time (ns) of each release of the motor."""
+    """Fake channel of an RC servo, attached when it is opened. Writes the time (ns) of each release
+    of the motor.
+    """
 
     def __init__(self, file: Path) -> None:
         self._file = file

@@ -20,14 +20,18 @@ from sar_tui.store.database import connect, transaction
 from sar_tui.store.recorder import GROUP
 
 RUNS = 3
-"""Number of sessions of each task, each with its measurement beside it; the median of the ratios is reported."""
+"""Number of sessions of each task, each with its measurement beside it; the median of the ratios is
+reported.
+"""
 TASKS = {
     "keyboard": {"attempts": 200, "prompts_per_attempt": 100},
     "reaching": {"attempts": 50, "reaches_per_attempt": 4},
 }
 """Sessions so long that what happens once in each does not count."""
 BESIDE = {"keyboard": "bare inserts", "reaching": "bare analysis"}
-"""The events of the same session inserted into an empty table; the windows of its samples analysed."""
+"""The events of the same session inserted into an empty table; the windows of its samples
+analysed.
+"""
 _BARE = """
 CREATE TABLE events (
     session TEXT, seq INTEGER, run INTEGER, at_ns INTEGER, topic TEXT, message TEXT, PRIMARY KEY (session, seq)
@@ -36,7 +40,9 @@ CREATE TABLE events (
 
 
 def measure(quick: bool, folder: Path, on_session: Callable[[], None]) -> dict[str, Any]:
-    """Measure the trials per second of long sessions, and the ratio of a trial to what is measured beside it."""
+    """Measure the trials per second of long sessions, and the ratio of a trial to what is measured
+    beside it.
+    """
     return {task: _task(task, quick, folder, on_session) for task in TASKS}
 
 
@@ -47,7 +53,9 @@ def total_sessions(quick: bool) -> int:
 
 def _task(task: str, quick: bool, folder: Path, on_session: Callable[[], None]) -> dict[str, Any]:
     settings = TASKS[task] | ({"attempts": 5} if quick else {})
-    trials = settings["attempts"] * settings.get("prompts_per_attempt", settings.get("reaches_per_attempt", 1))
+    trials = settings["attempts"] * settings.get(
+        "prompts_per_attempt", settings.get("reaches_per_attempt", 1)
+    )
     beside = {"keyboard": _insert_events, "reaching": _analyse_reaches}[task]
     _simulate(task, settings | {"attempts": 1}, folder)  # what is loaded or compiled once
     runs = []
@@ -76,9 +84,13 @@ def _simulate(task: str, settings: dict[str, int], folder: Path) -> float:
 
 
 def _insert_events(folder: Path) -> float:
-    """Return the seconds that SQLite takes to insert a session's events into an empty table, in the same groups."""
+    """Return the seconds that SQLite takes to insert a session's events into an empty table, in the
+    same groups.
+    """
     with closing(connect(folder)) as database:
-        events = database.execute("SELECT session, seq, run, at_ns, topic, message FROM events").fetchall()
+        events = database.execute(
+            "SELECT session, seq, run, at_ns, topic, message FROM events"
+        ).fetchall()
     with closing(sqlite3.connect(folder / "bare.db", isolation_level=None)) as bare:
         bare.execute("PRAGMA journal_mode=WAL")
         bare.execute("PRAGMA synchronous=FULL")
@@ -86,12 +98,16 @@ def _insert_events(folder: Path) -> float:
         started = time.perf_counter()
         for first in range(0, len(events), GROUP):
             with transaction(bare):
-                bare.executemany("INSERT INTO events VALUES (?,?,?,?,?,?)", events[first : first + GROUP])
+                bare.executemany(
+                    "INSERT INTO events VALUES (?,?,?,?,?,?)", events[first : first + GROUP]
+                )
         return time.perf_counter() - started
 
 
 def _analyse_reaches(folder: Path) -> float:
-    """Return the seconds that the analysis of a session's stored samples takes, a window for each trial."""
+    """Return the seconds that the analysis of a session's stored samples takes, a window for each
+    trial.
+    """
     with closing(connect(folder)) as database:
         samples = imu.samples(database, _session(database))
         windows = [
@@ -100,7 +116,9 @@ def _analyse_reaches(folder: Path) -> float:
                 started_ns=details["window_started_ns"],
                 to_ns=details["window_to_ns"],
             )
-            for details in (json.loads(row[0]) for row in database.execute("SELECT details FROM trials"))
+            for details in (
+                json.loads(row[0]) for row in database.execute("SELECT details FROM trials")
+            )
             if "window_from_ns" in details
         ]
     parameters = AnalysisParameters()

@@ -1,4 +1,6 @@
-"""Programs that are measured in turns, so that a change of the machine's speed meets all of them."""
+"""Programs that are measured in turns, so that a change of the machine's speed meets all of
+them.
+"""
 
 from collections.abc import Callable, Mapping
 from statistics import median

@@ -1,7 +1,7 @@
 """Unattended operator's panel in a terminal of its own, which is read until the input ends.
 
-Run it as ``python -m benchmarks.unattended_panel SESSION DATA``, in a process of its own so that reading its terminal
-does not disturb measurements.
+Run it as ``python -m benchmarks.unattended_panel SESSION DATA``, in a process of its own so that
+reading its terminal does not disturb measurements.
 """
 
 import select
@@ -15,7 +15,17 @@ from sar_tui.timing.pty import Terminal
 
 def panel(session: str, data: Path) -> Terminal:
     """Open the panel of a session in a terminal."""
-    command = [sys.executable, "-m", "sar_tui", "wizard", session, "--data", str(data), "--name", "bench"]
+    command = [
+        sys.executable,
+        "-m",
+        "sar_tui",
+        "wizard",
+        session,
+        "--data",
+        str(data),
+        "--name",
+        "bench",
+    ]
     return Terminal(command, columns=100, rows=30)
 
 

@@ -13,7 +13,13 @@ from textual.app import App
 
 from sar_tui.app.app import SarTui
 from sar_tui.app.screens.progress import ProgressScreen
-from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSnapshot
+from sar_tui.link.channel import (
+    BrokerEnded,
+    BrokerListener,
+    Outgoing,
+    OutgoingBatch,
+    OutgoingSnapshot,
+)
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.peer import Connection, Frame, PeerEvent
 from sar_tui.link.protocol import BrokerEvent, PeerJoined, SnapshotRequested
@@ -35,7 +41,9 @@ IMAGES = Path(__file__).parent / "images"
 
 def _save(app: App[Any], name: str) -> None:
     """Keep the screen as an SVG that fetches no font from anywhere."""
-    svg = re.sub(r"@font-face\s*\{.*?\}", "", app.export_screenshot(title="sar-tui"), flags=re.DOTALL)
+    svg = re.sub(
+        r"@font-face\s*\{.*?\}", "", app.export_screenshot(title="sar-tui"), flags=re.DOTALL
+    )
     (IMAGES / f"{name}.svg").write_text(svg.replace("Fira Code", "monospace"))
 
 
@@ -88,7 +96,9 @@ async def _draw_home(data: Path, catalogue: Catalogue) -> None:
         session = simulate(plan, PEOPLE[person], data, catalogue)
         began = (_TODAY - timedelta(days=days)).isoformat()
         with transaction(database) as connection:
-            connection.execute("UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session))
+            connection.execute(
+                "UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session)
+            )
         if felt := _FELT.get(seed):
             wellbeing.save(database, code, *felt, session=session)  # type: ignore[arg-type]
     database.close()
@@ -104,12 +114,16 @@ async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
     """The agent, in the middle of its gesture after an attempt that went very well."""
     settings = {"prompts_per_attempt": 1}
     clock = VirtualClock(SECOND)
-    app = SarTui(data, catalogue, make_plan(catalogue, "keyboard", ["P03"], settings, seed=3), clock)
+    app = SarTui(
+        data, catalogue, make_plan(catalogue, "keyboard", ["P03"], settings, seed=3), clock
+    )
     async with app.run_test(size=(80, 24)) as pilot:
         for _ in range(2):
             await _enter(pilot, clock)
         shown = None
-        while not (shown := re.search(r"Press: (\S)", app.export_screenshot().replace("&#160;", " "))):
+        while not (
+            shown := re.search(r"Press: (\S)", app.export_screenshot().replace("&#160;", " "))
+        ):
             clock.advance(50 * MS)
             await pilot.pause()
         clock.advance(400 * MS)
@@ -124,7 +138,9 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
     """The sensor check with a test reach, and the screen after a reach."""
     settings = {"imu": "simulated:steady"}
     clock = VirtualClock(SECOND)
-    app = SarTui(data, catalogue, make_plan(catalogue, "reaching", ["P02"], settings, seed=3), clock)
+    app = SarTui(
+        data, catalogue, make_plan(catalogue, "reaching", ["P02"], settings, seed=3), clock
+    )
     async with app.run_test(size=(80, 24)) as pilot:
 
         async def do(key: str, wait_ms: int) -> None:
@@ -136,7 +152,13 @@ async def _draw_reaching(data: Path, catalogue: Catalogue) -> None:
         await _settle(pilot, clock)
         await do("t", 6000)
         _save(app, "sensor-check")
-        for key, wait_ms in (("enter", 800), ("enter", 800), ("enter", 800), ("space", 3000), ("space", 2000)):
+        for key, wait_ms in (
+            ("enter", 800),
+            ("enter", 800),
+            ("enter", 800),
+            ("space", 3000),
+            ("space", 2000),
+        ):
             await do(key, wait_ms)
         _save(app, "reaching")
 
@@ -145,7 +167,9 @@ async def _draw_pairs(data: Path, catalogue: Catalogue) -> None:
     """The agent looks to one side, and a letter appears there."""
     settings = {"policy": "joint attention", "congruent_share": 1.0}
     clock = VirtualClock(SECOND)
-    app = SarTui(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=3), clock)
+    app = SarTui(
+        data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=3), clock
+    )
     async with app.run_test(size=(80, 24)) as pilot:
         for _ in range(2):
             await _enter(pilot, clock)
@@ -179,7 +203,9 @@ class _Channel:
             if isinstance(message, OutgoingSnapshot):
                 found.append(message.welcome)
             if isinstance(message, OutgoingSnapshot | OutgoingBatch):
-                found.append([Frame(each.seq, each.at, each.topic, each.message) for each in message.records])
+                found.append(
+                    [Frame(each.seq, each.at, each.topic, each.message) for each in message.records]
+                )
         return found
 
 
@@ -213,7 +239,10 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
     app = SarTui(data, catalogue, plan, clock, link=channel)  # type: ignore[arg-type]
     async with app.run_test(size=(80, 24)) as pilot:
         await _settle(pilot, clock)
-        events: tuple[BrokerEvent | BrokerEnded, ...] = (PeerJoined(_Peer.name), SnapshotRequested(_Peer.name))
+        events: tuple[BrokerEvent | BrokerEnded, ...] = (
+            PeerJoined(_Peer.name),
+            SnapshotRequested(_Peer.name),
+        )
         for event in events:
             channel.listener(event)
         for _ in range(2):
@@ -228,14 +257,23 @@ async def _draw_panel(data: Path, catalogue: Catalogue) -> None:
             await _settle(pilot, clock)
 
     def join(listener: Any) -> _Peer:
-        asyncio.get_running_loop().call_soon(lambda: [listener(event) for event in channel.panel_events()])
+        asyncio.get_running_loop().call_soon(
+            lambda: [listener(event) for event in channel.panel_events()]
+        )
         return _Peer(clock)
 
     class Panel(WizardApp):
         def make_panel(self, where: object) -> PanelScreen:
-            return PanelScreen(join, self._theme, self._folder, wall_time=lambda: datetime(2026, 3, 2, 10, 15))
+            return PanelScreen(
+                join, self._theme, self._folder, wall_time=lambda: datetime(2026, 3, 2, 10, 15)
+            )
 
-    panel = Panel(catalogue.theme("calm"), data, "op1", where=JoinableSession("picture", "keyboard", "picture", 0))
+    panel = Panel(
+        catalogue.theme("calm"),
+        data,
+        "op1",
+        where=JoinableSession("picture", "keyboard", "picture", 0),
+    )
     async with panel.run_test(size=(100, 30)) as pilot:
         for _ in range(5):
             await pilot.pause()
@@ -248,14 +286,23 @@ async def _draw_progress(data: Path, catalogue: Catalogue) -> None:
     began = datetime(2026, 3, 2, 10, tzinfo=UTC)
     for number in range(12):
         learner = msgspec.structs.replace(person, per_bit_ms=person.per_bit_ms * 0.97**number)
-        plan = make_plan(catalogue, "keyboard", ["P05"], {"threshold": 850.0}, seed=number, mode="simulated")
+        plan = make_plan(
+            catalogue, "keyboard", ["P05"], {"threshold": 850.0}, seed=number, mode="simulated"
+        )
         session = simulate(plan, learner, data, catalogue)
         at = began + timedelta(days=7 * number // 3)
         with closing(connect(data)) as database:
-            database.execute("UPDATE sessions SET mode='live', started_at=? WHERE id=?", (at.isoformat(), session))
-            for question, answer in (("pain", (0, 1, 3, 2, 1, 0)[number % 6]), ("fatigue", (2, 3, 4)[number % 3])):
+            database.execute(
+                "UPDATE sessions SET mode='live', started_at=? WHERE id=?",
+                (at.isoformat(), session),
+            )
+            for question, answer in (
+                ("pain", (0, 1, 3, 2, 1, 0)[number % 6]),
+                ("fatigue", (2, 3, 4)[number % 3]),
+            ):
                 database.execute(
-                    "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at)"
+                    "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, "
+                    "at)"
                     " VALUES (?, 'A', 'P05', 'after', ?, ?, ?)",
                     (session, question, str(answer), (at + timedelta(hours=1)).isoformat()),
                 )

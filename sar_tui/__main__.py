@@ -1,4 +1,6 @@
-"""Entry point of ``sar-tui`` and ``python -m sar_tui``. It imports so little that Ctrl-C always ends it in order."""
+"""Entry point of ``sar-tui`` and ``python -m sar_tui``. It imports so little that Ctrl-C always
+ends it in order.
+"""
 
 import os
 import sys
@@ -11,7 +13,9 @@ def main() -> None:
     """Run the program, and end it in order on Ctrl-C, even while it is loading."""
     try:
         if largest_file() is not None:
-            sys.dont_write_bytecode = True  # Python would keep modules that it could only write in part
+            sys.dont_write_bytecode = (
+                True  # Python would keep modules that it could only write in part
+            )
         from sar_tui.cli import main as run
 
         run()
@@ -23,7 +27,9 @@ def main() -> None:
 
 
 def _drop_unwritable_output() -> None:
-    """Drop what cannot be written any more, as to a lost terminal: Python would end with an exit code of its own."""
+    """Drop what cannot be written any more, as to a lost terminal: Python would end with an exit
+    code of its own.
+    """
     for stream in (sys.stdout, sys.stderr):
         try:
             if stream is not None and not stream.closed:

@@ -1,7 +1,9 @@
-"""Calls of a plug-in's code by the framework, marked while they last, so that one that does not return can be ended.
+"""Calls of a plug-in's code by the framework, marked while they last, so that one that does not
+return can be ended.
 
-The classes that plug-ins subclass mark their methods (`mark_methods`); what a plug-in gives to the bus or to a clock is
-marked by these (`inherited`). Only the outermost call counts: it began when the framework lost control.
+The classes that plug-ins subclass mark their methods (`mark_methods`); what a plug-in gives to the
+bus or to a clock is marked by these (`inherited`). Only the outermost call counts: it began when
+the framework lost control.
 """
 
 import functools
@@ -23,7 +25,9 @@ LIMIT_S = 10.0
 
 
 class NotResponding(Exception):
-    """Raised inside a call of a plug-in's code that does not return (see `runs.plugin_watchdog`)."""
+    """Raised inside a call of a plug-in's code that does not return (see
+    `runs.plugin_watchdog`).
+    """
 
     def __str__(self) -> str:
         return f"it took longer than {LIMIT_S:g} s"
@@ -84,11 +88,16 @@ def calling(kind: Kind, subject: object) -> Iterator[None]:
 
 
 def mark_methods(cls: type, kind: Kind) -> None:
-    """Mark all methods that a class of a plug-in defines. Classes of the framework stay as they are."""
+    """Mark all methods that a class of a plug-in defines. Classes of the framework stay as they
+    are.
+    """
     if is_own(cls.__module__):
         return
     for name, value in list(vars(cls).items()):
-        if not (name.startswith("__") and name != "__init__") and (marked := _marked(value, kind, cls)) is not value:
+        if (
+            not (name.startswith("__") and name != "__init__")
+            and (marked := _marked(value, kind, cls)) is not value
+        ):
             setattr(cls, name, marked)
             if isinstance(marked, functools.cached_property):
                 marked.__set_name__(cls, name)
@@ -97,7 +106,11 @@ def mark_methods(cls: type, kind: Kind) -> None:
 def inherited(function: F) -> F:
     """Return a function that a plug-in hands over, marked as the plug-in's; any other as it is."""
     call = _under_way.get(threading.get_ident())
-    if call is None or is_own(getattr(function, "__module__", None) or "") or hasattr(function, "is_marked"):
+    if (
+        call is None
+        or is_own(getattr(function, "__module__", None) or "")
+        or hasattr(function, "is_marked")
+    ):
         return function
     marked: F = _marked_function(function, call.kind, call.subject)
     return marked
@@ -119,7 +132,8 @@ def _marked(value: Any, kind: Kind, cls: type) -> Any:
             return staticmethod(_marked_function(value.__func__, kind, cls))
         case property():
             get, put, delete = (
-                part and _marked_function(part, kind, None) for part in (value.fget, value.fset, value.fdel)
+                part and _marked_function(part, kind, None)
+                for part in (value.fget, value.fset, value.fdel)
             )
             return property(get, put, delete, value.__doc__)
         case functools.cached_property():
@@ -152,7 +166,9 @@ def _marked_function(function: Any, kind: Kind, subject: object) -> Any:
 
 
 class _MarkedIterator(Generic[T]):
-    """Iterator of a plug-in, such as a generator: its code runs when the framework takes the next value."""
+    """Iterator of a plug-in, such as a generator: its code runs when the framework takes the next
+    value.
+    """
 
     def __init__(self, values: Iterator[T], kind: Kind, subject: object) -> None:
         self._values, self._kind, self._subject = values, kind, subject

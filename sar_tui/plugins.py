@@ -1,7 +1,7 @@
 """Finds and loads tasks and themes: bundled ones, the user's own, and tasks from entry points.
 
-A task folder is loaded by path under a synthetic package (`plugin_calls.TASKS`), so that bundled, checkout and user
-folders work alike.
+A task folder is loaded by path under a synthetic package (`plugin_calls.TASKS`), so that bundled,
+checkout and user folders work alike.
 """
 
 import importlib
@@ -67,10 +67,14 @@ class Catalogue:
         for entry in entry_points(_GROUP):
             if entry.name == name:
                 return _from_entry_point(entry)
-        raise PluginError(f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}.")
+        raise PluginError(
+            f"There is no task {name or _EMPTY}. Choose one of: {', '.join(self.task_names())}."
+        )
 
     def may_have_pictures(self) -> bool:
-        """Return True if there is a picture in a task's folder, or in a package that offers a task."""
+        """Return True if there is a picture in a task's folder, or in a package that offers a
+        task.
+        """
         folders = (path.parent for path in _children(self._tasks, "task.py"))
         return any(map(pictures_in, folders)) or any(map(_has_pictures, entry_points(_GROUP)))
 
@@ -95,7 +99,9 @@ class Catalogue:
         for path in _children(self._themes, "theme.toml"):
             if path.parent.name == name:
                 return path.parent
-        raise PluginError(f"There is no theme {name or _EMPTY}. Choose one of: {', '.join(self.theme_names())}.")
+        raise PluginError(
+            f"There is no theme {name or _EMPTY}. Choose one of: {', '.join(self.theme_names())}."
+        )
 
     def theme(self, name: str, language: str = ENGLISH) -> Theme:
         """Load a theme by name. Raises PluginError."""
@@ -108,7 +114,9 @@ def user_folder() -> Path:
 
 
 def _shipped(kind: str) -> Path:
-    """Return the folder of bundled tasks or themes: inside an installed package, beside it in a checkout."""
+    """Return the folder of bundled tasks or themes: inside an installed package, beside it in a
+    checkout.
+    """
     package = Path(sar_tui.__file__).parent
     inside = package / kind
     return inside if inside.is_dir() else package.parent / kind
@@ -134,7 +142,9 @@ def task_code(task: "type[Task]") -> Path:
 
 
 def task_source(task: "type[Task]") -> str:
-    """Return where a task comes from: ``built-in``, ``own`` (a folder), or ``installed`` (a package's entry point)."""
+    """Return where a task comes from: ``built-in``, ``own`` (a folder), or ``installed`` (a
+    package's entry point).
+    """
     if not task.__module__.startswith(f"{TASKS}."):
         return "installed"
     return "built-in" if _is_built_in(task_folder(task)) else "own"
@@ -149,13 +159,19 @@ def load_task(folder: Path) -> "type[Task]":
     if not (folder / "task.py").is_file():
         raise PluginError(f"There is no task.py in {folder}.")
     if not folder.name.isidentifier():
-        raise PluginError(f"{folder.name} cannot name a task's folder. Use a Python name, such as tapping.")
+        raise PluginError(
+            f"{folder.name} cannot name a task's folder. Use a Python name, such as tapping."
+        )
     name = _package_of(folder)
     try:
         module = _import(folder, f"{name}.task")
     except PLUGIN_ERRORS as error:
         raise PluginError(f"The task {folder.name} cannot be loaded: {_why(error)}") from error
-    own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
+    own = [
+        value
+        for value in vars(module).values()
+        if getattr(value, "__module__", None) == module.__name__
+    ]
     found = [value for value in own if _is_task(value)]
     if not found and (missing := _missing_methods(own)):
         raise PluginError(f"The task {folder.name} does not define {', '.join(missing)}.")
@@ -165,7 +181,9 @@ def load_task(folder: Path) -> "type[Task]":
 
 
 def module_beside(task: "type[Task]", name: Literal["view", "effect"]) -> types.ModuleType | None:
-    """Load the ``view.py`` or the ``effect.py`` beside a task's module; None if there is none. Raises PluginError."""
+    """Load the ``view.py`` or the ``effect.py`` beside a task's module; None if there is none.
+    Raises PluginError.
+    """
     folder, (package, _, _) = task_folder(task), task.__module__.rpartition(".")
     if not package or not (folder / f"{name}.py").is_file():
         return None
@@ -174,11 +192,15 @@ def module_beside(task: "type[Task]", name: Literal["view", "effect"]) -> types.
     try:
         return _import(folder, f"{package}.{name}")
     except PLUGIN_ERRORS as error:
-        raise PluginError(f"The {name} of the task {task.name} cannot be loaded: {_why(error)}") from error
+        raise PluginError(
+            f"The {name} of the task {task.name} cannot be loaded: {_why(error)}"
+        ) from error
 
 
 def _import(folder: Path, name: str) -> types.ModuleType:
-    """Import a module of a task's folder, of which Python may remember an older listing of files."""
+    """Import a module of a task's folder, of which Python may remember an older listing of
+    files.
+    """
     if name not in sys.modules:
         for path in [path for path in sys.path_importer_cache if path.startswith(str(folder))]:
             del sys.path_importer_cache[path]
@@ -187,7 +209,9 @@ def _import(folder: Path, name: str) -> types.ModuleType:
 
 
 def _package_of(folder: Path) -> str:
-    """Return the package of a task folder's modules; modules of another folder of that name are unloaded."""
+    """Return the package of a task folder's modules; modules of another folder of that name are
+    unloaded.
+    """
     name = f"{TASKS}.{folder.name}"
     _make_package(TASKS, [])
     known = sys.modules.get(name)
@@ -242,30 +266,46 @@ def _missing_methods(values: list[object]) -> list[str]:
 def _is_task(value: object) -> bool:
     from sar_tui.loop.task import Task
 
-    return isinstance(value, type) and issubclass(value, Task) and value is not Task and not inspect.isabstract(value)
+    return (
+        isinstance(value, type)
+        and issubclass(value, Task)
+        and value is not Task
+        and not inspect.isabstract(value)
+    )
 
 
 def _checked(task: "type[Task]", name: str) -> "type[Task]":
     from sar_tui.loop.task_declaration import problem as declaration_problem
 
-    missing = [attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)]
+    missing = [
+        attribute for attribute in ("name", "title", "metric") if not hasattr(task, attribute)
+    ]
     if missing:
         raise PluginError(f"The task {name} does not declare its {' or its '.join(missing)}.")
     better = getattr(task.metric, "better", "lower")
     if better not in ("lower", "higher"):
-        raise PluginError(f"The metric of the task {name} has better={better}; use lower or higher.")
+        raise PluginError(
+            f"The metric of the task {name} has better={better}; use lower or higher."
+        )
     if problem := declaration_problem(task):
-        raise PluginError(f"The task {name} cannot be used: {problem}. See docs/write-your-own-task.md.")
+        raise PluginError(
+            f"The task {name} cannot be used: {problem}. See docs/write-your-own-task.md."
+        )
     for former, current in _FORMER.items():
         if hasattr(task, former):
-            raise PluginError(f"The task {name} defines {former}, which is named {current} now. {CURRENT_NAMES}")
+            raise PluginError(
+                f"The task {name} defines {former}, which is named {current} now. {CURRENT_NAMES}"
+            )
     if task.name != name:
-        raise PluginError(f"The task in the folder {name} has the name {task.name}; the two must be the same.")
+        raise PluginError(
+            f"The task in the folder {name} has the name {task.name}; the two must be the same."
+        )
     return task
 
 
 def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
-    """Load a theme's folder in a language, with missing or wrong parts from the default theme (`Theme.repairs`).
+    """Load a theme's folder in a language, with missing or wrong parts from the default theme
+    (`Theme.repairs`).
 
     Raises:
         PluginError: its files cannot be read.
@@ -278,6 +318,8 @@ def load_theme(folder: Path, language: str = ENGLISH) -> Theme:
         base = read_theme(default, language) if folder != default else None
         return read_theme(folder, language, base)
     except UnicodeEncodeError:
-        raise PluginError(f"The theme {folder.name} cannot be read: the name of its folder is not UTF-8.") from None
+        raise PluginError(
+            f"The theme {folder.name} cannot be read: the name of its folder is not UTF-8."
+        ) from None
     except ThemeError as error:
         raise PluginError(f"The theme {folder.name} cannot be read: {error}") from error

@@ -45,4 +45,6 @@ class Album:
     def check(self) -> None:
         for name, seen in self.changed.items():
             print(f"--- {name} is now:\n{seen}")
-        assert not self.changed, f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 stores them as they are now"
+        assert not self.changed, (
+            f"{', '.join(self.changed)}: SAR_TUI_UPDATE_SNAPSHOTS=1 stores them as they are now"
+        )

@@ -18,7 +18,10 @@ def _cached_parse(parse: Callable[..., Any]) -> Callable[..., list[RuleSet]]:
     parsed: dict[object, list[RuleSet]] = {}
 
     def cached(*given: Any, variable_tokens: dict[str, list[Any]], **more: Any) -> list[RuleSet]:
-        variables = tuple((name, tuple(token.value for token in tokens)) for name, tokens in variable_tokens.items())
+        variables = tuple(
+            (name, tuple(token.value for token in tokens))
+            for name, tokens in variable_tokens.items()
+        )
         key = (given, variables, tuple(more.items()))
         if key not in parsed:
             parsed[key] = list(parse(*given, variable_tokens=variable_tokens, **more))
@@ -46,5 +49,9 @@ def _caches() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stylesheet, "parse", _cached_parse(stylesheet.parse))
         patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
-        patch.setattr(theme_folder, "read_theme", _cached_themes(theme_folder.read_theme, plugins._shipped("themes")))
+        patch.setattr(
+            theme_folder,
+            "read_theme",
+            _cached_themes(theme_folder.read_theme, plugins._shipped("themes")),
+        )
         yield

@@ -44,7 +44,9 @@ _GARBAGE = 200_000
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Keep the tests away from the tasks, themes and data of the user who runs them, and from a slow disk."""
+    """Keep the tests away from the tasks, themes and data of the user who runs them, and from a
+    slow disk.
+    """
     gc.set_threshold(_GARBAGE, 20, 20)  # for the collection of tests, too
     if "TMPDIR" not in os.environ and _has_room(_MEMORY):
         # Every trial is synced to the disk: in memory the tests take half the time.
@@ -66,7 +68,8 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_finish() -> None:
     """Prepare the process that runs the tests.
 
-    What was loaded is excluded from garbage collection, which is less frequent: it is a fifth of the time otherwise.
+    What was loaded is excluded from garbage collection, which is less frequent: it is a fifth of
+    the time otherwise.
     """
     let_programs_heed_signals()
     gc.collect()
@@ -115,7 +118,9 @@ def _simulated() -> dict[object, Simulated]:
 
 @pytest.fixture
 def simulated_once(_simulated: dict[object, Simulated], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let validations share their sessions: the same user, seed and parameters are simulated once."""
+    """Let validations share their sessions: the same user, seed and parameters are simulated
+    once.
+    """
     run = SessionRunner.run
 
     def recall(runner: SessionRunner, user: str, seed: int, **parameters: object) -> Simulated:
@@ -129,7 +134,9 @@ def simulated_once(_simulated: dict[object, Simulated], monkeypatch: pytest.Monk
 
 @pytest.fixture
 def fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Send samples of simulated hands in larger blocks, which is faster and does not change the results."""
+    """Send samples of simulated hands in larger blocks, which is faster and does not change the
+    results.
+    """
     monkeypatch.setattr("sar_tui.inputs.simulated.STEP", 40 * MS)
     monkeypatch.setattr("sar_tui.inputs.sensor.DRAIN", 40 * MS)
 
@@ -142,7 +149,9 @@ def data(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def stats() -> Any:
-    """``scipy.stats``, the judge of statistics: imported only by a process that needs it, as it takes a second."""
+    """``scipy.stats``, the judge of statistics: imported only by a process that needs it, as it
+    takes a second.
+    """
     from scipy import stats
 
     return stats

@@ -1,4 +1,6 @@
-"""Tasks of docs/write-your-own-task.md and docs/write-a-node.md, and parts of them, taken from the pages."""
+"""Tasks of docs/write-your-own-task.md and docs/write-a-node.md, and parts of them, taken from the
+pages.
+"""
 
 import re
 from pathlib import Path
@@ -9,7 +11,9 @@ PAGES = [(DOCS / name).read_text(encoding="utf-8") for name in _NAMES]
 FILES = {
     (name, file): source
     for page in PAGES
-    for name, file, source in re.findall(r"`mytasks/(\w+)/([\w.]+)`[^`]*?\n\n```\w+\n(.*?)```", page, re.DOTALL)
+    for name, file, source in re.findall(
+        r"`mytasks/(\w+)/([\w.]+)`[^`]*?\n\n```\w+\n(.*?)```", page, re.DOTALL
+    )
 }
 """Source of each file of a task on the pages, by the task's name and the file's."""
 FRAGMENTS = [
@@ -23,7 +27,9 @@ TASKS = sorted(name for name, file in FILES if file == "task.py")
 
 
 def write_documented(folder: Path, name: str, *files: str) -> Path:
-    """Write the files of a task into a folder of tasks as the page has them, and return the task's folder."""
+    """Write the files of a task into a folder of tasks as the page has them, and return the task's
+    folder.
+    """
     task = folder / name
     task.mkdir(parents=True)
     for file in files or ("task",):

@@ -34,12 +34,18 @@ def load_profile() -> None:
 
 
 def first(number: int, values: Iterable[Any]) -> list[Any]:
-    """Return the values as parameters of a test: in a quick run only the first few, else all, the others slow."""
+    """Return the values as parameters of a test: in a quick run only the first few, else all, the
+    others slow.
+    """
     found = list(values)
-    return found[:number] + ([] if QUICK else [pytest.param(value, marks=pytest.mark.slow) for value in found[number:]])
+    return found[:number] + (
+        [] if QUICK else [pytest.param(value, marks=pytest.mark.slow) for value in found[number:]]
+    )
 
 
 def first_rows(number: int, rows: Iterable[tuple[Any, ...]]) -> list[Any]:
     """Return the same for a test with several parameters, whose values are rows."""
     found = list(rows)
-    return found[:number] + ([] if QUICK else [pytest.param(*row, marks=pytest.mark.slow) for row in found[number:]])
+    return found[:number] + (
+        [] if QUICK else [pytest.param(*row, marks=pytest.mark.slow) for row in found[number:]]
+    )

@@ -1,8 +1,9 @@
 """A fake ROS system: a rosbridge server on this computer, with a robot and a motion sensor.
 
 It implements the part of the rosbridge v2 protocol that sar-tui uses, as RobotWebTools documents it
-(github.com/RobotWebTools/rosbridge_suite, ROSBRIDGE_PROTOCOL.md): advertise, unadvertise, publish, subscribe,
-unsubscribe, set_level and status, each a JSON object with an ``op``, in a WebSocket's text frame.
+(github.com/RobotWebTools/rosbridge_suite, ROSBRIDGE_PROTOCOL.md): advertise, unadvertise, publish,
+subscribe, unsubscribe, set_level and status, each a JSON object with an ``op``, in a WebSocket's
+text frame.
 """
 
 import asyncio
@@ -30,7 +31,8 @@ Manner = Literal["obliging", "silent", "slow", "failing", "muddled", "breaking o
 def hide_roslibpy(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the package impossible to import.
 
-    It is imported before: an import under way in the thread of an earlier test would remain half done.
+    It is imported before: an import under way in the thread of an earlier test would remain half
+    done.
     """
     importlib.import_module("roslibpy.comm.comm_asyncio")
     for name in ("roslibpy", "roslibpy.comm"):
@@ -46,13 +48,15 @@ def wait_until(happened: Callable[[], Any], what: str = "it") -> None:
 
 
 class RosBridge:
-    """A rosbridge server with a robot. Its port stays the same when it stops listening and starts again.
+    """A rosbridge server with a robot. Its port stays the same when it stops listening and starts
+    again.
 
     Args:
-        manner: how the robot reacts to a request. ``obliging``: starts and completes it. ``silent``: reports nothing.
-            ``slow``: starts it and never ends. ``failing``: reports a failure. ``muddled``: reports nonsense.
-            ``breaking off``: starts it, then aborts. ``terse``: as ``obliging``, but without the id and the part in its
-            reports. All but ``silent`` report what a stop aborted.
+        manner: how the robot reacts to a request. ``obliging``: starts and completes it.
+            ``silent``: reports nothing. ``slow``: starts it and never ends. ``failing``: reports a
+            failure. ``muddled``: reports nonsense. ``breaking off``: starts it, then aborts.
+            ``terse``: as ``obliging``, but without the id and the part in its reports. All but
+            ``silent`` report what a stop aborted.
         lasts_s: time that an obliging robot takes for a part.
 
     Attributes:
@@ -71,7 +75,9 @@ class RosBridge:
         self._endings: set[asyncio.Task[None]] = set()
         self._loop = asyncio.new_event_loop()
         self._server: Any = None
-        self._thread = threading.Thread(target=self._loop.run_forever, name="rosbridge server", daemon=True)
+        self._thread = threading.Thread(
+            target=self._loop.run_forever, name="rosbridge server", daemon=True
+        )
         self._thread.start()
         self._thawed = threading.Event()
         self._thawed.set()
@@ -116,7 +122,9 @@ class RosBridge:
     def data(self, topic: str) -> list[str]:
         """Return the messages received on a topic of ``std_msgs/String``."""
         return [
-            said["msg"]["data"] for said in list(self.received) if said["op"] == "publish" and said["topic"] == topic
+            said["msg"]["data"]
+            for said in list(self.received)
+            if said["op"] == "publish" and said["topic"] == topic
         ]
 
     def ops(self, op: str) -> list[str]:
@@ -171,7 +179,9 @@ class RosBridge:
                 subscribed.discard(topic)
             case {"op": "set_level"}:
                 pass
-            case {"op": "publish", "topic": topic, "msg": {"data": str(data)}} if topic in advertised:
+            case {"op": "publish", "topic": topic, "msg": {"data": str(data)}} if (
+                topic in advertised
+            ):
                 await self._robot(topic.rpartition("/")[2], data)
             case _:
                 words = f"{said.get('op')}: refused"
@@ -190,7 +200,11 @@ class RosBridge:
             asked = json.loads(data)
         except ValueError:
             asked = {}
-        names = {"id": asked.get("id", ""), "deed": PARTS.get(what, "")} if self.manner != "terse" else {}
+        names = (
+            {"id": asked.get("id", ""), "deed": PARTS.get(what, "")}
+            if self.manner != "terse"
+            else {}
+        )
         if what == "stop":
             for stopped in under_way:
                 await self._report(stopped, "aborted")
@@ -216,7 +230,9 @@ class RosBridge:
         await self._report(names, "done")
 
     async def _report(self, names: dict[str, str], state: str, detail: str = "") -> None:
-        await self._publish(REPORT, {"data": json.dumps(names | {"state": state, "detail": detail})})
+        await self._publish(
+            REPORT, {"data": json.dumps(names | {"state": state, "detail": detail})}
+        )
 
     async def _publish(self, topic: str, message: Any) -> None:
         for client, (_, subscribed) in list(self._clients.items()):

@@ -1,6 +1,8 @@
-"""A task whose trials the participant starts: press Space, lift a weight, put it down. Keys replace the sensor.
+"""A task whose trials the participant starts: press Space, lift a weight, put it down. Keys replace
+the sensor.
 
-``k`` takes the weight off the table, ``u`` puts it back, ``d`` drops it, ``?`` is a lift that cannot be measured.
+``k`` takes the weight off the table, ``u`` puts it back, ``d`` drops it, ``?`` is a lift that
+cannot be measured.
 """
 
 from typing import Annotated, Any, Literal
@@ -35,7 +37,9 @@ class LiftParameters(TaskParameters, frozen=True, kw_only=True):
     lifts: Annotated[int, meta("Lifts", ge=1, le=50)] = 2
     signal: Annotated[bool, meta("Signal")] = False
     by_itself: Annotated[bool, meta("Lifts follow each other by themselves")] = False
-    about: Annotated[Literal["results", "performance", "both"], meta("Content of feedback")] = "results"
+    about: Annotated[Literal["results", "performance", "both"], meta("Content of feedback")] = (
+        "results"
+    )
 
 
 class LiftDetails(Details, frozen=True):
@@ -58,7 +62,10 @@ class Lift(Task):
         Quality("sway", "lower", "steadier", "with a steady arm", 2.0),
         Quality("grip", "higher", "firmer", "with a firm grip", 5.0),
     )
-    marks = (Mark("caught", "f7", "Caught", counts=False), Mark("leaned", "f8", "Leaned", counts=True))
+    marks = (
+        Mark("caught", "f7", "Caught", counts=False),
+        Mark("leaned", "f8", "Leaned", counts=True),
+    )
     parameters: LiftParameters
 
     @property

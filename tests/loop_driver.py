@@ -68,7 +68,9 @@ class Screen(Node):
     @on(FRAME)
     def frame_due(self, due: m.FrameDue) -> None:
         if self.shows:
-            self.bus.clock.call_at(max(due.at, self.now + SHOWING), lambda: self.show_frame(due.frame))
+            self.bus.clock.call_at(
+                max(due.at, self.now + SHOWING), lambda: self.show_frame(due.frame)
+            )
 
     @on(TONE_DUE)
     def tone_due(self, due: m.ToneDue) -> None:
@@ -151,16 +153,21 @@ class LoopDriver:
         if begin:
             self.session.begin(1 if history is None else 2)
 
-    # --- the participant ---------------------------------------------------------------------------
+    # --- the participant
+    # ---------------------------------------------------------------------------
 
     def press(self, key: str, at: int | None = None, lag: int = 0, stalled: bool = False) -> None:
-        """Press a key now, or as soon as somebody would who has read what is asked for between two trials.
+        """Press a key now, or as soon as somebody would who has read what is asked for between two
+        trials.
 
         ``at``: its time stamp, if it is handled late; ``stalled``: the program was suspended.
         """
         waiting = self.screen.waiting
         if at is None and waiting and waiting.what in ("enter", "step"):
-            read = max(self.screen.waiting_since + UNREAD, self._last_press + (QUIET if key == "enter" else 0))
+            read = max(
+                self.screen.waiting_since + UNREAD,
+                self._last_press + (QUIET if key == "enter" else 0),
+            )
             self.clock.advance(max(0, read - self.clock.now()))
         self.strike(key, at, lag, stalled)
 
@@ -168,7 +175,9 @@ class LoopDriver:
         """Press a key now, whatever is on the screen."""
         self._last_press = self.clock.now()
         stamp = self.clock.now() if at is None else at
-        self.session.bus.publish(KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag, stalled=stalled))
+        self.session.bus.publish(
+            KEY, m.KeyPressed(key=key, at=stamp, loop_lag=lag, stalled=stalled)
+        )
 
     def hold(self, key: str, ms: int, every_ms: int = 30) -> None:
         """Hold a key down: publish it repeatedly."""
@@ -183,12 +192,17 @@ class LoopDriver:
         self.session.bus.publish(FOCUS, m.FocusChanged(focused=focused, at=self.clock.now()))
 
     def operate(self, command: Any, reason: str = "", value: int | None = None) -> None:
-        self.session.bus.publish(COMMAND, m.SessionCommand(command=command, reason=reason, value=value))
+        self.session.bus.publish(
+            COMMAND, m.SessionCommand(command=command, reason=reason, value=value)
+        )
 
     def disk(self, working: bool) -> None:
-        self.session.bus.publish(STORAGE, m.StorageChanged(working=working, reason="" if working else "full"))
+        self.session.bus.publish(
+            STORAGE, m.StorageChanged(working=working, reason="" if working else "full")
+        )
 
-    # --- time ---------------------------------------------------------------------------------------------------
+    # --- time
+    # ---------------------------------------------------------------------------------------------------
 
     def wait(self, ms: float) -> None:
         self.clock.advance(round(ms * MS))
@@ -197,7 +211,9 @@ class LoopDriver:
         """Step the clock from callback to callback until a condition holds."""
         while not is_so():
             if not self.clock.step():
-                raise AssertionError(f"nothing is due any more; the session waits for {self.screen.waiting}")
+                raise AssertionError(
+                    f"nothing is due any more; the session waits for {self.screen.waiting}"
+                )
 
     def to_prompt(self) -> m.Prompt:
         """Continue until the next prompt is on the screen."""
@@ -205,7 +221,8 @@ class LoopDriver:
         assert self.screen.prompt is not None
         return self.screen.prompt
 
-    # --- whole steps --------------------------------------------------------------------------------------------
+    # --- whole steps
+    # --------------------------------------------------------------------------------------------
 
     def start(self) -> m.Prompt:
         """Continue from the instructions to the first prompt."""
@@ -235,7 +252,8 @@ class LoopDriver:
             self.answer(after_ms, key="#" if trial < wrong else None)
         self.wait(1000)
 
-    # --- messages ------------------------------------------------------------------------------------------
+    # --- messages
+    # ------------------------------------------------------------------------------------------
 
     def all(self, topic: Topic[M]) -> list[M]:
         return [record.message for record in self.records if record.topic is topic]

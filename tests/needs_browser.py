@@ -1,4 +1,6 @@
-"""Mark for tests that look through a browser: skipped without one, unless ``SAR_TUI_TEST_BROWSER=required``."""
+"""Mark for tests that look through a browser: skipped without one, unless
+``SAR_TUI_TEST_BROWSER=required``.
+"""
 
 import os
 import shutil

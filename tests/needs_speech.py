@@ -1,4 +1,6 @@
-"""Mark for tests of the speech engine: skipped without it, unless ``SAR_TUI_TEST_SPEECH=required``."""
+"""Mark for tests of the speech engine: skipped without it, unless
+``SAR_TUI_TEST_SPEECH=required``.
+"""
 
 import ctypes.util
 import os

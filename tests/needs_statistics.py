@@ -1,4 +1,6 @@
-"""Marks for tests that Octave or R judges: skipped without it, unless ``SAR_TUI_TEST_STATISTICS=required``."""
+"""Marks for tests that Octave or R judges: skipped without it, unless
+``SAR_TUI_TEST_STATISTICS=required``.
+"""
 
 import os
 import shutil

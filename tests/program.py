@@ -27,12 +27,23 @@ Call = Callable[..., Called]
 
 
 @pytest.fixture
-def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+def call(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Call:
     """``call("simulate", "keyboard", ...)``; its data is in ``tmp_path / "data"``."""
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path / "data"))
     monkeypatch.setenv("COLUMNS", "160")
     monkeypatch.setenv("TERM", "xterm-256color")
-    for name in ("SAR_TUI_DEBUG", "NO_COLOR", "FORCE_COLOR", "SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY"):
+    for name in (
+        "SAR_TUI_DEBUG",
+        "NO_COLOR",
+        "FORCE_COLOR",
+        "SSH_CONNECTION",
+        "SSH_TTY",
+        "SSH_CLIENT",
+        "TMUX",
+        "STY",
+    ):
         monkeypatch.delenv(name, raising=False)
 
     def program(*arguments: object) -> Called:
@@ -49,5 +60,17 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 @pytest.fixture
 def simulated(call: Call) -> str:
     """A short simulated session; its id."""
-    called = call("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 4, "-p", "p01", "--json")
+    called = call(
+        "simulate",
+        "keyboard",
+        "--user",
+        "average",
+        "--seed",
+        1,
+        "--attempts",
+        4,
+        "-p",
+        "p01",
+        "--json",
+    )
     return str(called.json["session"])

@@ -71,7 +71,9 @@ class SidesView(TaskView):
 
 
 def write_sides(folder: Path, view: str = "") -> Path:
-    """Write the task, and its view if there is one, into a folder of tasks. Return the task's folder."""
+    """Write the task, and its view if there is one, into a folder of tasks. Return the task's
+    folder.
+    """
     task = folder / "sides"
     task.mkdir(parents=True)
     (task / "task.py").write_text(TASK)

@@ -1,4 +1,6 @@
-"""A task whose prompts follow from what came before: from this attempt's results, and the scores of others."""
+"""A task whose prompts follow from what came before: from this attempt's results, and the scores of
+others.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -25,7 +27,9 @@ class Contrast(Task):
         return "Press f."
 
     def stimulus(self, situation: Situation) -> Stimulus:
-        """Return a prompt that names its contrast, and the correct answers of the attempts before."""
+        """Return a prompt that names its contrast, and the correct answers of the attempts
+        before.
+        """
         contrast = 10 + sum(1 if result.correct else -1 for result in situation.results)
         before = "-".join(str(past.score.correct) for past in situation.history)
         return Stimulus(name=f"c{contrast}", expected="f", text=f"Contrast:{contrast}:{before}")

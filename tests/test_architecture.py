@@ -1,4 +1,6 @@
-"""docs/architecture.md names every package, no other, in the order that import-linter enforces; its paths exist."""
+"""docs/architecture.md names every package, no other, in the order that import-linter enforces; its
+paths exist.
+"""
 
 import re
 import tomllib
@@ -24,15 +26,23 @@ def test_every_package_has_a_row_and_every_row_a_package() -> None:
 
 
 def test_the_layers_are_those_that_are_enforced() -> None:
-    linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
-    layers = next(contract["layers"] for contract in linter["contracts"] if contract["type"] == "layers")
+    linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+        "importlinter"
+    ]
+    layers = next(
+        contract["layers"] for contract in linter["contracts"] if contract["type"] == "layers"
+    )
     enforced = [{name.strip() for name in layer.split("|")} for layer in layers]
     floors = sorted({int(floor) for floor, _ in ROWS}, reverse=True)
-    assert [{module(path) for floor, path in ROWS if int(floor) == here} for here in floors] == enforced
+    assert [
+        {module(path) for floor, path in ROWS if int(floor) == here} for here in floors
+    ] == enforced
 
 
 def test_every_path_on_the_page_exists() -> None:
-    named = {path for path in re.findall(r"`([\w./*-]+)`", PAGE) if "/" in path or path.endswith(".py")}
+    named = {
+        path for path in re.findall(r"`([\w./*-]+)`", PAGE) if "/" in path or path.endswith(".py")
+    }
     missing = [path for path in named if not _exists(path)]
     assert missing == []
 

@@ -1,4 +1,6 @@
-"""Tests that every part of the benchmarks can be measured. Their figures are not looked at: machines are noisy."""
+"""Tests that every part of the benchmarks can be measured. Their figures are not looked at:
+machines are noisy.
+"""
 
 import subprocess
 import sys

@@ -1,4 +1,6 @@
-"""The data dictionary names all that is stored: each column, each topic, each field of a choice, each parameter."""
+"""The data dictionary names all that is stored: each column, each topic, each field of a choice,
+each parameter.
+"""
 
 import json
 import re
@@ -45,7 +47,9 @@ def section(table: str) -> str:
 
 def test_every_column_of_every_table_is_in_its_section(data: Path) -> None:
     database = connect(data)
-    tables = [table for table in Database(database).tables if not table.name.startswith(("sqlite_", "_"))]
+    tables = [
+        table for table in Database(database).tables if not table.name.startswith(("sqlite_", "_"))
+    ]
     missing = {table.name: set(table.columns_dict) - named(section(table.name)) for table in tables}
     database.close()
     assert len(missing) >= 10
@@ -64,12 +68,19 @@ def test_every_field_of_a_choice_and_every_schedule_is_documented() -> None:
 
 def test_kinds_and_decisions_of_actions_are_documented() -> None:
     documented = named(section("actions"))
-    assert {*get_args(messages.Kind), *get_args(messages.Policy), "accepted", "dropped"} - documented == set()
+    assert {
+        *get_args(messages.Kind),
+        *get_args(messages.Policy),
+        "accepted",
+        "dropped",
+    } - documented == set()
     assert set(messages.Proposal.__struct_fields__) - documented == set()
 
 
 def test_every_part_and_state_of_a_report_is_documented() -> None:
-    assert {*get_args(messages.PartState), *get_args(messages.ActionPart)} - named(section("events")) == set()
+    assert {*get_args(messages.PartState), *get_args(messages.ActionPart)} - named(
+        section("events")
+    ) == set()
 
 
 @pytest.mark.parametrize(
@@ -86,13 +97,20 @@ def test_every_part_and_state_of_a_report_is_documented() -> None:
     ],
 )
 def test_every_field_of_a_validation_is_documented(
-    name: str, validate: Callable[[Conditions], Report], request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+    name: str,
+    validate: Callable[[Conditions], Report],
+    request: pytest.FixtureRequest,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("sar_tui.validation.progress.HISTORIES", 2)
     monkeypatch.setattr("sar_tui.validation.progress.OTHER_HISTORIES", 2)
     monkeypatch.setattr("sar_tui.validation.policies.SCHEDULES", {"every": SCHEDULES["every"]})
-    fields = set(validate(Conditions(request.getfixturevalue("catalogue"), seeds=range(1, 2))).rows[0])
-    lines = [line for line in PAGE.splitlines() if line.startswith((f"| `{name}`", "| `figure-4.11`"))]
+    fields = set(
+        validate(Conditions(request.getfixturevalue("catalogue"), seeds=range(1, 2))).rows[0]
+    )
+    lines = [
+        line for line in PAGE.splitlines() if line.startswith((f"| `{name}`", "| `figure-4.11`"))
+    ]
     assert fields - set().union(*map(named, lines)) == set()
 
 
@@ -105,8 +123,11 @@ def test_the_documented_query_lists_each_decision_with_the_time_of_day(
     assert query
     database = connect(data)
     (count, first) = database.execute("SELECT count(*), min(decided_ns) FROM actions").fetchone()
-    anchor = json.dumps({"clock_ns": first - 1_500_000_000, "utc": "2026-03-01T23:59:59.250000+00:00"})
-    database.execute("UPDATE runs SET clock_anchor=?", (anchor,))  # a simulated session has a clock of its own
+    anchor = json.dumps(
+        {"clock_ns": first - 1_500_000_000, "utc": "2026-03-01T23:59:59.250000+00:00"}
+    )
+    # a simulated session has a clock of its own
+    database.execute("UPDATE runs SET clock_anchor=?", (anchor,))
     rows = list(Database(database).query(query[1]))
     database.close()
     assert len(rows) == count

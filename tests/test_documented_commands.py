@@ -18,28 +18,40 @@ GIVEN_NAMES = set(
     marta martin mary michael miguel mike nina otto pablo paul paula pedro peter rosa sam sara sarah sofia susan thomas
     """.split()
 )
-"""Some that examples are often given; without those that are also words, such as ``max`` and ``jan``."""
+"""Some that examples are often given; without those that are also words, such as ``max`` and
+``jan``.
+"""
 
 
 def commands(page: Path) -> list[list[str]]:
     """Return the words of each command on a page, without its comment."""
-    blocks = re.findall(r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    blocks = re.findall(
+        r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    )
     lines = "".join(blocks).replace("\\\n", " ").splitlines()
     return [shlex.split(line, comments=True) for line in lines if "sar-tui run" in line]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_an_operator_who_joins_a_documented_session_has_feedback_to_approve(page: Path, keyboard: type[Task]) -> None:
+def test_an_operator_who_joins_a_documented_session_has_feedback_to_approve(
+    page: Path, keyboard: type[Task]
+) -> None:
     for words in commands(page):
         if "--operator" in words:
-            pairs = [words[index + 1].split("=") for index, word in enumerate(words) if word == "--set"]
+            pairs = [
+                words[index + 1].split("=") for index, word in enumerate(words) if word == "--set"
+            ]
             settings = build(keyboard.Parameters, dict(pairs))
             assert settings.operator_feedback == "approve", words  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("folder", ["docs", "sar_tui", "tasks", "themes"])
 def test_examples_and_help_name_nobody(folder: str) -> None:
-    texts = [path for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".md", ".toml", ".svg")]
+    texts = [
+        path
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in (".py", ".md", ".toml", ".svg")
+    ]
     for path in (*texts, *ROOT.glob("*.md")):
         found = GIVEN_NAMES & set(re.findall(r"[a-z]+", path.read_text(encoding="utf-8").lower()))
         assert not found, f"{path}: {found}"

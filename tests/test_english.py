@@ -14,7 +14,9 @@ DISALLOWED_OPENING = re.compile(r"(What|Who|Whom|Whose|Whether|Of|Where|How|That
 
 
 def first_lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield the line number and the first line of every docstring, of a class's attributes as well."""
+    """Yield the line number and the first line of every docstring, of a class's attributes as
+    well.
+    """
     tree = ast.parse(path.read_text("utf-8"))
     for node in ast.walk(tree):
         match node:

@@ -18,9 +18,14 @@ print(json.dumps({"found": found, "loaded": sorted(sys.modules)}))
 
 
 def loaded(package: str) -> tuple[list[str], set[str]]:
-    """Return the modules of a package, and the top-level names of all modules that importing them loads."""
+    """Return the modules of a package, and the top-level names of all modules that importing them
+    loads.
+    """
     run = subprocess.run(
-        [sys.executable, "-c", LIST_LOADED_MODULES, package], capture_output=True, text=True, check=True
+        [sys.executable, "-c", LIST_LOADED_MODULES, package],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     answer = json.loads(run.stdout)
     return answer["found"], {name.split(".")[0] for name in answer["loaded"]}
@@ -29,7 +34,17 @@ def loaded(package: str) -> tuple[list[str], set[str]]:
 def test_the_framework_stands_alone() -> None:
     modules, names = loaded("sar_tui.loop")
     assert {"sar_tui.loop.bus", "sar_tui.loop.nodes.event_handler"} <= set(modules)
-    forbidden = {"textual", "rich", "Phidget22", "sqlite3", "sqlite_utils", "zenoh", "numpy", "filelock", "typer"}
+    forbidden = {
+        "textual",
+        "rich",
+        "Phidget22",
+        "sqlite3",
+        "sqlite_utils",
+        "zenoh",
+        "numpy",
+        "filelock",
+        "typer",
+    }
     assert not forbidden & names
 
 

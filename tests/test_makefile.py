@@ -26,13 +26,17 @@ def checkout(tmp_path: Path) -> Path:
 
 def extras_to_install(checkout: Path, target: str) -> str:
     """Return what make would install for a target; empty if nothing."""
-    done = subprocess.run(["make", "-n", target], cwd=checkout, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["make", "-n", target], cwd=checkout, capture_output=True, text=True, check=True
+    )
     _, found, after = done.stdout.partition("--editable '.[")
     return after.partition("]")[0] if found else ""
 
 
 def have(checkout: Path, stamp: str, *, age_s: int = 0) -> None:
-    """Leave the stamp of an environment, some seconds older than what it must have if ``age_s`` is given."""
+    """Leave the stamp of an environment, some seconds older than what it must have if ``age_s`` is
+    given.
+    """
     path = checkout / ".venv" / stamp
     path.parent.mkdir(exist_ok=True)
     path.touch()
@@ -40,19 +44,29 @@ def have(checkout: Path, stamp: str, *, age_s: int = 0) -> None:
     os.utime(path, (made, made))
 
 
-@pytest.mark.parametrize(("target", "extras"), [("run", "link,serve"), ("demo", "link,serve"), ("test", "dev")])
-def test_a_fresh_checkout_installs_what_the_target_needs(checkout: Path, target: str, extras: str) -> None:
+@pytest.mark.parametrize(
+    ("target", "extras"), [("run", "link,serve"), ("demo", "link,serve"), ("test", "dev")]
+)
+def test_a_fresh_checkout_installs_what_the_target_needs(
+    checkout: Path, target: str, extras: str
+) -> None:
     assert extras_to_install(checkout, target) == extras
 
 
 def test_what_the_program_needs_is_installed_once_and_tests_add_the_rest(checkout: Path) -> None:
     have(checkout, "program")
-    assert [extras_to_install(checkout, target) for target in ("run", "demo", "lint")] == ["", "", "dev"]
+    assert [extras_to_install(checkout, target) for target in ("run", "demo", "lint")] == [
+        "",
+        "",
+        "dev",
+    ]
 
 
 def test_an_environment_for_developers_has_all_that_the_program_needs(checkout: Path) -> None:
     have(checkout, "ready")
-    assert [extras_to_install(checkout, target) for target in ("run", "demo", "test", "lint")] == [""] * 4
+    assert [extras_to_install(checkout, target) for target in ("run", "demo", "test", "lint")] == [
+        ""
+    ] * 4
     have(checkout, "ready", age_s=60)
     assert [extras_to_install(checkout, target) for target in ("run", "test")] == ["dev", "dev"]
 

@@ -1,4 +1,6 @@
-"""No module of the program makes code of what is stored: it imports no module that does so, and calls no eval."""
+"""No module of the program makes code of what is stored: it imports no module that does so, and
+calls no eval.
+"""
 
 import ast
 from collections.abc import Iterator
@@ -7,7 +9,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-_MODULES = frozenset({"pickle", "_pickle", "cPickle", "dill", "cloudpickle", "joblib", "marshal", "shelve"})
+_MODULES = frozenset(
+    {"pickle", "_pickle", "cPickle", "dill", "cloudpickle", "joblib", "marshal", "shelve"}
+)
 _CALLS = frozenset({"eval", "exec", "compile", "__import__"})
 _METHODS = frozenset({"read_pickle", "to_pickle"})
 
@@ -43,6 +47,7 @@ def test_no_module_makes_code_of_data(folder: str) -> None:
 def test_the_search_finds_what_it_looks_for(tmp_path: Path) -> None:
     path = tmp_path / "module.py"
     path.write_text(
-        "import pickle\nfrom marshal import loads\nnp.load(f, allow_pickle=True)\neval('1')\npd.read_pickle(p)\n"
+        "import pickle\nfrom marshal import loads\nnp.load(f, "
+        "allow_pickle=True)\neval('1')\npd.read_pickle(p)\n"
     )
     assert len(list(dangers(path))) == 5

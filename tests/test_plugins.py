@@ -132,7 +132,9 @@ def test_a_task_is_loaded_once(catalogue: Catalogue) -> None:
     assert catalogue.task("keyboard") is catalogue.task("keyboard")
 
 
-def test_a_task_in_a_named_folder_is_found_and_may_import_its_neighbours(with_taps: Catalogue, own: Path) -> None:
+def test_a_task_in_a_named_folder_is_found_and_may_import_its_neighbours(
+    with_taps: Catalogue, own: Path
+) -> None:
     assert {"keyboard", "taps"} <= set(with_taps.task_names())
     taps = with_taps.task("taps")
     assert taps(build(taps.Parameters, {})).instructions() == "Tap as often as you can."
@@ -159,7 +161,9 @@ def test_own_tasks_that_replace_a_built_in_one_are_known(own: Path) -> None:
     assert Catalogue(tasks=(own,)).replaced_tasks() == {"keyboard": own / "keyboard"}
     built_in = task_folder(Catalogue().task("keyboard")).parent
     assert Catalogue(tasks=(built_in,)).replaced_tasks() == {}
-    sources = [task_source(Catalogue(tasks=(own,)).task(name)) for name in ("keyboard", "minimal", "pairs")]
+    sources = [
+        task_source(Catalogue(tasks=(own,)).task(name)) for name in ("keyboard", "minimal", "pairs")
+    ]
     assert sources == ["own", "own", "built-in"]
 
 
@@ -176,7 +180,9 @@ def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
 def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -> None:
     with pytest.raises(PluginError, match=r"There is no task chess\. Choose one of: .*keyboard"):
         catalogue.task("chess")
-    with pytest.raises(PluginError, match=r"There is no theme loud\. Choose one of: calm, high-contrast"):
+    with pytest.raises(
+        PluginError, match=r"There is no theme loud\. Choose one of: calm, high-contrast"
+    ):
         catalogue.theme("loud")
     with pytest.raises(PluginError, match=r"There is no task\.py in"):
         load_task(Path("nowhere"))
@@ -184,12 +190,17 @@ def test_an_unknown_name_is_reported_with_the_known_ones(catalogue: Catalogue) -
 
 def test_a_task_that_raises_on_import_is_reported(own: Path) -> None:
     write(own, "broken", "1 / 0\n")
-    assert sentence(own, "broken") == "The task broken cannot be loaded: ZeroDivisionError: division by zero."
+    assert (
+        sentence(own, "broken")
+        == "The task broken cannot be loaded: ZeroDivisionError: division by zero."
+    )
 
 
 def test_a_syntax_error_in_a_task_is_reported_with_its_line(own: Path) -> None:
     write(own, "garbled", "import math\nclass Garbled(:\n")
-    assert sentence(own, "garbled").startswith("The task garbled cannot be loaded: line 2 of task.py: ")
+    assert sentence(own, "garbled").startswith(
+        "The task garbled cannot be loaded: line 2 of task.py: "
+    )
 
 
 def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
@@ -200,24 +211,39 @@ def test_a_missing_dependency_of_a_task_is_reported(own: Path) -> None:
 @pytest.mark.parametrize(
     ("statement", "missing"),
     [
-        ("from sar_tui.no_such_package.imu import Imu", "No module named 'sar_tui.no_such_package'"),
+        (
+            "from sar_tui.no_such_package.imu import Imu",
+            "No module named 'sar_tui.no_such_package'",
+        ),
         (
             "from sar_tui.loop.task import NoSuchName",
             "cannot import name 'NoSuchName' from 'sar_tui.loop.task'",
         ),
-        ("from sar_tui import no_such_package", "cannot import name 'no_such_package' from 'sar_tui'"),
+        (
+            "from sar_tui import no_such_package",
+            "cannot import name 'no_such_package' from 'sar_tui'",
+        ),
     ],
 )
-def test_a_task_with_names_of_another_version_is_reported(own: Path, statement: str, missing: str) -> None:
+def test_a_task_with_names_of_another_version_is_reported(
+    own: Path, statement: str, missing: str
+) -> None:
     write(own, "minimal", f"{statement}\n{MINIMAL}")
     assert sentence(own, "minimal") == (
-        f"The task minimal cannot be loaded: {missing}. The names of this version are in docs/task-reference.md."
+        f"The task minimal cannot be loaded: {missing}. The names of this version are in "
+        "docs/task-reference.md."
     )
 
 
 def test_a_method_by_its_former_name_is_reported_with_the_current_one(own: Path) -> None:
-    write(own, "minimal", f"{MINIMAL}\n    @classmethod\n    def sensed(cls, parameters):\n        return ()\n")
-    assert sentence(own, "minimal").startswith("The task minimal defines sensed, which is named sensor_seats now. ")
+    write(
+        own,
+        "minimal",
+        f"{MINIMAL}\n    @classmethod\n    def sensed(cls, parameters):\n        return ()\n",
+    )
+    assert sentence(own, "minimal").startswith(
+        "The task minimal defines sensed, which is named sensor_seats now. "
+    )
 
 
 def test_a_fixed_task_is_loaded_the_next_time(own: Path) -> None:
@@ -239,12 +265,17 @@ def test_a_file_without_a_task_is_reported(own: Path) -> None:
 
 def test_a_task_whose_name_differs_from_its_folder_is_reported(own: Path) -> None:
     write(own, "renamed", MINIMAL)
-    assert sentence(own, "renamed") == "The task in the folder renamed has the name minimal; the two must be the same."
+    assert (
+        sentence(own, "renamed")
+        == "The task in the folder renamed has the name minimal; the two must be the same."
+    )
 
 
 @pytest.mark.parametrize("declaration", ["name", "title", "metric"])
 def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
-    lines = [line for line in MINIMAL.splitlines() if not line.strip().startswith(f"{declaration} = ")]
+    lines = [
+        line for line in MINIMAL.splitlines() if not line.strip().startswith(f"{declaration} = ")
+    ]
     write(own, "minimal", "\n".join(lines))
     assert sentence(own, "minimal") == f"The task minimal does not declare its {declaration}."
 
@@ -255,8 +286,14 @@ def test_a_missing_declaration_is_reported(own: Path, declaration: str) -> None:
         ("title = None", "its title is not a text"),
         ("summary = 5", "its summary is not a text"),
         ('metric = "reaction_time"', "its metric is not a Metric, or has values of wrong types"),
-        ("metric = Metric(5, unit='ms', better='lower')", "its metric is not a Metric, or has values of wrong types"),
-        ("metric = Metric('x', unit='ms', better='lower', decimals='2')", "its metric is not a Metric, or has "),
+        (
+            "metric = Metric(5, unit='ms', better='lower')",
+            "its metric is not a Metric, or has values of wrong types",
+        ),
+        (
+            "metric = Metric('x', unit='ms', better='lower', decimals='2')",
+            "its metric is not a Metric, or has ",
+        ),
         ("Parameters = dict", "its Parameters is not a subclass of TaskParameters"),
         ("Details = None", "its Details is not a subclass of Details"),
         ("sensors = 'imu'", "its sensors are not a tuple of texts"),
@@ -277,7 +314,10 @@ def test_a_declaration_of_a_wrong_type_is_reported_and_the_other_tasks_remain(
 
 def test_a_folder_name_that_cannot_be_imported_is_reported(own: Path) -> None:
     write(own, "my-task", MINIMAL)
-    assert sentence(own, "my-task") == "my-task cannot name a task's folder. Use a Python name, such as tapping."
+    assert (
+        sentence(own, "my-task")
+        == "my-task cannot name a task's folder. Use a Python name, such as tapping."
+    )
 
 
 @pytest.fixture
@@ -302,10 +342,14 @@ def test_an_installed_task_is_found_by_its_entry_point(installed: Path) -> None:
     assert task_folder(Catalogue().task("minimal")) == installed
 
 
-def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_installed(installed: Path) -> None:
+def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_installed(
+    installed: Path,
+) -> None:
     def hashed() -> object:
         task = Catalogue().task("minimal")
-        return software(task, task_source(task), task_code(task), installed / "games-1.0.dist-info")["task"]["hash"]
+        return software(
+            task, task_source(task), task_code(task), installed / "games-1.0.dist-info"
+        )["task"]["hash"]
 
     before = hashed()
     (installed / "another_package.py").write_text("x = 1\n")
@@ -314,7 +358,9 @@ def test_the_hash_of_an_installed_module_is_of_its_file_and_not_of_all_that_is_i
     assert hashed() != before
 
 
-def test_pictures_are_found_in_folders_of_tasks_and_in_packages_that_offer_one(installed: Path, own: Path) -> None:
+def test_pictures_are_found_in_folders_of_tasks_and_in_packages_that_offer_one(
+    installed: Path, own: Path
+) -> None:
     assert not Catalogue().may_have_pictures()
     record = installed / "games-1.0.dist-info" / "RECORD"
     record.write_text("games_of_mine.py,,\ngames/queen.PNG,,\n")
@@ -341,7 +387,8 @@ def test_a_theme_in_a_named_folder_is_found(tmp_path: Path, catalogue: Catalogue
     assert themes.theme("mine").name == "mine"
 
 
-# --- a plug-in at work --------------------------------------------------------------------------------------
+# --- a plug-in at work
+# --------------------------------------------------------------------------------------
 
 
 def run(
@@ -352,7 +399,9 @@ def run(
     return sessions.rows(connect(data), "attempts", session)
 
 
-def test_a_task_with_a_higher_is_better_metric_adapts_in_the_right_direction(with_taps: Catalogue, data: Path) -> None:
+def test_a_task_with_a_higher_is_better_metric_adapts_in_the_right_direction(
+    with_taps: Catalogue, data: Path
+) -> None:
     attempts = run(with_taps, "taps", data, attempts=12, threshold=6)
     assert len(attempts) == 12
     outcomes = set()
@@ -360,14 +409,18 @@ def test_a_task_with_a_higher_is_better_metric_adapts_in_the_right_direction(wit
         success = attempt["metric"] > 6
         outcomes.add(success)
         assert attempt["outcome"] == ("success" if success else "failure")
-        assert attempt["feedback"] == ("positive" if success else "neutral" if attempt["metric"] == 6 else "negative")
+        assert attempt["feedback"] == (
+            "positive" if success else "neutral" if attempt["metric"] == 6 else "negative"
+        )
         expected = min(attempt["level"] + 1, 10) if success else max(attempt["level"] - 1, 1)
         assert following["level"] == expected
     assert outcomes == {True, False}
     assert {attempt["metric_unit"] for attempt in attempts} == {"taps"}
 
 
-def test_a_better_simulated_participant_reaches_a_higher_level(with_taps: Catalogue, data: Path) -> None:
+def test_a_better_simulated_participant_reaches_a_higher_level(
+    with_taps: Catalogue, data: Path
+) -> None:
     levels = {}
     for person in PEOPLE:
         attempts = run(with_taps, "taps", data, person, attempts=12, threshold=6)
@@ -380,16 +433,21 @@ def test_the_details_and_texts_of_the_task_are_stored(with_taps: Catalogue, data
     plan = make_plan(with_taps, "taps", ["SIM"], settings, seed=5, mode="simulated")
     session = simulate(plan, PEOPLE["poor"], data, with_taps)
     trials = sessions.rows(connect(data), "trials", session)
-    assert [trial["details"]["taps"] for trial in trials] == [int(trial["response"]) for trial in trials]
+    assert [trial["details"]["taps"] for trial in trials] == [
+        int(trial["response"]) for trial in trials
+    ]
     said = [
-        row["final"]["text"] for row in sessions.rows(connect(data), "actions", session) if row["kind"] == "feedback"
+        row["final"]["text"]
+        for row in sessions.rows(connect(data), "actions", session)
+        if row["kind"] == "feedback"
     ]
     assert "taps" in said[0]
     assert not any("faster" in words or "slower" in words for words in said)
 
 
 @pytest.mark.parametrize(
-    ("method", "signature"), [("stimulus", "self, situation"), ("perceived", "self, trial, percept")]
+    ("method", "signature"),
+    [("stimulus", "self, situation"), ("perceived", "self, trial, percept")],
 )
 @pytest.mark.parametrize("error", ["KeyError: 'missing'", "SystemExit: 3"])
 def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_stored(
@@ -397,29 +455,57 @@ def test_a_task_that_raises_in_a_session_is_reported_and_finished_trials_are_sto
 ) -> None:
     raises = "raise {}({})".format(*error.split(": "))
     write(own, "minimal", MINIMAL + f"\n    def {method}({signature}):\n        {raises}\n")
-    with pytest.raises(Failed, match=rf"The task minimal failed \({error}, line \d+ of task\.py\)\. What was done"):
+    with pytest.raises(
+        Failed, match=rf"The task minimal failed \({error}, line \d+ of task\.py\)\. What was done"
+    ):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     (left,) = sessions.listing(connect(data), data)
     assert left["status"] == "interrupted"
-    faults = [record for record in sessions.history(connect(data), left["id"]) if record.topic is FAULT]
+    faults = [
+        record for record in sessions.history(connect(data), left["id"]) if record.topic is FAULT
+    ]
     assert len(faults) == 1
 
 
 @pytest.mark.parametrize(
     ("method", "returned", "said"),
     [
-        ("score(self, results)", "Score(1.0, 1.0, correct=99, trials=1)", "the score of an attempt has 99 right resp"),
-        ("score(self, results)", "Score(1.0, 1.0, correct=-5, trials=-1)", "the score of an attempt has -5 right "),
+        (
+            "score(self, results)",
+            "Score(1.0, 1.0, correct=99, trials=1)",
+            "the score of an attempt has 99 right resp",
+        ),
+        (
+            "score(self, results)",
+            "Score(1.0, 1.0, correct=-5, trials=-1)",
+            "the score of an attempt has -5 right ",
+        ),
         (
             "score(self, results)",
             "Score(1.0, 7.0, correct=1, trials=1)",
             "the score of an attempt has an accuracy of",
         ),
-        ("score(self, results)", "Score(float('inf'), 1.0, 1, 1)", "the Score of an attempt cannot be stored: a num"),
-        ("score(self, results)", "Score('fast', 1.0, 1, 1)", "the Score of an attempt cannot be stored: Expected "),
+        (
+            "score(self, results)",
+            "Score(float('inf'), 1.0, 1, 1)",
+            "the Score of an attempt cannot be stored: a num",
+        ),
+        (
+            "score(self, results)",
+            "Score('fast', 1.0, 1, 1)",
+            "the Score of an attempt cannot be stored: Expected ",
+        ),
         ("score(self, results)", "None", "None is not a Score"),
-        ("target(self, level)", "Target(float('nan'), 0.0)", "the Target of an attempt cannot be stored: a number "),
-        ("perceived(self, trial, percept)", "{}", "the results of a trial are for the seats none; they are due for A"),
+        (
+            "target(self, level)",
+            "Target(float('nan'), 0.0)",
+            "the Target of an attempt cannot be stored: a number ",
+        ),
+        (
+            "perceived(self, trial, percept)",
+            "{}",
+            "the results of a trial are for the seats none; they are due for A",
+        ),
         (
             "perceived(self, trial, percept)",
             "{'B': Result(correct=True)}",
@@ -437,7 +523,9 @@ def test_a_result_that_cannot_be_one_stops_the_session_and_is_not_stored(
     assert connect(data).execute("SELECT count(*) FROM attempts").fetchone() == (0,)
 
 
-def test_a_simulation_that_waits_for_ever_is_a_failure(own: Path, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_simulation_that_waits_for_ever_is_a_failure(
+    own: Path, data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     class Asleep(Node):
         name = "participant"
 
@@ -446,20 +534,34 @@ def test_a_simulation_that_waits_for_ever_is_a_failure(own: Path, data: Path, mo
 
     monkeypatch.setattr("sar_tui.runs.simulate.SimulatedParticipant", Asleep)
     write(own, "minimal", MINIMAL)
-    with pytest.raises(Failed, match="stopped before its end: the task minimal waits for something"):
+    with pytest.raises(
+        Failed, match="stopped before its end: the task minimal waits for something"
+    ):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
 
 
-def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(own: Path, data: Path) -> None:
-    write(own, "minimal", MINIMAL + "\n    def __init__(self, parameters):\n        raise KeyError('missing')\n")
-    with pytest.raises(Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."):
+def test_a_task_that_cannot_be_set_up_is_reported_and_leaves_no_session(
+    own: Path, data: Path
+) -> None:
+    write(
+        own,
+        "minimal",
+        MINIMAL + "\n    def __init__(self, parameters):\n        raise KeyError('missing')\n",
+    )
+    with pytest.raises(
+        Failed, match=r"The task minimal cannot be set up \(KeyError: 'missing'\)\."
+    ):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     assert sessions.listing(connect(data), data) == []
 
 
 @pytest.mark.parametrize(
     ("nodes", "said"),
-    [("1 / 0", r"\(ZeroDivisionError: "), ("None", r"\(TypeError: "), ("(5,)", ": among its nodes is 5")],
+    [
+        ("1 / 0", r"\(ZeroDivisionError: "),
+        ("None", r"\(TypeError: "),
+        ("(5,)", ": among its nodes is 5"),
+    ],
 )
 def test_nodes_that_a_task_cannot_make_are_reported_and_leave_no_session(
     own: Path, data: Path, call: Call, nodes: str, said: str
@@ -468,18 +570,24 @@ def test_nodes_that_a_task_cannot_make_are_reported_and_leave_no_session(
     with pytest.raises(Failed, match=f"The task minimal cannot be set up ?{said}"):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
     assert sessions.listing(connect(data), data) == []
-    assert call("graph", "minimal", "--tasks", own).err.startswith("The task minimal cannot be set up")
+    assert call("graph", "minimal", "--tasks", own).err.startswith(
+        "The task minimal cannot be set up"
+    )
 
 
 def test_an_error_that_cannot_be_described_is_reported_by_its_type(own: Path, data: Path) -> None:
     mute = "class Mute(Exception):\n    def __str__(self):\n        raise ValueError\n"
-    write(own, "minimal", f"{mute}{MINIMAL}\n    def stimulus(self, situation):\n        raise Mute\n")
+    write(
+        own, "minimal", f"{mute}{MINIMAL}\n    def stimulus(self, situation):\n        raise Mute\n"
+    )
     with pytest.raises(Failed, match=r"The task minimal failed \(Mute, line \d+ of task\.py\)"):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)
 
 
 @pytest.mark.parametrize("levels", ["None", "0", "2.5"])
-def test_levels_that_are_no_number_are_refused_with_a_sentence(own: Path, data: Path, levels: str) -> None:
+def test_levels_that_are_no_number_are_refused_with_a_sentence(
+    own: Path, data: Path, levels: str
+) -> None:
     write(own, "minimal", MINIMAL + f"\n    levels = property(lambda self: {levels})\n")
     with pytest.raises(Failed, match=rf"its levels are {levels}, not a whole number from 1 on\."):
         run(Catalogue(tasks=(own,)), "minimal", data, attempts=2)

@@ -18,7 +18,9 @@ def test_a_program_heeds_a_signal_that_the_tests_ignore(number: int) -> None:
     try:
         let_programs_heed_signals()
         waits = "import signal; print(flush=True); signal.pause()"
-        with subprocess.Popen([sys.executable, "-c", waits], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+        with subprocess.Popen(
+            [sys.executable, "-c", waits], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        ) as program:
             assert program.stdout
             program.stdout.readline()
             os.kill(os.getpid(), number)

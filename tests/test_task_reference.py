@@ -20,8 +20,14 @@ from sar_tui.widgets.task_view import TaskView
 PAGE = (Path(__file__).parents[1] / "docs" / "task-reference.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", PAGE, re.DOTALL | re.MULTILINE))
 VALUES = [
-    *(getattr(trial_types, name) for name in "Stimulus Cue Situation Trial Result Show Again Metric Target".split()),
-    *(getattr(trial_types, name) for name in "Axis Score PastAttempt Quality Mark Performance".split()),
+    *(
+        getattr(trial_types, name)
+        for name in "Stimulus Cue Situation Trial Result Show Again Metric Target".split()
+    ),
+    *(
+        getattr(trial_types, name)
+        for name in "Axis Score PastAttempt Quality Mark Performance".split()
+    ),
     Frame,
     Tone,
     Measure,
@@ -35,17 +41,27 @@ def named(text: str) -> set[str]:
 
 
 def public(kind: type) -> set[str]:
-    fields = {field.name for field in msgspec.structs.fields(kind)} if issubclass(kind, msgspec.Struct) else set()
+    fields = (
+        {field.name for field in msgspec.structs.fields(kind)}
+        if issubclass(kind, msgspec.Struct)
+        else set()
+    )
     return fields | {name for name, value in vars(kind).items() if _is_own(name, value)}
 
 
 def _is_own(name: str, value: Any) -> bool:
-    return not name.startswith("_") and (callable(value) or isinstance(value, property | classmethod))
+    return not name.startswith("_") and (
+        callable(value) or isinstance(value, property | classmethod)
+    )
 
 
 @pytest.mark.parametrize("kind", VALUES, ids=lambda kind: kind.__name__)
 def test_every_field_of_a_value_has_a_line(kind: type) -> None:
-    declared = {field.name for field in msgspec.structs.fields(kind)} if issubclass(kind, msgspec.Struct) else set()
+    declared = (
+        {field.name for field in msgspec.structs.fields(kind)}
+        if issubclass(kind, msgspec.Struct)
+        else set()
+    )
     assert declared - named(SECTIONS[kind.__name__]) == set()
 
 
@@ -57,7 +73,9 @@ def test_everything_that_a_task_declares_or_computes_has_a_line() -> None:
 
 def test_every_percept_has_its_fields() -> None:
     for kind in (Percept, KeyPerceived, TextPerceived, ReachPerceived):
-        assert {field.name for field in msgspec.structs.fields(kind)} - named(SECTIONS["Percepts"]) == set()
+        assert {field.name for field in msgspec.structs.fields(kind)} - named(
+            SECTIONS["Percepts"]
+        ) == set()
 
 
 def test_every_random_stream_and_every_method_of_a_view_has_a_line() -> None:

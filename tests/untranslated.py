@@ -1,4 +1,6 @@
-"""Finds untranslated English in shown texts: texts that have a translation, but are shown in English."""
+"""Finds untranslated English in shown texts: texts that have a translation, but are shown in
+English.
+"""
 
 import re
 import string
@@ -21,7 +23,10 @@ def english_in(shown: Iterable[str], translations: Mapping[str, str]) -> list[tu
 def phrases(english: Theme, own: Theme) -> dict[str, str]:
     """Return the English wordings of a theme as a translation table."""
     return {
-        wording: "" for name in english.phrases for wording in english.phrases[name] if wording not in own.phrases[name]
+        wording: ""
+        for name in english.phrases
+        for wording in english.phrases[name]
+        if wording not in own.phrases[name]
     }
 
 

@@ -1,1 +1,3 @@
-"""The app: screens for participants and therapists. Its screen is also the session's first output."""
+"""The app: screens for participants and therapists. Its screen is also the session's first
+output.
+"""

@@ -40,7 +40,8 @@ class SarTui(LeavingApp):
     Args:
         folder: the data folder.
         catalogue: the installed tasks and themes.
-        begin: a plan, or the id of an interrupted session, to begin at once; then the app ends after it.
+        begin: a plan, or the id of an interrupted session, to begin at once; then the app ends
+            after it.
         clock: for tests: a clock that is advanced by hand.
         link: lets operators join the session; None if they cannot.
         patient: begin in patient mode, with this participant.
@@ -48,7 +49,8 @@ class SarTui(LeavingApp):
         sync_flash: begin each session with a flash and a tone for cameras.
 
     Attributes:
-        picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or it cannot.
+        picture_way: how this terminal shows the pictures of prompts; None if it was not asked, or
+            it cannot.
     """
 
     picture_way: "Way | None" = None
@@ -72,8 +74,12 @@ class SarTui(LeavingApp):
     ) -> None:
         self.sync_flash = sync_flash
         self.onset_watch = OnsetWatch()
-        self.screen_keys = ScreenKeys(lambda: host_now() / SECOND if clock is None else clock.now() / SECOND)
-        super().__init__(folder, catalogue, begin, patient=patient, clock=clock, link=link, markers=markers)
+        self.screen_keys = ScreenKeys(
+            lambda: host_now() / SECOND if clock is None else clock.now() / SECOND
+        )
+        super().__init__(
+            folder, catalogue, begin, patient=patient, clock=clock, link=link, markers=markers
+        )
         self.picture: type[Widget] | None = None
         self._has_begun = False
 
@@ -99,11 +105,14 @@ class SarTui(LeavingApp):
                 return
         await super().on_event(event)
 
-    # --- the stop key -----------------------------------------------------------------------------------------
+    # --- the stop key
+    # -----------------------------------------------------------------------------------------
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """The stop key works during a session; before and after, F2 is the screen's own."""
-        return self._open is not None if action == "stop" else super().check_action(action, parameters)
+        return (
+            self._open is not None if action == "stop" else super().check_action(action, parameters)
+        )
 
     def action_stop(self) -> None:
         """F2, anywhere in a session: stop everything the agent says and does."""
@@ -113,7 +122,8 @@ class SarTui(LeavingApp):
             asked = round(self._open.stamp(self.key_seconds) * SECOND)
             self._open.operate(SessionCommand(command="stop", at=asked))
 
-    # --- the terminal --------------------------------------------------------------------------------------
+    # --- the terminal
+    # --------------------------------------------------------------------------------------
 
     def on_app_blur(self, event: events.AppBlur) -> None:
         self._focus_changed(False, event.time)
@@ -139,18 +149,23 @@ class SarTui(LeavingApp):
         if self._has_begun:  # before, there is nothing to cover
             cover_if_too_small(self, event.size)
 
-    # --- help ------------------------------------------------------------------------------------------------
+    # --- help
+    # ------------------------------------------------------------------------------------------------
 
     def get_key_display(self, binding: Binding) -> str:
         """Return a key's name on the keyboard: "Ctrl-Q", "F1", "Esc"."""
         parts = binding.key.split("+")
-        return binding.key_display or "-".join(_KEY_NAMES.get(part, part.capitalize()) for part in parts)
+        return binding.key_display or "-".join(
+            _KEY_NAMES.get(part, part.capitalize()) for part in parts
+        )
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Fill the command palette."""
         yield SystemCommand("Help", "What this screen is for, and its keys", self.action_help)
         for name, theme in () if self._has_participant else self.themes.items():
-            yield SystemCommand(f"Theme: {theme.title}", theme.summary, functools.partial(self.use_theme, name))
+            yield SystemCommand(
+                f"Theme: {theme.title}", theme.summary, functools.partial(self.use_theme, name)
+            )
         yield SystemCommand("Quit", "Leave sar-tui; a session under way is kept", self.action_quit)
 
     def action_help(self) -> None:
@@ -193,7 +208,15 @@ def run_app(
     Raises:
         StoreError, PluginError: before the app opens.
     """
-    app = SarTui(folder, catalogue, plan or resume, link=link, patient=patient, markers=markers, sync_flash=sync_flash)
+    app = SarTui(
+        folder,
+        catalogue,
+        plan or resume,
+        link=link,
+        patient=patient,
+        markers=markers,
+        sync_flash=sync_flash,
+    )
     find_picture_way(app)
     if any(may_have_images(catalogue.theme_folder(name)) for name in catalogue.theme_names()):
         from sar_tui.widgets.picture import find_pictures

@@ -1,4 +1,6 @@
-"""The beginning of a session in the app: questions before it, the check of its sensors, its screen."""
+"""The beginning of a session in the app: questions before it, the check of its sensors, its
+screen.
+"""
 
 import asyncio
 import contextlib
@@ -65,13 +67,20 @@ class BeginningApp(PatientModeApp):
 
     @property
     def _has_participant(self) -> bool:
-        """True during a session, while sensors are checked or questions asked around it, and in patient mode."""
+        """True during a session, while sensors are checked or questions asked around it, and in
+        patient mode.
+        """
         return self._open is not None or bool(self.feeds) or self._is_asking or bool(self.patient)
 
     def begin_session(self, what: "Plan | str") -> None:
-        """Begin a new session (a plan) after a check of its sensors, or an interrupted one (its id)."""
+        """Begin a new session (a plan) after a check of its sensors, or an interrupted one (its
+        id).
+        """
         if self.is_web:
-            self._cannot_begin("A session cannot run in a browser, where responses cannot be timed. Use a terminal.")
+            self._cannot_begin(
+                "A session cannot run in a browser, where responses cannot be timed. Use a "
+                "terminal."
+            )
             return
         self._asked_since = ""
         if isinstance(what, str) or not what.parameters.ask_wellbeing:
@@ -80,7 +89,9 @@ class BeginningApp(PatientModeApp):
             self._ask_before(what)
 
     def _ask_before(self, plan: "Plan") -> None:
-        """Ask about pain and tiredness, and then begin the session, unless pain speaks against it."""
+        """Ask about pain and tiredness, and then begin the session, unless pain speaks against
+        it.
+        """
         from sar_tui.app import wellbeing
         from sar_tui.rules.declaration import ParameterError
         from sar_tui.runs.plan import Failed, set_up
@@ -148,7 +159,8 @@ class BeginningApp(PatientModeApp):
         def checked(begins: bool | None) -> None:
             if begins:
                 for sensor in screen.sensors:
-                    if sensor.state == "ended":  # a recording that the session plays from its beginning
+                    # a recording that the session plays from its beginning
+                    if sensor.state == "ended":
                         sensor.feed.stop()
                 self._enter_session(plan, feeds)
             else:
@@ -191,9 +203,13 @@ class BeginningApp(PatientModeApp):
         if not isinstance(what, str) and not what.id:
             what = msgspec.structs.replace(what, id=new_id())
         try:
-            link = self._link or self._own_link.enter_context(link_of(what, self.database, self.folder))
+            link = self._link or self._own_link.enter_context(
+                link_of(what, self.database, self.folder)
+            )
             refuse = functools.partial(refusal, no_color=self.no_color)
-            live = LiveSession(self.folder, self.catalogue, self._session_clock, feeds, link, self._markers, refuse)
+            live = LiveSession(
+                self.folder, self.catalogue, self._session_clock, feeds, link, self._markers, refuse
+            )
             screen = SessionScreen(live)
             with self._closed_after(resuming):
                 live.open(screen, what, resuming.show if resuming else None)
@@ -212,7 +228,9 @@ class BeginningApp(PatientModeApp):
             from sar_tui.store import wellbeing
 
             with contextlib.suppress(StoreError):  # they stay with the participant
-                wellbeing.attach(self.database, live.run.id, list(live.codes.values()), self._asked_since)
+                wellbeing.attach(
+                    self.database, live.run.id, list(live.codes.values()), self._asked_since
+                )
         self.clear_notifications()
         session = live.run.session
         self._use(session.theme, session.task.parameters.language)
@@ -228,7 +246,9 @@ class BeginningApp(PatientModeApp):
                 self.pop_screen()
 
     def _note_theme(self, notice: str) -> None:
-        """Keep a notice on the session's theme for the therapist, until the participant has left."""
+        """Keep a notice on the session's theme for the therapist, until the participant has
+        left.
+        """
         if self.patient and notice:
             self.note_trouble(notice)
         elif notice:

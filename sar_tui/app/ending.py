@@ -1,4 +1,6 @@
-"""The return from a session: questions after it, what went wrong in it, and the screen that follows."""
+"""The return from a session: questions after it, what went wrong in it, and the screen that
+follows.
+"""
 
 from sar_tui.app.beginning import BeginningApp
 from sar_tui.app.exit_message import UNSAVED
@@ -9,7 +11,9 @@ class EndingApp(BeginningApp):
     """The part of the app that closes a session, and tells what became of it."""
 
     def _session_left(self, _: object) -> None:
-        """Close the session once its screen is gone: after its summary, or because the task failed."""
+        """Close the session once its screen is gone: after its summary, or because the task
+        failed.
+        """
         self.close_session()
         self.look_for_edits(True)
         live = self.live
@@ -42,9 +46,15 @@ class EndingApp(BeginningApp):
         self._show_pending_notice()
         self.check_database()
         if self.live and self.live.rescued:
-            self.notify(f"{self.live.rescued} `sar-tui rescue` brings it back.", severity="error", timeout=60)
+            self.notify(
+                f"{self.live.rescued} `sar-tui rescue` brings it back.",
+                severity="error",
+                timeout=60,
+            )
         if self.live and self.live.unsaved:
-            self.notify(f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30)
+            self.notify(
+                f"{UNSAVED} Free some space before the next session.", severity="error", timeout=30
+            )
 
         if self.live and self.live.trouble:
             self.notify(self.live.trouble, severity="error", timeout=30)
@@ -70,7 +80,9 @@ class EndingApp(BeginningApp):
             self._stopped_by_pain()
 
     def close_session(self) -> None:
-        """Close the live session and its workers, if there is one, and stop sensors that are being checked."""
+        """Close the live session and its workers, if there is one, and stop sensors that are being
+        checked.
+        """
         self._stop_feeds()
         if self.live:
             self.live.close(self)

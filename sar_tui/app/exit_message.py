@@ -1,4 +1,6 @@
-"""The lines that the app leaves in the terminal: what became of the session, and the command to get back to it."""
+"""The lines that the app leaves in the terminal: what became of the session, and the command to get
+back to it.
+"""
 
 import shlex
 from collections.abc import Iterator, Sequence
@@ -11,7 +13,9 @@ from sar_tui.tui.exit_codes import INTERRUPTED
 if TYPE_CHECKING:
     from sar_tui.app.live import LiveSession
 
-UNSAVED = "The session's last messages could not be written to the disk; all earlier trials are safe."
+UNSAVED = (
+    "The session's last messages could not be written to the disk; all earlier trials are safe."
+)
 
 
 def exit_message(
@@ -51,7 +55,10 @@ def exit_message(
     if live and live.trouble:
         yield live.trouble
     if live and live.is_mistake and not live.trouble:
-        yield "The session does not count, as it was started by mistake. It is kept: in sar-tui, F6 and Del restore it."
+        yield (
+            "The session does not count, as it was started by mistake. It is kept: in sar-tui, "
+            "F6 and Del restore it."
+        )
     elif live and not live.run.session.ended and not live.run.session.broken:
         yield f"The session is kept. Resume it: {command('resume', live.run.id)}"
     elif live and names_ended_session:

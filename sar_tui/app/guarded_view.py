@@ -1,4 +1,6 @@
-"""Guard around a task's view: if it raises, a fault is recorded, and the participant sees the plain screen."""
+"""Guard around a task's view: if it raises, a fault is recorded, and the participant sees the plain
+screen.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -18,7 +20,8 @@ R = TypeVar("R")
 
 
 class GuardedView(Node):
-    """Calls a task's view. A function of it that has raised once is not called again in this session.
+    """Calls a task's view. A function of it that has raised once is not called again in this
+    session.
 
     Args:
         task: the session's task.
@@ -50,7 +53,10 @@ class GuardedView(Node):
         """Draw a prompt as the view does, or plainly."""
 
         def draw() -> Sequence[Line]:
-            lines = [(str(text), bool(bold)) for text, bold in self._view.prompt_lines(prompt, width, height)]
+            lines = [
+                (str(text), bool(bold))
+                for text, bold in self._view.prompt_lines(prompt, width, height)
+            ]
             if prompt and not any(prompt.text in text for text, _ in lines):
                 raise ValueError(f"no line of the prompt holds its text, {prompt.text!r}")
             return lines
@@ -72,7 +78,9 @@ class GuardedView(Node):
         """Return the sentences that the task's measures and its view add to a seat's summary."""
         task, tr = self._view.task, self._view.tr
         none: list[str] = []
-        facts = self._try("facts", lambda: sentences(self._view.facts(attempts, task.metric, tr)), none)
+        facts = self._try(
+            "facts", lambda: sentences(self._view.facts(attempts, task.metric, tr)), none
+        )
         return measured(type(task), attempts, tr) + facts
 
     def _try(self, place: str, call: Callable[[], R], fallback: R) -> R:

@@ -1,4 +1,6 @@
-"""The end of the app: the question before it, what is still written, and the lines that it leaves in the terminal."""
+"""The end of the app: the question before it, what is still written, and the lines that it leaves
+in the terminal.
+"""
 
 import asyncio
 import contextlib
@@ -25,7 +27,8 @@ class LeavingApp(EndingApp):
     _is_leaving = False
 
     async def action_quit(self) -> None:
-        """Ctrl-Q: exit; during a session, ask first, because a participant may have pressed it by mistake.
+        """Ctrl-Q: exit; during a session, ask first, because a participant may have pressed it by
+        mistake.
 
         In patient mode a session is paused, and nothing else happens.
         """
@@ -43,7 +46,8 @@ class LeavingApp(EndingApp):
             can_save = all(getattr(screen, "can_save", True) for screen in self.screen_stack)
             may_be_mistake = self._open is not None and self._open.in_first_attempt
             question = LeaveScreen(can_save=can_save, may_be_mistake=may_be_mistake)
-            await self.push_screen(question, answered)  # mounted: the next key of a burst is its own
+            # mounted: the next key of a burst is its own
+            await self.push_screen(question, answered)
 
     def action_interrupt(self) -> None:
         """Ctrl-C: exit; in patient mode as Ctrl-Q."""
@@ -67,18 +71,24 @@ class LeavingApp(EndingApp):
             self._open.operate(SessionCommand(command="resume"))
 
     def exit(self, *args: Any, **how: Any) -> None:
-        """Exit, once the session is written. Until then the screen stays, so that nobody sees an empty terminal."""
+        """Exit, once the session is written. Until then the screen stays, so that nobody sees an
+        empty terminal.
+        """
         if self._is_leaving:
             return
         if self._open:
             self._open.stop(self)
             if not self._open.is_written(_UNNOTICED_SECONDS):
                 self._is_leaving = True
-                self.run_worker(self._exit_once_written(self._open, args, how), name="exit", group="exit")
+                self.run_worker(
+                    self._exit_once_written(self._open, args, how), name="exit", group="exit"
+                )
                 return
         super().exit(*args, **how)
 
-    async def _exit_once_written(self, live: "LiveSession", args: Sequence[Any], how: dict[str, Any]) -> None:
+    async def _exit_once_written(
+        self, live: "LiveSession", args: Sequence[Any], how: dict[str, Any]
+    ) -> None:
         from sar_tui.app.live import LAST_WRITE_SECONDS
         from sar_tui.app.screens.saving import SavingScreen
 
@@ -90,20 +100,26 @@ class LeavingApp(EndingApp):
         """Return the lines to leave in the terminal."""
         tasks = self.catalogue.extra_tasks
         one = self.is_for_one_session
-        lines = exit_message(code, self.failure, self.live, self.folder, tasks, names_ended_session=one)
+        lines = exit_message(
+            code, self.failure, self.live, self.folder, tasks, names_ended_session=one
+        )
         troubles = self._troubles if self.patient else ()  # nobody was there to be told
         trouble = self.live.trouble if self.live and not self.patient else ""
         return [*lines, *troubles, *filter(None, (self.pending_notice, trouble))]
 
     def abandon(self, plugin: str) -> None:
-        """End the program at once. For another thread, while this app's own hangs in the code of a plug-in."""
+        """End the program at once. For another thread, while this app's own hangs in the code of a
+        plug-in.
+        """
         if self._open:
             self._open.write_rest()
         with contextlib.suppress(Exception):  # the terminal may be gone
             if self._driver:
                 self._driver.stop_application_mode()
                 self._driver.close()
-        self.failure = f"The {plugin} does not return from its own code. All earlier trials are kept."
+        self.failure = (
+            f"The {plugin} does not return from its own code. All earlier trials are kept."
+        )
         for line in self.exit_lines(1):
             with contextlib.suppress(OSError):
                 print(line, file=sys.__stderr__, flush=True)

@@ -15,7 +15,14 @@ from sar_tui.loop.clock import Clock, LiveClock
 from sar_tui.loop.node import Node
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import COMMAND, MARKERS, RECALL, SYNC, TONE_BEGAN
-from sar_tui.model.messages import Fault, MarkersChanged, Recall, SessionCommand, SyncSignal, ToneBegan
+from sar_tui.model.messages import (
+    Fault,
+    MarkersChanged,
+    Recall,
+    SessionCommand,
+    SyncSignal,
+    ToneBegan,
+)
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.prompt_tones import PromptTones
@@ -40,15 +47,17 @@ LAST_WRITE_SECONDS = 5.0
 class LiveSession:
     """Starts, runs and ends a session.
 
-    It has two Textual workers: ``session`` runs the bus with perception and event handling; ``storage`` is the thread
-    that writes to the database. ``close`` ends both.
+    It has two Textual workers: ``session`` runs the bus with perception and event handling;
+    ``storage`` is the thread that writes to the database. ``close`` ends both.
 
     Args:
-        refusal: returns why the prompts of a task cannot be shown here, with this seed; empty if they can.
+        refusal: returns why the prompts of a task cannot be shown here, with this seed; empty if
+            they can.
 
     Attributes:
         markers: sends markers; None if nobody asked for them.
-        trouble: says to the therapist why markers are lost or tones not heard, until somebody was told; else empty.
+        trouble: says to the therapist why markers are lost or tones not heard, until somebody was
+            told; else empty.
     """
 
     def __init__(
@@ -81,14 +90,18 @@ class LiveSession:
         self.is_mistake = False
 
     def open(self, stage: Stage, what: Plan | str, progress: Progress | None = None) -> None:
-        """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start` and `resume`."""
+        """Open a new session (a plan) or an interrupted one (its id). Raises like `runs.run.start`
+        and `resume`.
+        """
         self._stage = stage
         self._session_id = what.id if isinstance(what, Plan) else what
         try:
             if isinstance(what, Plan):
                 self.run = start(what, self._folder, self._catalogue, self.clock, self._nodes)
             else:
-                self.run = resume(what, self._folder, self._catalogue, self.clock, self._nodes, progress)
+                self.run = resume(
+                    what, self._folder, self._catalogue, self.clock, self._nodes, progress
+                )
         except BaseException:
             if self.markers:
                 self.markers.detach()
@@ -100,13 +113,15 @@ class LiveSession:
             session = self.run.session
             task = session.task
             self._peers.trial_mark = lambda: session.trial_mark
-            self._peers.welcome = session_welcome(task, self.run.id, self._link.link, self.run.participants)
+            self._peers.welcome = session_welcome(
+                task, self.run.id, self._link.link, self.run.participants
+            )
 
     def _nodes(self, task: Task, theme: Theme, seed: int) -> list[Node]:
         """Make the nodes for keyboard, sensors, the task's view, the outputs and the link.
 
-        The link comes first, so that it is told which sensors and outputs there are. Raises Failed if the task's
-        prompts cannot be shown here.
+        The link comes first, so that it is told which sensors and outputs there are. Raises Failed
+        if the task's prompts cannot be shown here.
         """
         if why := self._refusal(task, seed):
             raise Failed(why)
@@ -114,12 +129,19 @@ class LiveSession:
         self.screen = ScreenOutput(self._stage, theme, shows_agent=shows_agent)
         self.view = GuardedView(task)
         inputs = [*self._linked(), self.keyboard, *self._marked(task)]
-        outputs = [self.view, self.screen, PromptTones(task.parameters.speech), *output_nodes(task, theme)]
+        outputs = [
+            self.view,
+            self.screen,
+            PromptTones(task.parameters.speech),
+            *output_nodes(task, theme),
+        ]
         if not task.sensor_seats(task.parameters):
             return [*inputs, *outputs]
         from sar_tui.runs.sensors import open_sensors, sensor_nodes
 
-        feeds = self._feeds or open_sensors(type(task), task.parameters, seed, self.clock, self._folder)
+        feeds = self._feeds or open_sensors(
+            type(task), task.parameters, seed, self.clock, self._folder
+        )
         return [*inputs, *sensor_nodes(task, seed, *feeds), *outputs]
 
     @property
@@ -148,8 +170,15 @@ class LiveSession:
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
         """Start both workers and the loop. ``broken`` is called if the task fails."""
         if isinstance(self.clock, LiveClock):
-            app.run_worker(self.clock.run(), name="session", group="session", description="bus, perception, events")
-            app.run_worker(self._store, name="storage", group="storage", thread=True, description="SQLite")
+            app.run_worker(
+                self.clock.run(),
+                name="session",
+                group="session",
+                description="bus, perception, events",
+            )
+            app.run_worker(
+                self._store, name="storage", group="storage", thread=True, description="SQLite"
+            )
 
         def faulted(fault: Fault) -> None:
             if self.run.session.broken is fault:
@@ -170,12 +199,16 @@ class LiveSession:
         if began.source == "failed":
             self.trouble = f"The tones of the prompts are not heard. {began.detail}"
 
-    def signal(self, what: Literal["flash", "tone"], at: int, source: Literal["flush", "refresh", "sound"]) -> None:
+    def signal(
+        self, what: Literal["flash", "tone"], at: int, source: Literal["flush", "refresh", "sound"]
+    ) -> None:
         """Report a signal for cameras to the session, from any thread."""
         self.run.session.bus.post(SYNC, SyncSignal(what=what, at=at, source=source))
 
     def stamp(self, seconds: float) -> float:
-        """Convert the time of a terminal event to the session's clock (s), which differs if it is advanced by hand."""
+        """Convert the time of a terminal event to the session's clock (s), which differs if it is
+        advanced by hand.
+        """
         return seconds if isinstance(self.clock, LiveClock) else self.clock.now() / SECOND
 
     def _store(self) -> None:
@@ -195,20 +228,30 @@ class LiveSession:
 
     @property
     def in_first_attempt(self) -> bool:
-        """True as long as no attempt is finished: until then the session may have been started by mistake."""
+        """True as long as no attempt is finished: until then the session may have been started by
+        mistake.
+        """
         session = self.run.session
-        return not any(session.bus.call(RECALL, Recall(seat=seat)).attempts for seat in session.task.seats)
+        return not any(
+            session.bus.call(RECALL, Recall(seat=seat)).attempts for seat in session.task.seats
+        )
 
     @property
     def asks_after(self) -> bool:
-        """True if pain and tiredness are to be asked now: the session was ended, and is in the database."""
+        """True if pain and tiredness are to be asked now: the session was ended, and is in the
+        database.
+        """
         session = self.run.session
-        asks = session.task.parameters.ask_wellbeing and not (self.is_mistake or session.awaits_agreement)
+        asks = session.task.parameters.ask_wellbeing and not (
+            self.is_mistake or session.awaits_agreement
+        )
         return asks and session.ended and not (self.rescued or self.unsaved)
 
     @property
     def rescued(self) -> str:
-        """Text that says where the session is, and why, if it is not in the database; else empty."""
+        """Text that says where the session is, and why, if it is not in the database; else
+        empty.
+        """
         return self.run.recorder.safeguard.text if self.run.recorder.safeguard else ""
 
     @property
@@ -223,18 +266,24 @@ class LiveSession:
             self.run.session.bus.drain()
 
     def stop(self, app: "App[int]") -> None:
-        """Release devices and stop both workers; the storage thread first writes the remaining messages."""
+        """Release devices and stop both workers; the storage thread first writes the remaining
+        messages.
+        """
         self.release()
         self._stopping = True
         app.workers.cancel_group(app, "session")
         self.run.recorder.wake()
 
     def is_written(self, seconds: float) -> bool:
-        """Return True if a stopped session has written all that it can, at the latest after ``seconds``."""
+        """Return True if a stopped session has written all that it can, at the latest after
+        ``seconds``.
+        """
         return not isinstance(self.clock, LiveClock) or self.run.recorder.wait(seconds)
 
     def write_rest(self) -> bool:
-        """Let the storage thread write what is left, and stop. Return False if that takes too long. From any thread."""
+        """Let the storage thread write what is left, and stop. Return False if that takes too long.
+        From any thread.
+        """
         self._stopping = True
         self.run.recorder.wake()
         return self.is_written(LAST_WRITE_SECONDS)
@@ -242,8 +291,8 @@ class LiveSession:
     def close(self, app: "App[int]") -> None:
         """Stop both workers, write the remaining messages, and close the session.
 
-        If the disk is too slow, the session stays locked while the thread writes, and ``unsaved`` counts the messages
-        that are left.
+        If the disk is too slow, the session stays locked while the thread writes, and ``unsaved``
+        counts the messages that are left.
         """
         if self._closed:
             return
@@ -269,6 +318,13 @@ class LiveSession:
 
         try:
             with closing(connect(self._folder)) as database:
-                change_status(database, self._folder, self.run.id, "discarded", actor="participant", reason=BY_MISTAKE)
+                change_status(
+                    database,
+                    self._folder,
+                    self.run.id,
+                    "discarded",
+                    actor="participant",
+                    reason=BY_MISTAKE,
+                )
         except StoreError as error:
             self.trouble = f"{_NOT_MARKED} {error}"

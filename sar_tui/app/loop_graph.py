@@ -15,7 +15,9 @@ from sar_tui.widgets.task_view import view_of
 
 
 def loop_graph(kind: type[Task], theme: Theme) -> Graph:
-    """Return the loop of a task: inputs, the framework's nodes, the task's view, screen, tones and recorder."""
+    """Return the loop of a task: inputs, the framework's nodes, the task's view, screen, tones and
+    recorder.
+    """
     task = set_up(kind, build(kind.Parameters, {}))
     sensors = [Imu] if kind.sensor_seats(task.parameters) else []
     if any(field.name == "imu_trunk" for field in fields(kind.Parameters)):

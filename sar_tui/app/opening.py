@@ -1,4 +1,6 @@
-"""The opening of the app: the empty home screen is shown first, then filled. Keys pressed meanwhile are kept."""
+"""The opening of the app: the empty home screen is shown first, then filled. Keys pressed meanwhile
+are kept.
+"""
 
 from datetime import date
 from pathlib import Path
@@ -56,11 +58,15 @@ class OpeningApp(ThemedApp):
         return not (self.is_for_one_session or self._first_patient)
 
     def get_default_screen(self) -> Screen[Any]:
-        """Return the screen below all others: the home screen, or nothing if the app is opened for something else."""
+        """Return the screen below all others: the home screen, or nothing if the app is opened for
+        something else.
+        """
         return HomeScreen() if self._opens_home else super().get_default_screen()
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event; input waits until the home screen is filled, because an empty list would ignore it."""
+        """Handle an event; input waits until the home screen is filled, because an empty list would
+        ignore it.
+        """
         if self._early_input is not None and isinstance(event, (events.InputEvent, events.Paste)):
             self._early_input.append(event)
         else:
@@ -69,10 +75,13 @@ class OpeningApp(ThemedApp):
     def on_ready(self) -> None:
         # called later, as one of the app's own messages: those that follow wait until it is done
         self.call_after_refresh(self.call_later, self._fill_home)
-        self.set_timer(_LATEST_S, self._fill_home)  # a screen that is removed takes along what waits for its refresh
+        # a screen that is removed takes along what waits for its refresh
+        self.set_timer(_LATEST_S, self._fill_home)
 
     async def _fill_home(self) -> None:
-        """Fill the home screen, now that its frame is shown; then handle the input that waited for it."""
+        """Fill the home screen, now that its frame is shown; then handle the input that waited for
+        it.
+        """
         if self._early_input is None:
             return
         waiting, self._early_input = self._early_input, None

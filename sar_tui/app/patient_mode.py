@@ -25,8 +25,9 @@ _HELD_BACK = ("SIGTSTP", "SIGQUIT")
 class PatientModeApp(OpeningApp):
     """The part of the app that keeps a participant to their own exercises.
 
-    While ``patient`` is set, no key, palette, signal or resize leads to the first screen, the settings, another
-    person or out of the app. A terminal that is gone, SIGTERM and SIGKILL still end it: see docs/patient-mode.md.
+    While ``patient`` is set, no key, palette, signal or resize leads to the first screen, the
+    settings, another person or out of the app. A terminal that is gone, SIGTERM and SIGKILL still
+    end it: see docs/patient-mode.md.
 
     Attributes:
         patient: code of the participant; empty if the mode is off.
@@ -55,10 +56,13 @@ class PatientModeApp(OpeningApp):
         if patient:
             self._hold(patient)
 
-    # --- beginning and end ------------------------------------------------------------------------------------
+    # --- beginning and end
+    # ------------------------------------------------------------------------------------
 
     def exercises_of(self, participant: str) -> list[str]:
-        """Return the participant's exercises. Raises StoreError if there is none, or no passphrase is set."""
+        """Return the participant's exercises. Raises StoreError if there is none, or no passphrase
+        is set.
+        """
         from sar_tui.runs.patient_plan import exercises
 
         self.passphrase.keep()  # before the mode begins: without a passphrase it could not be ended
@@ -69,7 +73,9 @@ class PatientModeApp(OpeningApp):
             raise
 
     async def begin_patient_mode(self, participant: str) -> None:
-        """Show only this participant's exercises from here on. Raises StoreError as `exercises_of`."""
+        """Show only this participant's exercises from here on. Raises StoreError as
+        `exercises_of`.
+        """
         from sar_tui.app.screens.patient import PatientScreen
 
         found = self.exercises_of(participant)
@@ -89,7 +95,9 @@ class PatientModeApp(OpeningApp):
         from sar_tui.app.screens.passphrase import PassphraseScreen
 
         if not any(isinstance(screen, PassphraseScreen) for screen in self.screen_stack):
-            await self.push_screen(PassphraseScreen(self.passphrase, "patient mode"), self._passphrase_entered)
+            await self.push_screen(
+                PassphraseScreen(self.passphrase, "patient mode"), self._passphrase_entered
+            )
 
     def _passphrase_entered(self, is_right: bool | None) -> None:
         if not is_right or not self.patient:
@@ -118,10 +126,15 @@ class PatientModeApp(OpeningApp):
             await self.switch_screen(home := HomeScreen())
             await home.fill()
 
-    # --- in the mode ------------------------------------------------------------------------------------------
+    # --- in the mode
+    # ------------------------------------------------------------------------------------------
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        return bool(self.patient) if action == "end_patient_mode" else super().check_action(action, parameters)
+        return (
+            bool(self.patient)
+            if action == "end_patient_mode"
+            else super().check_action(action, parameters)
+        )
 
     def note_trouble(self, text: str) -> None:
         """Keep a message for the therapist until the mode ends; show it at once if it is off."""
@@ -133,7 +146,9 @@ class PatientModeApp(OpeningApp):
     def use_theme_of(self, plan: "Plan") -> None:
         """Use the theme of a planned session."""
         with contextlib.suppress(PluginError):
-            self._use(self.catalogue.theme(plan.theme, plan.parameters.language), plan.parameters.language)
+            self._use(
+                self.catalogue.theme(plan.theme, plan.parameters.language), plan.parameters.language
+            )
 
     def pause_session(self) -> None:
         """Pause the session, in place of leaving it."""
@@ -156,14 +171,17 @@ class PatientModeApp(OpeningApp):
             self._patient_screen.cannot_begin(resumed=resumed)
 
     def _stopped_by_pain(self) -> None:
-        """Let the participant rest, who is in too much pain to begin, or to go on with the next exercise."""
+        """Let the participant rest, who is in too much pain to begin, or to go on with the next
+        exercise.
+        """
         if self._patient_screen is not None and self.patient:
             self._patient_screen.stopped_by_pain()
 
     def on_unmount(self) -> None:
         self._release_signals()
 
-    # --- signals ----------------------------------------------------------------------------------------------
+    # --- signals
+    # ----------------------------------------------------------------------------------------------
 
     def catch_signals(self) -> None:
         super().catch_signals()
@@ -171,7 +189,9 @@ class PatientModeApp(OpeningApp):
             self._hold_signals()
 
     def signalled(self, number: int) -> None:
-        """End the app on a signal; in the mode, only if it is not one that the terminal's keys send."""
+        """End the app on a signal; in the mode, only if it is not one that the terminal's keys
+        send.
+        """
         is_hang_up = number == getattr(signal, "SIGHUP", None)
         is_key = number in (signal.SIGINT, getattr(signal, "SIGQUIT", None))
         if self.patient and (is_key or (is_hang_up and _has_terminal())):

@@ -1,4 +1,5 @@
-"""Needs of a task's prompts: colours that the terminal shows, and files of pictures in the task's folder.
+"""Needs of a task's prompts: colours that the terminal shows, and files of pictures in the task's
+folder.
 
 Asked before a session, so that it is never missing in one.
 """
@@ -20,7 +21,10 @@ from sar_tui.widgets.prompt_pictures import decode_problem, no_package
 
 PROMPTS = 500
 """At most this many prompts of a task are looked at."""
-NO_COLOR = "The prompts of this task have colours, which NO_COLOR turns off in this terminal. Unset it first."
+NO_COLOR = (
+    "The prompts of this task have colours, which NO_COLOR turns off in this terminal. "
+    "Unset it first."
+)
 
 
 class Shown(Protocol):
@@ -36,8 +40,9 @@ class Shown(Protocol):
 def refusal(task: Task, seed: int, *, no_color: bool) -> str:
     """Return a sentence that says why a task's prompts cannot be shown here; empty if they can.
 
-    Looks at the prompts of a session with this seed, at all levels. A task that fails has no prompts here: its session
-    will say so. A task whose code names neither colours nor pictures is not asked for prompts ahead of their time.
+    Looks at the prompts of a session with this seed, at all levels. A task that fails has no
+    prompts here: its session will say so. A task whose code names neither colours nor pictures is
+    not asked for prompts ahead of their time.
     """
     if not _names_them(task_folder(type(task))):
         return ""
@@ -60,11 +65,17 @@ def _names_them(folder: Path) -> bool:
 
 def colour_problems(prompts: Iterable[Shown]) -> list[str]:
     """Return a sentence for each colour that prompts have, and that there is not."""
-    return [problem for colour in _named(prompt.colour for prompt in prompts) if (problem := color_problem(colour))]
+    return [
+        problem
+        for colour in _named(prompt.colour for prompt in prompts)
+        if (problem := color_problem(colour))
+    ]
 
 
 def picture_problems(prompts: Iterable[Shown], folder: Path) -> list[str]:
-    """Return a sentence for each picture of prompts that is missing or cannot be read, or for the missing extra."""
+    """Return a sentence for each picture of prompts that is missing or cannot be read, or for the
+    missing extra.
+    """
     names = _named(prompt.picture for prompt in prompts)
     if names and not has_pictures_extra():
         return [no_package()]
@@ -93,6 +104,8 @@ def _prompts(task: Task, seed: int) -> Iterator[Shown]:
         for level in range(1, min(task.levels, parameters.max_level) + 1):
             for trial in range(1, task.trials_at(level) + 1):
                 streams = RandomStreams(seed, attempt, trial)
-                stimulus = task.stimulus(Situation(attempt, trial, level, streams, RandomStreams(seed)))
+                stimulus = task.stimulus(
+                    Situation(attempt, trial, level, streams, RandomStreams(seed))
+                )
                 yield stimulus
                 yield from stimulus.frames

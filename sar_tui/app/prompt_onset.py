@@ -12,18 +12,25 @@ from sar_tui.model.visible_text import visible
 from sar_tui.widgets.prompt_pictures import Way
 
 _READ_AFTER = 0.03
-"""Seconds until a prompt's time stamp is read: work before then would delay the drawing of the prompt."""
+"""Seconds until a prompt's time stamp is read: work before then would delay the drawing of the
+prompt.
+"""
 _UNSEEN = 2 * SECOND
-"""A prompt whose flush was not seen by then counts as shown, with the less certain source ``refresh``."""
+"""A prompt whose flush was not seen by then counts as shown, with the less certain source
+``refresh``.
+"""
 
 
-def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0, due: int = 0) -> "Onset":
-    """Report to the session when a prompt, or a frame of it, that is about to be drawn has reached the terminal.
+def report_onset(
+    screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: int = 0, due: int = 0
+) -> "Onset":
+    """Report to the session when a prompt, or a frame of it, that is about to be drawn has reached
+    the terminal.
 
-    The writing thread takes the time stamp, and this thread does nothing until the terminal has read what was flushed;
-    of a prompt with frames the stamp is reported at once, as the next frame may be due soon. If flushes cannot be seen
-    (tests, Windows), the onset is the refresh of the screen, and its source says so. A later frame is flushed when it
-    is ``due`` (ns), not before.
+    The writing thread takes the time stamp, and this thread does nothing until the terminal has
+    read what was flushed; of a prompt with frames the stamp is reported at once, as the next frame
+    may be due soon. If flushes cannot be seen (tests, Windows), the onset is the refresh of the
+    screen, and its source says so. A later frame is flushed when it is ``due`` (ns), not before.
 
     Returns the onset, which the caller tells how the picture is drawn.
     """
@@ -38,7 +45,8 @@ def report_onset(screen: Screen[Any], live: LiveSession, prompt: Prompt, frame: 
 
 
 class Onset:
-    """An onset that is awaited. Each has its own stamp, so that a voided prompt's is not taken for the next one's.
+    """An onset that is awaited. Each has its own stamp, so that a voided prompt's is not taken for
+    the next one's.
 
     Attributes:
         picture: how the picture is drawn, which is in the same flush.

@@ -17,7 +17,20 @@ _AT_ONCE = frozenset(("escape", "f1", "question_mark", "f12"))
 """Keys that act as soon as a screen appears; their repeats do nothing."""
 _CONFIRM = frozenset(("enter", "space"))
 _MOVES = frozenset(
-    ("up", "down", "left", "right", "home", "end", "pageup", "pagedown", "tab", "shift+tab", "backspace", "delete")
+    (
+        "up",
+        "down",
+        "left",
+        "right",
+        "home",
+        "end",
+        "pageup",
+        "pagedown",
+        "tab",
+        "shift+tab",
+        "backspace",
+        "delete",
+    )
 )
 """Keys that may be held, as they choose and correct, and confirm nothing."""
 
@@ -25,8 +38,9 @@ _MOVES = frozenset(
 class ScreenKeys:
     """Judges the keys of the app.
 
-    What a key leads to is not on the screen before the app has handled the key, so each key that is let through counts
-    as a new appearance; that holds for screens whose contents change with each key, too.
+    What a key leads to is not on the screen before the app has handled the key, so each key that is
+    let through counts as a new appearance; that holds for screens whose contents change with each
+    key, too.
 
     Args:
         now: the present time in s, on the clock of the stamps.
@@ -37,10 +51,14 @@ class ScreenKeys:
         self._guard = KeyGuard()
         self._last = ("", 0.0)
         self.is_repeat = False
-        """True if the last key bounced, or is held: for keys that a therapist may press twice at short intervals."""
+        """True if the last key bounced, or is held: for keys that a therapist may press twice at
+        short intervals.
+        """
 
     def changed(self, screen: Screen[Any]) -> None:
-        """Note that another screen is shown, or something else on it: from now on, and once it is drawn."""
+        """Note that another screen is shown, or something else on it: from now on, and once it is
+        drawn.
+        """
         self._note()
         screen.call_after_refresh(self._note)
 
@@ -50,7 +68,8 @@ class ScreenKeys:
     def pass_on(self, event: Key, at: float, screen: Screen[Any], *, is_therapist: bool) -> bool:
         """Return True if a key, stamped at ``at`` (s), is meant for a screen.
 
-        A therapist who is at the keyboard knows the screens: only keys that are still held do nothing.
+        A therapist who is at the keyboard knows the screens: only keys that are still held do
+        nothing.
         """
         press = self._guard.press(event.key, round(at * SECOND))
         (last, before), self._last = self._last, (event.key, at)

@@ -1,4 +1,6 @@
-"""The screen as an output: shows the session's messages on a stage, and reports when each action began and ended."""
+"""The screen as an output: shows the session's messages on a stage, and reports when each action
+began and ended.
+"""
 
 import functools
 from typing import Any, ClassVar, Protocol
@@ -63,7 +65,9 @@ class Stage(AgentStage, Protocol):
         ...
 
     def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
-        """Show a later frame of a prompt when it is ``due`` (ns), in a moment, and report its onset in the same way."""
+        """Show a later frame of a prompt when it is ``due`` (ns), in a moment, and report its onset
+        in the same way.
+        """
 
     def show_typed(self, prompt: Prompt, text: str) -> None:
         """Show the text that the participant has typed so far in answer to a prompt."""
@@ -72,7 +76,9 @@ class Stage(AgentStage, Protocol):
         """Remove the prompt."""
 
     def show_trial_feedback(self, feedback: TrialFeedback) -> None:
-        """Show the answer to a trial, and report its onset with ``ScreenOutput.trial_feedback_shown``."""
+        """Show the answer to a trial, and report its onset with
+        ``ScreenOutput.trial_feedback_shown``.
+        """
 
     def begin_attempt(self, started: AttemptStarted) -> None:
         """Begin an attempt."""
@@ -146,7 +152,9 @@ class ScreenOutput(OutputNode):
         self._stage.clear_prompt()
 
     def shown(self, shown: Shown) -> None:
-        """Report when a prompt or a frame of it reached the terminal. Called by the stage, from any thread."""
+        """Report when a prompt or a frame of it reached the terminal. Called by the stage, from any
+        thread.
+        """
         self.bus.post(SHOWN, shown)
 
     @on(MARKED)
@@ -163,7 +171,9 @@ class ScreenOutput(OutputNode):
         self._stage.show_trial_feedback(feedback)
 
     def trial_feedback_shown(self, shown: TrialFeedbackShown) -> None:
-        """Report when the answer to a trial reached the terminal. Called by the stage, from any thread."""
+        """Report when the answer to a trial reached the terminal. Called by the stage, from any
+        thread.
+        """
         self.bus.post(TRIAL_FEEDBACK_SHOWN, shown)
 
     @on(VOIDED)
@@ -199,7 +209,11 @@ class ScreenOutput(OutputNode):
     def reported(self, report: OutputReport) -> None:
         """Move the mouth while any output speaks; show the words if speech fails."""
         self._agent.update(report)
-        if report.part == "say" and report.state == "failed" and report.action == self._agent.action.id:
+        if (
+            report.part == "say"
+            and report.state == "failed"
+            and report.action == self._agent.action.id
+        ):
             self._stage.voiceless(self._agent.action, report.detail)
 
     @on(ACTING)

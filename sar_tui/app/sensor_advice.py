@@ -1,4 +1,6 @@
-"""Texts of the sensor check: the state of the sensor, its placing on the hand, a test reach, and advice."""
+"""Texts of the sensor check: the state of the sensor, its placing on the hand, a test reach, and
+advice.
+"""
 
 import math
 from typing import Literal, NamedTuple
@@ -31,8 +33,10 @@ FLAGS = {
     "gap": "Samples are missing in it: try another cable or port.",
     "saturated": "It was faster than the sensor can measure: only its times are known.",
     "clipped": "Its fastest part is cut off by the sensor's range: only its times are known.",
-    "too_far": "The hand turned farther than it can: the sensor must send rad/s, and seems to send deg/s.",
-    "disagree": "Two ways to find it differ by more than 20 % in its time: begin and end it at rest.",
+    "too_far": "The hand turned farther than it can: the sensor must send rad/s, and seems to "
+    "send deg/s.",
+    "disagree": "Two ways to find it differ by more than 20 % in its time: begin and end it at "
+    "rest.",
     "no_rest": "The hand did not rest before it: keep it still for two seconds first.",
     "error": "The sensor reported an error during it.",
     "cut": "It had begun before, or was not over: rest before it and after it.",
@@ -88,11 +92,13 @@ def _sensor(watch: SensorWatch, tr: Language) -> Fact:
     if watch.state == "none" and watch.waited < LOOKING:
         return Fact("wait", title, tr("Looking for it …"))
     why = {
-        "none": f"{tr('No sensor found.')} {watch.detail or tr('Plug it in; it is found by itself.')}",
+        "none": f"{tr('No sensor found.')} "
+        f"{watch.detail or tr('Plug it in; it is found by itself.')}",
         "attached": tr("It is attached, but sends nothing. Unplug it, and plug it in again."),
         "unplugged": f"{tr('It was unplugged.')} {watch.detail or tr('Plug it in again.')}",
         "failed": watch.detail,
-        "ended": f"{watch.detail or tr('The recording is over.')} {tr('A session plays it from its beginning.')}",
+        "ended": f"{watch.detail or tr('The recording is over.')} "
+        f"{tr('A session plays it from its beginning.')}",
     }
     return Fact("wrong", title, why[watch.state])
 
@@ -102,7 +108,9 @@ def _samples(watch: SensorWatch, tr: Language) -> Fact:
     nominal = info.rate_hz if info else 0.0
     text = tr("{count} a second", count=f"{feed.rate_hz:.0f}")
     if nominal:
-        text = tr("{count} a second of {nominal}", count=f"{feed.rate_hz:.0f}", nominal=f"{nominal:.0f}")
+        text = tr(
+            "{count} a second of {nominal}", count=f"{feed.rate_hz:.0f}", nominal=f"{nominal:.0f}"
+        )
     lost = max(0, feed.lost - watch.unmeasured)
     missing = [tr("{count} lost", count=lost)] if lost else []
     missing += [tr("{count} left out", count=feed.dropped)] if feed.dropped else []
@@ -115,7 +123,11 @@ def _samples(watch: SensorWatch, tr: Language) -> Fact:
     if feed.rate_hz >= ENOUGH * nominal:
         return Fact("right", title, text)
     settled = watch.waited > LOOKING
-    return Fact("wrong", title, f"{text}. {tr('It is too slow.')}") if settled else Fact("wait", title, text)
+    return (
+        Fact("wrong", title, f"{text}. {tr('It is too slow.')}")
+        if settled
+        else Fact("wait", title, text)
+    )
 
 
 def _rest(watch: SensorWatch, tr: Language) -> Fact:
@@ -130,11 +142,17 @@ def _rest(watch: SensorWatch, tr: Language) -> Fact:
 
 
 def _placing(watch: SensorWatch, tr: Language) -> Fact:
-    return placing(watch.up, tr) if watch.rate else Fact("wait", tr("Placing"), tr("cannot be seen yet"))
+    return (
+        placing(watch.up, tr)
+        if watch.rate
+        else Fact("wait", tr("Placing"), tr("cannot be seen yet"))
+    )
 
 
 def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
-    """Return the fact about z, which should point up while the hand lies flat; ``up``: acceleration at rest, m/s²."""
+    """Return the fact about z, which should point up while the hand lies flat; ``up``: acceleration
+    at rest, m/s².
+    """
     title = tr("Placing")
     if up is None:
         return Fact("wait", title, tr("cannot be seen: it measures no acceleration"))
@@ -146,7 +164,11 @@ def placing(up: Vector | None, tr: Language = _ENGLISH) -> Fact:
     if up[2] < -_UPRIGHT * size:
         return Fact("wrong", title, tr("turned over: z points down. Lay the hand flat, palm down."))
     axis = max(range(3), key=lambda index: abs(up[index]))
-    way = tr("{axis} points up", axis="xyz"[axis]) if up[axis] > 0 else tr("{axis} points down", axis="xyz"[axis])
+    way = (
+        tr("{axis} points up", axis="xyz"[axis])
+        if up[axis] > 0
+        else tr("{axis} points down", axis="xyz"[axis])
+    )
     lean = tr("{way}, leaning", way=way) if axis == 2 else way
     return Fact("wrong", title, f"{lean}. {tr('Lay the hand flat, palm down: z should point up.')}")
 
@@ -180,10 +202,15 @@ def _flag(flag: str, hand: Hand, tr: Language) -> str:
 
 def _numbers(found: Finding, tr: Language) -> str:
     """Return reach time, phases and peaks in a sentence."""
-    fastest, returning = found.details.get("peak_extension_rad_s"), found.details.get("peak_return_rad_s")
+    fastest, returning = (
+        found.details.get("peak_extension_rad_s"),
+        found.details.get("peak_return_rad_s"),
+    )
     peaks = tr("peaks not known")
     if isinstance(fastest, float) and isinstance(returning, float):
-        peaks = tr("peaks {out} and {back} rad/s", out=signed(fastest, 1), back=signed(returning, 1))
+        peaks = tr(
+            "peaks {out} and {back} rad/s", out=signed(fastest, 1), back=signed(returning, 1)
+        )
     return tr(
         "Reach {time} s: out {out}, dwell {dwell}, back {back}; {peaks}.",
         time=_second(found, "reach_time_ms"),

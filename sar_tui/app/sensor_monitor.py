@@ -1,4 +1,6 @@
-"""State of a motion sensor before a session: attached or not, at rest or moving, and a test reach."""
+"""State of a motion sensor before a session: attached or not, at rest or moving, and a test
+reach.
+"""
 
 import math
 from collections import deque
@@ -37,8 +39,9 @@ _LATEST_S, _UP_S, _BIAS_S = 0.1, 0.5, 1.0
 class ReachTest:
     """A reach to test the sensor with: first rest, then out and back, then the result.
 
-    ``step``: ``rest`` (waits until the hand rests), ``reach`` (waits until it has been out and back, and rests),
-    ``done`` (there is a ``finding``, and a ``trace`` if there was a reach), ``lost`` (the sensor is gone).
+    ``step``: ``rest`` (waits until the hand rests), ``reach`` (waits until it has been out and
+    back, and rests), ``done`` (there is a ``finding``, and a ``trace`` if there was a reach),
+    ``lost`` (the sensor is gone).
     """
 
     def __init__(self, now: int) -> None:
@@ -63,13 +66,14 @@ class SensorWatch:
         hand: the hand with the sensor.
 
     Attributes:
-        state: ``none`` (no sensor yet), ``attached``, ``unplugged``, ``failed`` (``detail`` says why),
-            ``ended`` (a recording is over).
+        state: ``none`` (no sensor yet), ``attached``, ``unplugged``, ``failed`` (``detail`` says
+            why), ``ended`` (a recording is over).
         since: the time that state began.
         detail: message of the source about it.
         stalled: True if an attached sensor sends nothing.
         too_slow: True if it sends too few samples a second to measure a reach.
-        saturated: number of samples beyond its range; ``unmeasured``: those of them that were not sent.
+        saturated: number of samples beyond its range; ``unmeasured``: those of them that were not
+            sent.
         test: the test reach, once there was one.
     """
 
@@ -168,7 +172,8 @@ class SensorWatch:
         while self._blocks and self._blocks[0]["at"][-1] < oldest:
             self._blocks.popleft()
 
-    # --- the sensor ---------------------------------------------------------------------------------------
+    # --- the sensor
+    # ---------------------------------------------------------------------------------------
 
     def _on_status(self, status: Status) -> None:
         match status.state:
@@ -214,7 +219,8 @@ class SensorWatch:
         if self.test and self.test.step == "reach" and flag not in self.test.flags:
             self.test.flags.append(flag)
 
-    # --- the test reach -----------------------------------------------------------------------------------
+    # --- the test reach
+    # -----------------------------------------------------------------------------------
 
     def zero(self) -> None:
         """Ask the sensor to take its present rate as zero."""
@@ -233,7 +239,9 @@ class SensorWatch:
                 test.step, test.since = "reach", self._now()
                 self._move_simulated(test.since + _SIMULATED_REACTION)
             return
-        if waited >= REACH_PATIENCE or (self._segmenter and self._is_over(self._segmenter, test.since / 1e9)):
+        if waited >= REACH_PATIENCE or (
+            self._segmenter and self._is_over(self._segmenter, test.since / 1e9)
+        ):
             self._close(test)
 
     def _is_over(self, segmenter: Segmenter, since_s: float) -> bool:
@@ -254,9 +262,14 @@ class SensorWatch:
     def _close(self, test: ReachTest) -> None:
         samples = join(self._blocks)
         window = Window(
-            from_ns=test.since - REST, started_ns=test.since, to_ns=self._now() + 1, flags=tuple(test.flags)
+            from_ns=test.since - REST,
+            started_ns=test.since,
+            to_ns=self._now() + 1,
+            flags=tuple(test.flags),
         )
         test.finding = found = analyse(samples, window, AnalysisParameters(hand=self.hand))
         if found.onset_ns is not None and found.end_ns is not None:
-            test.trace = trace_of(samples, found.onset_ns, found.end_ns, found.details, "test reach")
+            test.trace = trace_of(
+                samples, found.onset_ns, found.end_ns, found.details, "test reach"
+            )
         test.step = "done"

@@ -1,4 +1,6 @@
-"""Links of sessions whose settings let operators join, although they are begun or resumed in the app."""
+"""Links of sessions whose settings let operators join, although they are begun or resumed in the
+app.
+"""
 
 import sqlite3
 from collections.abc import Iterator
@@ -15,8 +17,11 @@ if TYPE_CHECKING:  # needs packages that are loaded only if operators can join
 
 
 @contextmanager
-def link_of(what: Plan | str, database: sqlite3.Connection, folder: Path) -> "Iterator[BrokerProcess | None]":
-    """Open the link of a session for the duration of the block, if its settings let operators join; else give None.
+def link_of(
+    what: Plan | str, database: sqlite3.Connection, folder: Path
+) -> "Iterator[BrokerProcess | None]":
+    """Open the link of a session for the duration of the block, if its settings let operators join;
+    else give None.
 
     It listens on this machine only, as with ``sar-tui run --operator``.
 
@@ -42,5 +47,7 @@ def link_of(what: Plan | str, database: sqlite3.Connection, folder: Path) -> "It
         return
     from sar_tui.link.listening import ListenOptions, open_link
 
-    with open_link(folder, session, task, codes, ListenOptions(operator=True, end=None), lost_ms) as link:
+    with open_link(
+        folder, session, task, codes, ListenOptions(operator=True, end=None), lost_ms
+    ) as link:
         yield link

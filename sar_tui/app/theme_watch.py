@@ -8,22 +8,31 @@ from sar_tui.plugins import Catalogue, PluginError
 from sar_tui.theme_folder import files
 
 LOOK_SECONDS = 0.5
-"""Seconds between two looks at the files. An edited one is read once it has not changed since the last look."""
+"""Seconds between two looks at the files. An edited one is read once it has not changed since the
+last look.
+"""
 _IN_FULL = 2
 
 Stamps = tuple[tuple[Path, int, int], ...]
 
 
 class ThemeWatch:
-    """Follows the files of one theme. It has no timer: the app calls ``look``, never during a trial.
+    """Follows the files of one theme. It has no timer: the app calls ``look``, never during a
+    trial.
 
     Args:
         catalogue: finds and reads themes.
         apply: called with an edited theme.
-        notify: called with one or two sentences for the editor if the theme, or a part of it, cannot be read.
+        notify: called with one or two sentences for the editor if the theme, or a part of it,
+            cannot be read.
     """
 
-    def __init__(self, catalogue: Catalogue, apply: Callable[[Theme], object], notify: Callable[[str], object]) -> None:
+    def __init__(
+        self,
+        catalogue: Catalogue,
+        apply: Callable[[Theme], object],
+        notify: Callable[[str], object],
+    ) -> None:
         self._catalogue = catalogue
         self._apply = apply
         self._notify = notify
@@ -49,7 +58,10 @@ class ThemeWatch:
             self._notify(f"{error} The previous version stays in use.")
             return
         except (OSError, ValueError) as error:  # its folder cannot be searched
-            self._notify(f"The theme {self._name} cannot be read: {error}. The previous version stays in use.")
+            self._notify(
+                f"The theme {self._name} cannot be read: {error}. The previous version stays in "
+                "use."
+            )
             return
         self._apply(theme)
         if theme.repairs:
@@ -58,7 +70,9 @@ class ThemeWatch:
     def _stamps(self) -> Stamps:
         """Return the theme's files with their times of change and sizes."""
         try:
-            found = [(path, path.stat()) for path in files(self._catalogue.theme_folder(self._name))]
+            found = [
+                (path, path.stat()) for path in files(self._catalogue.theme_folder(self._name))
+            ]
         except (OSError, ValueError, PluginError):  # an editor is replacing a file
             return ()
         return tuple((path, status.st_mtime_ns, status.st_size) for path, status in found)
@@ -67,5 +81,9 @@ class ThemeWatch:
 def _repairs_notice(repairs: tuple[str, ...]) -> str:
     """Return a notice of the problems of a theme that could be read; the first ones in full."""
     count = "One thing" if len(repairs) == 1 else f"{len(repairs)} things"
-    more = f" And {len(repairs) - _IN_FULL} more: see sar-tui themes check." if len(repairs) > _IN_FULL else ""
+    more = (
+        f" And {len(repairs) - _IN_FULL} more: see sar-tui themes check."
+        if len(repairs) > _IN_FULL
+        else ""
+    )
     return f"Theme edited. {count} to fix: {' '.join(repairs[:_IN_FULL])}{more}"

@@ -21,7 +21,8 @@ class ThemedApp(BaseApp):
         catalogue: the installed tasks and themes.
 
     Attributes:
-        pending_notice: a notice about an edited theme that waits until no participant sees the screen.
+        pending_notice: a notice about an edited theme that waits until no participant sees the
+            screen.
 
     Raises:
         PluginError: no theme can be read.
@@ -64,7 +65,9 @@ class ThemedApp(BaseApp):
                 self.register_theme(textual_theme(theme))
 
     def _use_any_theme(self) -> None:
-        """Use the default theme; if a user's own of that name cannot be read, the first that can."""
+        """Use the default theme; if a user's own of that name cannot be read, the first that
+        can.
+        """
         names = dict.fromkeys((DEFAULT_THEME, *self.catalogue.theme_names()))
         for last, name in enumerate(names, 1):
             try:

@@ -12,7 +12,8 @@ from sar_tui.model.visible_text import visible
 def report_trial_feedback(screen: Screen[Any], live: LiveSession, feedback: TrialFeedback) -> None:
     """Report to the session when an answer that is about to be drawn has reached the terminal.
 
-    If flushes cannot be seen (tests, Windows), that is the refresh of the screen, and its source says so.
+    If flushes cannot be seen (tests, Windows), that is the refresh of the screen, and its source
+    says so.
     """
 
     def report(at: int, source: Literal["flush", "refresh"]) -> None:
@@ -23,6 +24,7 @@ def report_trial_feedback(screen: Screen[Any], live: LiveSession, feedback: Tria
 
     app: Any = screen.app
     if getattr(app._driver, "can_stamp_onset", False):
-        app.onset_watch.arm(visible(feedback.text), lambda at: report(at, "flush"))  # in the writing thread
+        # in the writing thread
+        app.onset_watch.arm(visible(feedback.text), lambda at: report(at, "flush"))
     else:
         screen.call_after_refresh(lambda: report(live.clock.now(), "refresh"))

@@ -21,7 +21,14 @@ from sar_tui.app.screens.session import SessionScreen
 from sar_tui.loop.bus import Record
 from sar_tui.loop.nodes.memory import Memory
 from sar_tui.loop.session import Session
-from sar_tui.model.messages import Prompt, SessionCommand, SessionStarted, Shown, ThemeApplied, TrialFeedback
+from sar_tui.model.messages import (
+    Prompt,
+    SessionCommand,
+    SessionStarted,
+    Shown,
+    ThemeApplied,
+    TrialFeedback,
+)
 from sar_tui.plugins import Catalogue
 from sar_tui.replay.player import Player
 from sar_tui.rules.parameters import build, current_values
@@ -54,12 +61,23 @@ class WatchedSession(LiveSession):
     """
 
     def __init__(
-        self, row: sessions.Row, catalogue: Catalogue, records: list[Record], codes: dict[str, str], speed: float
+        self,
+        row: sessions.Row,
+        catalogue: Catalogue,
+        records: list[Record],
+        codes: dict[str, str],
+        speed: float,
     ) -> None:
         kind = catalogue.task(row["task"])
-        task = without_outputs(kind, build(kind.Parameters, current_values(kind.Parameters, row["parameters"])))
-        theme = next((one.message.theme for one in records if isinstance(one.message, ThemeApplied)), None)
-        started = next((one.message for one in records if isinstance(one.message, SessionStarted)), None)
+        task = without_outputs(
+            kind, build(kind.Parameters, current_values(kind.Parameters, row["parameters"]))
+        )
+        theme = next(
+            (one.message.theme for one in records if isinstance(one.message, ThemeApplied)), None
+        )
+        started = next(
+            (one.message for one in records if isinstance(one.message, SessionStarted)), None
+        )
         if theme is None or started is None:
             raise Failed(f"Session {row['id']} has no messages: there is nothing to watch.")
         catalogue.theme_folder(theme.name)
@@ -72,14 +90,18 @@ class WatchedSession(LiveSession):
         self.trouble = ""
         self.codes = codes
         self.view = GuardedView(task)
-        self.run: Any = SimpleNamespace(id=row["id"], session=session, participants=codes, rescue_file=None)
+        self.run: Any = SimpleNamespace(
+            id=row["id"], session=session, participants=codes, rescue_file=None
+        )
 
     def begin(self, app: "App[int]", broken: Callable[[str], None]) -> None:
         """Attach what draws."""
         screen = app.screen
         assert isinstance(screen, WatchScreen)
         session = self.run.session
-        self.screen = _SilentScreen(screen, session.theme, shows_agent="screen" in session.task.parameters.outputs)
+        self.screen = _SilentScreen(
+            screen, session.theme, shows_agent="screen" in session.task.parameters.outputs
+        )
         for node in (Memory(), self.view, self.screen):
             node.attach(self.player.bus)
 
@@ -101,7 +123,9 @@ class WatchScreen(SessionScreen):
         Binding("minus", "watch('slower')", "Slower", key_display="-", priority=True),
         Binding("q", "watch('leave')", "Leave", priority=True),
     ]
-    DEFAULT_CSS = "WatchScreen #replay { height: 1; padding: 0 1; background: $warning; color: $background; }"
+    DEFAULT_CSS = (
+        "WatchScreen #replay { height: 1; padding: 0 1; background: $warning; color: $background; }"
+    )
     app: "WatchApp"
 
     def __init__(self, live: WatchedSession, attempt: int = 0) -> None:
@@ -115,7 +139,9 @@ class WatchScreen(SessionScreen):
         yield from super().compose()
 
     def on_mount(self) -> None:
-        """Start once the base's handler, which Textual calls after this one, has attached what draws."""
+        """Start once the base's handler, which Textual calls after this one, has attached what
+        draws.
+        """
         self.call_later(self._start)
 
     def _start(self) -> None:
@@ -194,7 +220,9 @@ class WatchScreen(SessionScreen):
 
     def _show_state(self) -> None:
         player = self._player
-        state = "over" if player.is_over else "paused" if player.paused else f"{player.speed:g}× speed"
+        state = (
+            "over" if player.is_over else "paused" if player.paused else f"{player.speed:g}× speed"
+        )
         text = f"Replay · attempt {player.attempt} of {player.attempts} · {state}"
         self.query_one("#replay", Static).update(text)
 
@@ -211,12 +239,22 @@ class WatchApp(SarTui):
     """
 
     def __init__(
-        self, folder: Path, catalogue: Catalogue, database: sqlite3.Connection, row: sessions.Row, speed: float
+        self,
+        folder: Path,
+        catalogue: Catalogue,
+        database: sqlite3.Connection,
+        row: sessions.Row,
+        speed: float,
     ) -> None:
         self._row = row
         self._speed = speed
-        self._records = [one for one in sessions.history(database, row["id"]) if not one.topic.stream]
-        self._codes = {seat["seat"]: seat["participant"] for seat in sessions.rows(database, "seats", row["id"])}
+        self._records = [
+            one for one in sessions.history(database, row["id"]) if not one.topic.stream
+        ]
+        self._codes = {
+            seat["seat"]: seat["participant"]
+            for seat in sessions.rows(database, "seats", row["id"])
+        }
         self.watched = WatchedSession(row, catalogue, self._records, self._codes, speed)
         super().__init__(folder, catalogue, begin=row["id"])
 
@@ -226,7 +264,9 @@ class WatchApp(SarTui):
 
     def watch_from(self, attempt: int, before: Player) -> None:
         """Show the session again from the beginning of an attempt."""
-        self.watched = WatchedSession(self._row, self.catalogue, self._records, self._codes, before.speed)
+        self.watched = WatchedSession(
+            self._row, self.catalogue, self._records, self._codes, before.speed
+        )
         self.watched.player.paused = before.paused
         self.pop_screen()
         self._push(max(0, attempt))

@@ -20,11 +20,15 @@ if TYPE_CHECKING:
     from sar_tui.app.opening import OpeningApp
 
 
-def ask_before(app: "OpeningApp", task: Task, theme: Theme, codes: Sequence[str]) -> WellbeingScreen:
+def ask_before(
+    app: "OpeningApp", task: Task, theme: Theme, codes: Sequence[str]
+) -> WellbeingScreen:
     """Return the screen that asks before a session."""
     people = _people(task, dict(zip(task.seats, codes, strict=False)))
     tr = session_language(task).including(theme.texts)
-    return WellbeingScreen("before", people, pain_limits(task.parameters), _saving(app, "before"), tr)
+    return WellbeingScreen(
+        "before", people, pain_limits(task.parameters), _saving(app, "before"), tr
+    )
 
 
 def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") -> WellbeingScreen:
@@ -33,19 +37,29 @@ def ask_after(app: "OpeningApp", live: "LiveSession", moment: Moment = "after") 
 
 
 def advise(app: "OpeningApp", live: "LiveSession", ended: StepEnded) -> WellbeingScreen | None:
-    """Return the screen that advises to stop after a question between attempts; None if no pain speaks against it."""
+    """Return the screen that advises to stop after a question between attempts; None if no pain
+    speaks against it.
+    """
     if ended.name != PAIN or ended.kind != "number" or not isinstance(ended.answer, int):
         return None
     (person,) = (each for each in _people_of(app, live) if each.seat == ended.seat)
-    if stop_now(person.pain_before, ended.answer, pain_limits(live.run.session.task.parameters)) is None:
+    if (
+        stop_now(person.pain_before, ended.answer, pain_limits(live.run.session.task.parameters))
+        is None
+    ):
         return None
     _saving(app, "pause", live.run.id)(person, "pain", str(ended.answer))
     return _screen(app, live, "pause", [person], told=ended.answer)
 
 
 def had_better_rest(app: "OpeningApp", live: "LiveSession") -> bool:
-    """Return True if a participant was advised to stop, in a session or after it, and did not choose to go on."""
-    rows, limits = wellbeing.of_session(app.database, live.run.id), pain_limits(live.run.session.task.parameters)
+    """Return True if a participant was advised to stop, in a session or after it, and did not
+    choose to go on.
+    """
+    rows, limits = (
+        wellbeing.of_session(app.database, live.run.id),
+        pain_limits(live.run.session.task.parameters),
+    )
     said = [wellbeing.ratings(rows, seat, limits) for seat in live.codes]
     return any(each.is_reason_to_stop and each.advice in ("shown", "stopped") for each in said)
 
@@ -54,11 +68,18 @@ def _people_of(app: "OpeningApp", live: "LiveSession") -> list[Person]:
     """Return the participants of a session, with their pain before it."""
     rows = wellbeing.of_session(app.database, live.run.id)
     people = _people(live.run.session.task, dict(live.codes))
-    return [person._replace(pain_before=wellbeing.ratings(rows, person.seat).pain_before) for person in people]
+    return [
+        person._replace(pain_before=wellbeing.ratings(rows, person.seat).pain_before)
+        for person in people
+    ]
 
 
 def _screen(
-    app: "OpeningApp", live: "LiveSession", moment: Moment, people: Sequence[Person], told: int | None = None
+    app: "OpeningApp",
+    live: "LiveSession",
+    moment: Moment,
+    people: Sequence[Person],
+    told: int | None = None,
 ) -> WellbeingScreen:
     session = live.run.session
     tr = session_language(session.task).including(session.theme.texts)
@@ -69,20 +90,33 @@ def _screen(
 def warnings(app: "OpeningApp", codes: Sequence[str]) -> list[str]:
     """Return a sentence for each thing that the therapist should be told of some participants."""
     return [
-        f"{code}: {text}" for code in codes for text in advice(tell_therapist(wellbeing.history(app.database, code)))
+        f"{code}: {text}"
+        for code in codes
+        for text in advice(tell_therapist(wellbeing.history(app.database, code)))
     ]
 
 
 def _people(task: Task, codes: dict[str, str]) -> list[Person]:
     """Return the participants by seat, named if there are several."""
     several = len(codes) > 1
-    return [Person(seat, code, f"{task.seat_name(seat)} ({code})" if several else "") for seat, code in codes.items()]
+    return [
+        Person(seat, code, f"{task.seat_name(seat)} ({code})" if several else "")
+        for seat, code in codes.items()
+    ]
 
 
 def _saving(app: "OpeningApp", moment: Moment, session: str | None = None) -> Save:
     def save(person: Person, question: wellbeing.Question, answer: str) -> None:
         try:
-            wellbeing.save(app.database, person.code, moment, question, answer, session=session, seat=person.seat)
+            wellbeing.save(
+                app.database,
+                person.code,
+                moment,
+                question,
+                answer,
+                session=session,
+                seat=person.seat,
+            )
         except StoreError as error:
             app.notify(str(error), severity="error", timeout=15)
 

@@ -1,4 +1,6 @@
-"""Finds neighbouring levels that are far apart: a person surely succeeds at one, and surely fails at the next."""
+"""Finds neighbouring levels that are far apart: a person surely succeeds at one, and surely fails
+at the next.
+"""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -16,9 +18,12 @@ FARTHEST = 1.0
 
 
 def warning(
-    kind: type[Task], parameters: TaskParameters, run: Callable[[TaskParameters], Sequence[sessions.Row]]
+    kind: type[Task],
+    parameters: TaskParameters,
+    run: Callable[[TaskParameters], Sequence[sessions.Row]],
 ) -> str:
-    """Return which levels are farther apart than one standard deviation of an attempt's result; empty for none.
+    """Return which levels are farther apart than one standard deviation of an attempt's result;
+    empty for none.
 
     Args:
         kind: the task.
@@ -27,7 +32,9 @@ def warning(
     """
     levels = range(parameters.min_level, min(kind(parameters).levels, parameters.max_level) + 1)
     most = next(field.le for field in fields(type(parameters)) if field.name == "attempts")
-    repeats = min(MOST_REPEATS, int(min(MOST_ATTEMPTS, most or MOST_ATTEMPTS)) // max(1, len(levels)))
+    repeats = min(
+        MOST_REPEATS, int(min(MOST_ATTEMPTS, most or MOST_ATTEMPTS)) // max(1, len(levels))
+    )
     if len(levels) < 2 or repeats < FEWEST_REPEATS:
         return ""
     listed = [level for level in levels for _ in range(repeats)]
@@ -44,27 +51,38 @@ def warning(
 def far_apart(attempts: Sequence[sessions.Row], lower_is_better: bool) -> str:
     """Return a sentence on the neighbouring levels that are surely too far apart; empty for none.
 
-    What counts is the distance from the goal, which may differ by level. Few attempts leave the difference of two
-    levels uncertain by its standard error: a distance counts from two of them beyond the largest.
+    What counts is the distance from the goal, which may differ by level. Few attempts leave the
+    difference of two levels uncertain by its standard error: a distance counts from two of them
+    beyond the largest.
     """
     sign = 1 if lower_is_better else -1
     found: dict[int, list[float]] = {}
     for row in attempts:
         if row["metric"] is not None and row["goal"] is not None:
             found.setdefault(row["level"], []).append(sign * (row["metric"] - row["goal"]))
-    results = {level: values for level, values in sorted(found.items()) if len(values) >= FEWEST_REPEATS}
+    results = {
+        level: values for level, values in sorted(found.items()) if len(values) >= FEWEST_REPEATS
+    }
     if not results:
         return ""
     # a population variance of few values is too small by (n - 1) / n
-    sd = fmean(pvariance(values) * len(values) / (len(values) - 1) for values in results.values()) ** 0.5
+    sd = (
+        fmean(pvariance(values) * len(values) / (len(values) - 1) for values in results.values())
+        ** 0.5
+    )
     far = []
     for (easier, before), (harder, after) in pairwise(results.items()):
         surely = FARTHEST + 2 * (1 / len(before) + 1 / len(after)) ** 0.5
-        if sd and harder == easier + 1 and (distance := (fmean(after) - fmean(before)) / sd) > surely:
+        if (
+            sd
+            and harder == easier + 1
+            and (distance := (fmean(after) - fmean(before)) / sd) > surely
+        ):
             far.append(f"{easier} and {harder} ({distance:.1f})")
     if not far:
         return ""
     return (
-        f"These levels are more than one standard deviation of an attempt's result apart: {', '.join(far)}. A person "
+        "These levels are more than one standard deviation of an attempt's result apart: "
+        f"{', '.join(far)}. A person "
         "may succeed at each attempt at one level and at none at the next."
     )

@@ -8,7 +8,14 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.checks import level_steps, task_prompts, task_state, task_texts, task_translations, task_view
+from sar_tui.checks import (
+    level_steps,
+    task_prompts,
+    task_state,
+    task_texts,
+    task_translations,
+    task_view,
+)
 from sar_tui.checks.check import Check
 from sar_tui.loop.bus import FAULT, Record
 from sar_tui.loop.clock import VirtualClock
@@ -65,12 +72,21 @@ def check(folder: Path) -> Iterator[Check]:
         return
     yield Check("can be set up with its defaults")
     yield _check("gives instructions, and a goal for each level", lambda: _words(task))
-    yield _check("has no control characters in its texts", lambda: " ".join(task_texts.problems(task)))
-    yield _check("has all its texts in each of its languages", lambda: " ".join(task_translations.problems(kind)))
-    yield _check("gives feedback in words without numbers", lambda: " ".join(task_translations.numbers(kind)))
+    yield _check(
+        "has no control characters in its texts", lambda: " ".join(task_texts.problems(task))
+    )
+    yield _check(
+        "has all its texts in each of its languages",
+        lambda: " ".join(task_translations.problems(kind)),
+    )
+    yield _check(
+        "gives feedback in words without numbers", lambda: " ".join(task_translations.numbers(kind))
+    )
     if task_view.has_view(kind):
         yield _check("has a view that keeps its contract", lambda: task_view.contract_problem(kind))
-    prompts = _check("makes the same one-line prompts when asked twice", lambda: _prompts(kind, task))
+    prompts = _check(
+        "makes the same one-line prompts when asked twice", lambda: _prompts(kind, task)
+    )
     yield prompts
     if declared.ok and prompts.ok:
         yield from _sessions(kind, task.parameters)
@@ -92,7 +108,8 @@ def _reason(error: BaseException) -> str:
     return f"{raised} {CURRENT_NAMES}" if isinstance(error, AttributeError) else raised
 
 
-# --- what it declares ----------------------------------------------------------------------------------------
+# --- what it declares
+# ----------------------------------------------------------------------------------------
 
 
 def _declaration(kind: type[Task]) -> str:
@@ -108,18 +125,26 @@ def _parameters(kind: type[Task]) -> str:
     problems = [problem for field in declared if (problem := _lacks(field))]
     sensors = {sensor_parameter(seat) for seat in kind.seats} if kind.sensors else set()
     missing = sorted(sensors - {field.name for field in declared})
-    problems += [f"It has a motion sensor, and no parameter {name} (a str) that names it." for name in missing]
+    problems += [
+        f"It has a motion sensor, and no parameter {name} (a str) that names it."
+        for name in missing
+    ]
     return " ".join(problems)
 
 
 def _lacks(field: Field) -> str:
-    missing = [name for name, value in (("a title", field.title), ("help", field.help)) if not value.strip()]
+    missing = [
+        name
+        for name, value in (("a title", field.title), ("help", field.help))
+        if not value.strip()
+    ]
     if field.kind in ("int", "float") and (field.ge is None or field.le is None):
         missing.append("bounds (ge and le)")
     return f"{field.name} lacks {' and '.join(missing)}." if missing else ""
 
 
-# --- what it shows -------------------------------------------------------------------------------------------
+# --- what it shows
+# -------------------------------------------------------------------------------------------
 
 
 def _words(task: Task) -> str:
@@ -127,7 +152,11 @@ def _words(task: Task) -> str:
         return "Its instructions are empty."
     if wrong := problem_of(task.steps):
         return wrong
-    silent = [level for level in _levels(task) if not task.goal(level).strip() and task.goal_value(level) is not None]
+    silent = [
+        level
+        for level in _levels(task)
+        if not task.goal(level).strip() and task.goal_value(level) is not None
+    ]
     return f"The goal is empty at level {silent[0]}." if silent else ""
 
 
@@ -139,23 +168,38 @@ def _prompts(kind: type[Task], task: Task) -> str:
     if task.levels < 1:
         return f"It has {task.levels} levels; it needs one."
     if empty := [level for level in _levels(task) if task.trials_at(level) < 1]:
-        return f"It has {task.trials_at(empty[0])} trials in an attempt at level {empty[0]}; it needs one."
+        return (
+            f"It has {task.trials_at(empty[0])} trials in an attempt at level {empty[0]}; it "
+            "needs one."
+        )
     again = kind(task.parameters)
     for level in _levels(task):
         earlier: tuple[Results, ...] = ()
         first = Situation(1, 1, level, RandomStreams(SEED, 1, 1), RandomStreams(SEED))
         if (condition := task.condition(first)) != again.condition(first):
-            return f"The condition differs when asked for again at level {level}. Draw from situation.session only."
+            return (
+                f"The condition differs when asked for again at level {level}. Draw from "
+                "situation.session only."
+            )
         for trial in range(1, min(task.trials_at(level), 5) + 1):
             streams = RandomStreams(SEED, 1, trial)
-            situation = replace(first, trial=trial, streams=streams, results_by_seat=earlier, condition=condition)
+            situation = replace(
+                first, trial=trial, streams=streams, results_by_seat=earlier, condition=condition
+            )
             prompt = task.stimulus(situation)
             where = f"at level {level}, trial {trial}"
-            if problem := _content_problem(prompt, where) or _timing_problem(prompt, task.parameters, where):
+            if problem := _content_problem(prompt, where) or _timing_problem(
+                prompt, task.parameters, where
+            ):
                 return problem
             if prompt != task.stimulus(situation) or prompt != again.stimulus(situation):
-                return f"The prompt differs when asked for again {where}. Draw from situation.streams only."
-            onsets = tuple(frames.planned(prompt.frames, place) for place in range(len(prompt.frames)))
+                return (
+                    f"The prompt differs when asked for again {where}. Draw from "
+                    "situation.streams only."
+                )
+            onsets = tuple(
+                frames.planned(prompt.frames, place) for place in range(len(prompt.frames))
+            )
             onset = frames.planned(prompt.frames, frames.timed(prompt.frames))
             missed = task.timed_out(Trial(situation, prompt, onset=onset, frames=onsets))
             earlier += (missed if isinstance(missed, dict) else dict.fromkeys(task.seats, missed),)
@@ -174,7 +218,10 @@ def _content_problem(prompt: Stimulus, where: str) -> str:
     texts = (prompt.glyph, prompt.hint, *prompt.halves)
     for place, frame in enumerate(prompt.frames, 1):
         if not frame.line.isprintable():
-            return f"The text of frame {place} is not one line of plain text {where}: {frame.line!r:.60}."
+            return (
+                f"The text of frame {place} is not one line of plain text {where}: "
+                f"{frame.line!r:.60}."
+            )
         texts += (frame.text, frame.glyph, frame.hint, *frame.halves)
     return control_problem(f"What the prompt shows {where}", "".join(texts))
 
@@ -184,12 +231,15 @@ def _timing_problem(prompt: Stimulus, parameters: TaskParameters, where: str) ->
     if (place := frames.never_shown(prompt.frames, timeout_ms)) is None:
         return ""
     return (
-        f"Frame {place + 1} of {len(prompt.frames)} would come after the time for the response is over "
-        f"({timeout_ms:g} ms), {where}. Give the stimulus a longer timeout_ms, or mark a later frame as timed."
+        f"Frame {place + 1} of {len(prompt.frames)} would come after the time for the response is "
+        "over "
+        f"({timeout_ms:g} ms), {where}. Give the stimulus a longer timeout_ms, or mark a later "
+        "frame as timed."
     )
 
 
-# --- what it does ---------------------------------------------------------------------------------------------
+# --- what it does
+# ---------------------------------------------------------------------------------------------
 
 
 def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
@@ -197,7 +247,10 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     calls: list[task_state.Call] = []
     with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
         for person in PEOPLE.values():
-            name = f"runs a whole session with a{'n' if person.name[0] in 'aeiou' else ''} {person.name} participant"
+            name = (
+                f"runs a whole session with a{'n' if person.name[0] in 'aeiou' else ''} "
+                f"{person.name} participant"
+            )
             try:
                 played = kind if done else task_state.recorded(kind, calls)
                 simulated = _simulate(played, parameters, person, Path(folder))
@@ -206,7 +259,10 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
                 return
             yield _check(name, _outcome(kind, simulated, parameters))
             done.append(simulated)
-    yield _check("keeps no state from call to call", lambda: task_state.problem(kind(parameters), calls, SEED))
+    yield _check(
+        "keeps no state from call to call",
+        lambda: task_state.problem(kind(parameters), calls, SEED),
+    )
     yield _check("stores only the details that it declares", _details(kind, done))
     yield Check("has the measures that it declares", warning=_measures(kind, done))
     prompts = [
@@ -220,14 +276,24 @@ def _sessions(kind: type[Task], parameters: TaskParameters) -> Iterator[Check]:
     yield from task_prompts.checks(kind, prompts, themes)
     yield _check("changes its level", _level_moves(kind, parameters, done))
     yield _levels_apart(kind, parameters)
-    yield _check("gives the same result when replayed, so that it can be resumed", _replay(kind, parameters, done))
+    yield _check(
+        "gives the same result when replayed, so that it can be resumed",
+        _replay(kind, parameters, done),
+    )
     if task_view.has_view(kind) and not task_view.contract_problem(kind):
         yield _check("draws its view in a whole session", lambda: _drawing(kind, parameters, done))
 
 
 def _measures(kind: type[Task], done: list[Simulated]) -> str:
-    """Return a sentence that names declared measures that no attempt had; others that they had may be meant."""
-    had = {name for simulated in done for attempt in simulated.attempts for name in attempt["qualities"]}
+    """Return a sentence that names declared measures that no attempt had; others that they had may
+    be meant.
+    """
+    had = {
+        name
+        for simulated in done
+        for attempt in simulated.attempts
+        for name in attempt["qualities"]
+    }
     declared = [measure.name for measure in kind.measured]
     if not (missing := [name for name in declared if name not in had]):
         return ""
@@ -237,19 +303,25 @@ def _measures(kind: type[Task], done: list[Simulated]) -> str:
 
 
 def _levels_apart(kind: type[Task], parameters: TaskParameters) -> Check:
-    """Check the distances of the levels with a session of an average participant that visits each."""
+    """Check the distances of the levels with a session of an average participant that visits
+    each.
+    """
     name = "keeps neighbouring levels close together"
     with tempfile.TemporaryDirectory(prefix="sar-tui-check-") as folder:
         try:
             warning = level_steps.warning(
-                kind, parameters, lambda visits: _simulate(kind, visits, PEOPLE["average"], Path(folder)).attempts
+                kind,
+                parameters,
+                lambda visits: _simulate(kind, visits, PEOPLE["average"], Path(folder)).attempts,
             )
         except PLUGIN_ERRORS as error:
             return _check(name, _reason(error))
     return Check(name, warning=warning)
 
 
-def _simulate(kind: type[Task], parameters: TaskParameters, person: Person, folder: Path) -> Simulated:
+def _simulate(
+    kind: type[Task], parameters: TaskParameters, person: Person, folder: Path
+) -> Simulated:
     catalogue = Catalogue()
     values = changed(parameters)
     plan = make_plan(catalogue, kind, ["CHECK"], values, theme=THEME, seed=SEED, mode="simulated")
@@ -280,7 +352,8 @@ def _outcome(kind: type[Task], simulated: Simulated, parameters: TaskParameters)
         return "An attempt's metric is not a finite number."
     if scores.count(None) > len(scores) / 2 and not kind.metric.is_none:
         return (
-            f"{scores.count(None)} of {len(scores)} attempts have no metric: no trial in them was right and had a "
+            f"{scores.count(None)} of {len(scores)} attempts have no metric: no trial in them was "
+            "right and had a "
             "value. Look at perceived, timed_out and rehearse."
         )
     return ""
@@ -289,7 +362,11 @@ def _outcome(kind: type[Task], simulated: Simulated, parameters: TaskParameters)
 def _details(kind: type[Task], done: list[Simulated]) -> str:
     declared = {field.name for field in msgspec.structs.fields(kind.Details)}
     kept = {name for simulated in done for trial in simulated.trials for name in trial["details"]}
-    return f"Its Details do not declare {', '.join(sorted(kept - declared))}." if kept - declared else ""
+    return (
+        f"Its Details do not declare {', '.join(sorted(kept - declared))}."
+        if kept - declared
+        else ""
+    )
 
 
 def _level_moves(kind: type[Task], parameters: TaskParameters, done: list[Simulated]) -> str:
@@ -301,7 +378,8 @@ def _level_moves(kind: type[Task], parameters: TaskParameters, done: list[Simula
     if len(seen) > 1:
         return ""
     return (
-        f"The level stays at {seen.pop()} for every participant. Is the goal ({parameters.threshold:g}) within reach?"
+        f"The level stays at {seen.pop()} for every participant. Is the goal "
+        f"({parameters.threshold:g}) within reach?"
     )
 
 
@@ -311,11 +389,16 @@ def _replay(kind: type[Task], parameters: TaskParameters, done: list[Simulated])
         try:
             Session(kind(parameters), theme, VirtualClock(), SEED).replay(simulated.history)
         except ReplayError as error:
-            return f"{error} Does the task keep state, or draw from elsewhere than situation.streams?"
+            return (
+                f"{error} Does the task keep state, or draw from elsewhere than situation.streams?"
+            )
     return ""
 
 
 def _drawing(kind: type[Task], parameters: TaskParameters, done: list[Simulated]) -> str:
     theme = Catalogue().theme(THEME)
-    problems = (task_view.drawing_problem(kind(parameters), theme, SEED, simulated.history) for simulated in done)
+    problems = (
+        task_view.drawing_problem(kind(parameters), theme, SEED, simulated.history)
+        for simulated in done
+    )
     return next(filter(None, problems), "")

@@ -1,4 +1,6 @@
-"""Checks how a task's prompts will look: what is drawn small, which colours they have, and their pictures."""
+"""Checks how a task's prompts will look: what is drawn small, which colours they have, and their
+pictures.
+"""
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -37,8 +39,12 @@ def checks(kind: type[Task], prompts: Sequence[Prompt], themes: Iterable[Theme])
         yield Check("has the pictures of its prompts", tuple(problems), ", ".join(names), warning)
 
 
-def colour_check(colours: Sequence[str], prompts: Iterable[Prompt], themes: Iterable[Theme]) -> Check:
-    """Check that the colours of prompts exist; tell their contrasts, and where they are not as published."""
+def colour_check(
+    colours: Sequence[str], prompts: Iterable[Prompt], themes: Iterable[Theme]
+) -> Check:
+    """Check that the colours of prompts exist; tell their contrasts, and where they are not as
+    published.
+    """
     known = [colour for colour in colours if colour in OKABE_ITO]
     contrasts, changed = [], []
     for theme in themes:
@@ -46,15 +52,24 @@ def colour_check(colours: Sequence[str], prompts: Iterable[Prompt], themes: Iter
         least = min((contrast(color_on(name, ground), ground) for name in known), default=21.0)
         contrasts.append(f"{theme.name} {cut(least):.2f}")
         if others := [name for name in known if color_on(name, ground) != OKABE_ITO[name]]:
-            changed.append(f"With the theme {theme.name}, these are darker or lighter: {', '.join(others)}.")
+            changed.append(
+                f"With the theme {theme.name}, these are darker or lighter: {', '.join(others)}."
+            )
     if "NO_COLOR" in os.environ:
         changed.append(NO_COLOR)
     found = f"least contrast: {', '.join(contrasts)}" if known else ""
-    return Check("has colours of the colour-blind-safe set", tuple(colour_problems(prompts)), found, " ".join(changed))
+    return Check(
+        "has colours of the colour-blind-safe set",
+        tuple(colour_problems(prompts)),
+        found,
+        " ".join(changed),
+    )
 
 
 def _large_pictures(folder: Path, names: Iterable[str]) -> str:
-    """Return a sentence that names pictures so large that a foreperiod may be too short to prepare them."""
+    """Return a sentence that names pictures so large that a foreperiod may be too short to prepare
+    them.
+    """
     from PIL import Image
 
     large = []
@@ -62,11 +77,16 @@ def _large_pictures(folder: Path, names: Iterable[str]) -> str:
         with Image.open(folder / name) as picture:
             if picture.width * picture.height > _LARGEST:
                 large.append(f"{name} ({picture.width}×{picture.height})")
-    return f"Make these pictures smaller, so that they are soon prepared: {_named(large)}." if large else ""
+    return (
+        f"Make these pictures smaller, so that they are soon prepared: {_named(large)}."
+        if large
+        else ""
+    )
 
 
 def size_warning(kind: type[Task], prompts: Iterable[Prompt]) -> str:
-    """Return sentences on what is drawn small, or has a plain line wider than the screen; empty for a view of its own.
+    """Return sentences on what is drawn small, or has a plain line wider than the screen; empty for
+    a view of its own.
 
     Args:
         kind: the task.
@@ -105,13 +125,22 @@ def _drawings(prompt: Prompt) -> Iterator[tuple[str, int]]:
 
 def _sentences(strange: list[str], long: list[str], wide: list[str]) -> Iterator[str]:
     if strange:
-        named = _named([f"{each} ({' '.join(f'U+{ord(part):04X}' for part in each)})" for each in strange])
-        yield f"Prompts with these characters are drawn small, in a frame, as there are no large ones: {named}."
+        named = _named(
+            [f"{each} ({' '.join(f'U+{ord(part):04X}' for part in each)})" for each in strange]
+        )
+        yield (
+            "Prompts with these characters are drawn small, in a frame, as there are no large "
+            f"ones: {named}."
+        )
     if long:
-        yield f"These prompts are too long to be drawn large in a terminal of 80 columns: {_named(long)}."
+        yield (
+            "These prompts are too long to be drawn large in a terminal of 80 columns: "
+            f"{_named(long)}."
+        )
     if wide:
         yield (
-            f"These plain lines are wider than a terminal of 80 columns, so that their onset is less certain: "
+            "These plain lines are wider than a terminal of 80 columns, so that their onset is "
+            "less certain: "
             f"{_named(wide)}."
         )
 

@@ -8,7 +8,17 @@ from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import PastAttempt, Situation, Trial
 from sar_tui.plugin_calls import PLUGIN_ERRORS
 
-_METHODS = ("condition", "stimulus", "perceived", "timed_out", "score", "measures", "learning", "trials_at", "target")
+_METHODS = (
+    "condition",
+    "stimulus",
+    "perceived",
+    "timed_out",
+    "score",
+    "measures",
+    "learning",
+    "trials_at",
+    "target",
+)
 _GIVEN = ("names", "rules", "tr")
 """Attributes of a task that the session sets."""
 _MOST_KEPT = 5000
@@ -27,33 +37,45 @@ class Call(NamedTuple):
 def recorded(kind: type[Task], calls: list[Call]) -> type[Task]:
     """Return a subclass of a task that is used like it, and keeps the calls of its methods."""
     wrapped = {name: _wrapped(name, getattr(kind, name), calls) for name in _METHODS}
-    return type(kind.__name__, (kind,), {**wrapped, "__module__": kind.__module__, "__doc__": kind.__doc__})
+    return type(
+        kind.__name__, (kind,), {**wrapped, "__module__": kind.__module__, "__doc__": kind.__doc__}
+    )
 
 
 def _wrapped(name: str, method: Callable[..., Any], calls: list[Call]) -> Callable[..., Any]:
     def call(self: Task, *arguments: Any) -> Any:
         kept = tuple(list(each) if isinstance(each, list) else each for each in arguments)
         returned = method(self, *arguments)
-        if len(calls) < _MOST_KEPT and "target" not in vars(self):  # not of a copy with another goal
-            calls.append(Call(name, kept, returned, {given: getattr(self, given) for given in _GIVEN}))
+        # not of a copy with another goal
+        if len(calls) < _MOST_KEPT and "target" not in vars(self):
+            calls.append(
+                Call(name, kept, returned, {given: getattr(self, given) for given in _GIVEN})
+            )
         return returned
 
     return call
 
 
 def problem(task: Task, calls: list[Call], seed: int) -> str:
-    """Return a sentence if a new task answers calls that were made in a session otherwise, in a shuffled order."""
+    """Return a sentence if a new task answers calls that were made in a session otherwise, in a
+    shuffled order.
+    """
     shuffled = random.Random(seed).sample(calls, min(len(calls), _MOST_ASKED))
     for call in shuffled:
         vars(task).update(call.given)
         try:
             returned = getattr(task, call.method)(*call.arguments)
         except PLUGIN_ERRORS as error:
-            return f"{_where(call)} it raised {type(error).__name__} when it was asked in another order ({error})."
+            return (
+                f"{_where(call)} it raised {type(error).__name__} when it was asked in another "
+                f"order ({error})."
+            )
         if returned != call.returned:
             return (
-                f"{_where(call)} it returned something else when a new task was asked in another order. Does it keep "
-                "something from call to call? What it needs is in its arguments: see trial.percepts, situation.results "
+                f"{_where(call)} it returned something else when a new task was asked in another "
+                "order. Does it keep "
+                "something from call to call? What it needs is in its arguments: see "
+                "trial.percepts, situation.results "
                 "and situation.history."
             )
     return ""

@@ -12,7 +12,9 @@ from sar_tui.rules.parameters import fields
 
 
 def problems(task: Task) -> list[str]:
-    """Return a sentence for each text with such characters: declared, in the code, translated, or made for a level."""
+    """Return a sentence for each text with such characters: declared, in the code, translated, or
+    made for a level.
+    """
     found = {control_problem(ascii(text), text) for text in _texts(task)}
     return sorted(found - {""})
 
@@ -21,10 +23,14 @@ def _texts(task: Task) -> Iterator[str]:
     kind = type(task)
     folder = task_folder(kind)
     yield from declared(kind)
-    yield from chain.from_iterable((field.title, field.help, field.unit) for field in fields(kind.Parameters))
+    yield from chain.from_iterable(
+        (field.title, field.help, field.unit) for field in fields(kind.Parameters)
+    )
     for path in folder.glob("*.py"):
         yield from texts_in(path.read_text("utf-8"))
     for path in folder.glob("words.*.toml"):
         yield from chain.from_iterable(read_words(path).items())
     yield task.instructions()
-    yield from (task.goal(level) for level in range(1, min(task.levels, task.parameters.max_level) + 1))
+    yield from (
+        task.goal(level) for level in range(1, min(task.levels, task.parameters.max_level) + 1)
+    )

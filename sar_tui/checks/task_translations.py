@@ -1,4 +1,6 @@
-"""Checks a task's texts: their translations in ``words.<language>.toml``, and remarks without numbers."""
+"""Checks a task's texts: their translations in ``words.<language>.toml``, and remarks without
+numbers.
+"""
 
 import ast
 import contextlib
@@ -22,8 +24,14 @@ _SYMBOLS = ("ms", "s", "Hz", "cm", "%", "/s")
 def problems(kind: type[Task]) -> list[str]:
     """Return what is missing or wrong in a task's files of translations, one sentence each."""
     folder = task_folder(kind)
-    texts = sorted(declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py"))))
-    return [problem for path in sorted(folder.glob("words.*.toml")) for problem in _problems(path, texts)]
+    texts = sorted(
+        declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
+    )
+    return [
+        problem
+        for path in sorted(folder.glob("words.*.toml"))
+        for problem in _problems(path, texts)
+    ]
 
 
 def _problems(path: Path, texts: list[str]) -> Iterator[str]:
@@ -49,18 +57,27 @@ def declared(kind: type[Task]) -> set[str]:
     texts = {kind.title, kind.summary, kind.trains, kind.trials}
     texts |= set() if metric.is_none else {metric.label, metric.improved, metric.worsened}
     texts.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
-    texts.update(text for measure in kind.measured for text in (measure.title, measure.unit) if text not in _SYMBOLS)
+    texts.update(
+        text
+        for measure in kind.measured
+        for text in (measure.title, measure.unit)
+        if text not in _SYMBOLS
+    )
     texts.update(text for mark in kind.marks for text in (mark.title, mark.remark))
     return texts - {""}
 
 
 def numbers(kind: type[Task]) -> list[str]:
-    """Return a sentence for each text with a number that a task adds to feedback in words, in any of its languages."""
+    """Return a sentence for each text with a number that a task adds to feedback in words, in any
+    of its languages.
+    """
     metric, folder = kind.metric, task_folder(kind)
     said = {metric.improved, metric.worsened, *(mark.remark for mark in kind.marks)}
     said.update(text for quality in kind.qualities for text in (quality.improved, quality.aim))
     said.update(*(remarks_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
-    codes = dict.fromkeys(("en", *sorted(path.name.split(".")[1] for path in folder.glob("words.*.toml"))))
+    codes = dict.fromkeys(
+        ("en", *sorted(path.name.split(".")[1] for path in folder.glob("words.*.toml")))
+    )
     return [
         f"{own!r} holds a number ({tr.code}); feedback in words has none."
         for tr in (language(code, _FRAMEWORK, folder) for code in codes)
@@ -70,9 +87,11 @@ def numbers(kind: type[Task]) -> list[str]:
 
 
 def all_texts(catalogue: Catalogue) -> set[str]:
-    """Return all English texts that a participant can read, except the agent's phrases and tasks that fail to load.
+    """Return all English texts that a participant can read, except the agent's phrases and tasks
+    that fail to load.
 
-    The Spanish translations of the app and the framework are complete, so their keys are all of their texts.
+    The Spanish translations of the app and the framework are complete, so their keys are all of
+    their texts.
     """
     texts = {*read_words(_APP / "words.es.toml"), *read_words(_FRAMEWORK / "words.es.toml")}
     for name in catalogue.task_names():
@@ -80,12 +99,16 @@ def all_texts(catalogue: Catalogue) -> set[str]:
             kind = catalogue.task(name)
         except PluginError:
             continue
-        texts |= declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py")))
+        texts |= declared(kind).union(
+            *(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py"))
+        )
     return texts
 
 
 def translated(catalogue: Catalogue, code: str) -> set[str]:
-    """Return the English texts of the screens and tasks that are translated into a language, whatever the theme."""
+    """Return the English texts of the screens and tasks that are translated into a language,
+    whatever the theme.
+    """
     kinds = []
     for name in catalogue.task_names():
         with contextlib.suppress(PluginError):
@@ -115,7 +138,10 @@ class _Module:
                     self._name(target, value)
                 case ast.AnnAssign(target=target, value=ast.expr() as value):
                     self._name(target, value)
-                case ast.For(target=target, iter=value) | ast.comprehension(target=target, iter=value):
+                case (
+                    ast.For(target=target, iter=value)
+                    | ast.comprehension(target=target, iter=value)
+                ):
                     self._name(target, value)
 
     def _name(self, target: ast.expr, value: ast.expr) -> None:
@@ -135,15 +161,24 @@ class _Module:
         found: set[str] = set()
         for node in ast.walk(self._tree):
             match node:
-                case ast.Call(func=ast.Name(id="Again") | ast.Attribute(attr="Again"), args=args, keywords=keywords):
-                    texts = [*args[1:], *(keyword.value for keyword in keywords if keyword.arg == "text")]
+                case ast.Call(
+                    func=ast.Name(id="Again") | ast.Attribute(attr="Again"),
+                    args=args,
+                    keywords=keywords,
+                ):
+                    texts = [
+                        *args[1:],
+                        *(keyword.value for keyword in keywords if keyword.arg == "text"),
+                    ]
                     found.update(self._all(texts, frozenset()))
                 case ast.keyword(arg="remark", value=value):
                     found.update(self._strings(value, frozenset()))
         return found - {""}
 
     def _strings(self, node: ast.expr, seen: frozenset[str]) -> Iterator[str]:
-        """Yield the texts that an expression can be: a literal, one of two, an entry of a dict or tuple."""
+        """Yield the texts that an expression can be: a literal, one of two, an entry of a dict or
+        tuple.
+        """
         match node:
             case ast.Constant(value=str() as text):
                 yield text

@@ -1,4 +1,6 @@
-"""Checks a task's view: draws it wherever a session's screen would, in a replay of simulated sessions."""
+"""Checks a task's view: draws it wherever a session's screen would, in a replay of simulated
+sessions.
+"""
 
 import contextlib
 from collections.abc import Sequence
@@ -33,7 +35,9 @@ def has_view(kind: type[Task]) -> bool:
 
 
 def contract_problem(kind: type[Task]) -> str:
-    """Return a sentence that says why a view cannot be loaded or is not one; empty if it is sound."""
+    """Return a sentence that says why a view cannot be loaded or is not one; empty if it is
+    sound.
+    """
     try:
         view = view_of(kind)
     except PluginError as error:
@@ -44,7 +48,8 @@ def contract_problem(kind: type[Task]) -> str:
 
 
 def drawing_problem(task: Task, theme: Theme, seed: int, history: Sequence[Record]) -> str:
-    """Return sentences that say what of a task's view failed in the replay of a session; empty if nothing did.
+    """Return sentences that say what of a task's view failed in the replay of a session; empty if
+    nothing did.
 
     Args:
         task: built with the parameters of that session.
@@ -65,13 +70,19 @@ def drawing_problem(task: Task, theme: Theme, seed: int, history: Sequence[Recor
 def _sentence(fault: Fault) -> str:
     failed = _FAILURES.get(fault.topic)
     if failed is None:
-        failed = f"Its handler of {fault.topic} failed" if "/" in fault.topic else f"Its {fault.topic} failed"
+        failed = (
+            f"Its handler of {fault.topic} failed"
+            if "/" in fault.topic
+            else f"Its {fault.topic} failed"
+        )
     where = "" if fault.place.endswith(("guarded_view.py", "task_view.py")) else f", {fault.place}"
     return f"{failed} ({fault.error}{where})."
 
 
 class _Screen(Node):
-    """Asks a view for what a session's screen shows: prompts, drawings between attempts, and sentences at the end."""
+    """Asks a view for what a session's screen shows: prompts, drawings between attempts, and
+    sentences at the end.
+    """
 
     name = "screen"
 
@@ -95,7 +106,10 @@ class _Screen(Node):
 
     @on(SESSION_ENDED)
     def ended(self, _: SessionEnded) -> None:
-        for attempts in ([], *(self.bus.call(RECALL, Recall(seat=seat)).attempts for seat in self._task.seats)):
+        for attempts in (
+            [],
+            *(self.bus.call(RECALL, Recall(seat=seat)).attempts for seat in self._task.seats),
+        ):
             self._view.facts(attempts)
             self._check_findings(attempts)
 

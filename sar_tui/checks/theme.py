@@ -30,8 +30,8 @@ class Contrast(msgspec.Struct, frozen=True):
 class Report(msgspec.Struct, frozen=True):
     """Results of checking a theme.
 
-    ``english``: the situations in which English is spoken, by language. ``missing``: the texts of the screens that are
-    shown in English, by language.
+    ``english``: the situations in which English is spoken, by language. ``missing``: the texts of
+    the screens that are shown in English, by language.
     """
 
     theme: str
@@ -46,12 +46,15 @@ class Report(msgspec.Struct, frozen=True):
         return all(check.ok for check in self.checks)
 
 
-def check(folder: Path, texts: Collection[str], translated: Callable[[str], Collection[str]] | None = None) -> Report:
+def check(
+    folder: Path, texts: Collection[str], translated: Callable[[str], Collection[str]] | None = None
+) -> Report:
     """Check a theme's folder in each of its languages.
 
     Args:
         folder: of the theme.
-        texts: the English texts of the screens and tasks, for which a theme may have its own wordings.
+        texts: the English texts of the screens and tasks, for which a theme may have its own
+            wordings.
         translated: returns those that are in a language without the theme; None: all of them.
     """
     spoken = languages(folder) or (ENGLISH,)
@@ -80,7 +83,9 @@ def check(folder: Path, texts: Collection[str], translated: Callable[[str], Coll
 def missing(
     folder: Path, texts: Collection[str], translated: Callable[[str], Collection[str]]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the texts of the screens that a theme leaves in English, for each of its languages that leaves some."""
+    """Return the texts of the screens that a theme leaves in English, for each of its languages
+    that leaves some.
+    """
     found = {}
     for language in languages(folder):
         if language == ENGLISH:
@@ -107,16 +112,26 @@ def _look(reading: Reading, contrasts: tuple[Contrast, ...]) -> Iterator[Check]:
     problems = reading.problems
     yield Check(_LOOKS["settings"], tuple(problems["settings"]))
     minimum = f"has a contrast of at least {reading.theme.minimum_contrast:g}"
-    yield Check(minimum, tuple(problems["colors"]), ", ".join(f"{c.color} {c.ratio:.2f}" for c in contrasts))
+    yield Check(
+        minimum, tuple(problems["colors"]), ", ".join(f"{c.color} {c.ratio:.2f}" for c in contrasts)
+    )
     for part in ("faces", "gestures", "manner"):
         yield Check(_LOOKS[part], tuple(problems[part]))
 
 
 def _words(readings: dict[str, Reading]) -> Iterator[Check]:
     for language, reading in readings.items():
-        own = [wordings for name, wordings in reading.theme.phrases.items() if name not in reading.english]
+        own = [
+            wordings
+            for name, wordings in reading.theme.phrases.items()
+            if name not in reading.english
+        ]
         count = sum(map(len, own))
-        yield Check(f"has every phrase in {language}", tuple(reading.problems["wordings"]), f"{count} wordings")
+        yield Check(
+            f"has every phrase in {language}",
+            tuple(reading.problems["wordings"]),
+            f"{count} wordings",
+        )
         yield Check(f"has the vocabulary in {language}", tuple(reading.problems["vocabulary"]))
 
 
@@ -129,5 +144,8 @@ def _screens(folder: Path, texts: Collection[str]) -> Iterator[Check]:
         except ThemeError as error:
             yield Check(name, (str(error),))
             continue
-        unknown = [f"No screen shows {english!r}, which {path.name} translates." for english in own.keys() - texts]
+        unknown = [
+            f"No screen shows {english!r}, which {path.name} translates."
+            for english in own.keys() - texts
+        ]
         yield Check(name, (*problems, *sorted(unknown)), f"{len(own)} texts")

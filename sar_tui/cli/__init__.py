@@ -1,4 +1,6 @@
-"""The commands. Each is a few lines that call other packages, which are imported when the command runs."""
+"""The commands. Each is a few lines that call other packages, which are imported when the command
+runs.
+"""
 
 import os
 import sys
@@ -8,7 +10,9 @@ from sar_tui.tui.exit_codes import FAILED
 
 
 def main() -> None:
-    """Run the program, and exit with 0: done, 1: failed, 2: bad usage or input, 130: stopped by Ctrl-C."""
+    """Run the program, and exit with 0: done, 1: failed, 2: bad usage or input, 130: stopped by
+    Ctrl-C.
+    """
     if sys.stdout is None:  # closed by the caller
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     try:
@@ -22,7 +26,8 @@ def main() -> None:
 
 
 def _run() -> None:
-    if sys.argv[1:] == ["--version"]:  # loading the parser of the command line takes longer than starting Python
+    # loading the parser of the command line takes longer than starting Python
+    if sys.argv[1:] == ["--version"]:
         print(f"sar-tui {__version__}", flush=True)
         raise SystemExit(0)
     from sar_tui.cli.visible_output import make_output_visible

@@ -24,7 +24,10 @@ def backup(
         ),
     ] = None,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Restore the copy into an empty folder, and examine it there.")
+        bool,
+        typer.Option(
+            "--verify", help="Restore the copy into an empty folder, and examine it there."
+        ),
     ] = False,
     as_json: AsJson = False,
     data: Data = None,
@@ -42,10 +45,20 @@ def backup(
     with progress_line("Trying the copy") as show:
         found = rehearse(made.path, partial(show, "Trying the copy")) if verify else []
     if as_json:
-        whole = {"verified": verify and not found, "flaws": [flaw._asdict() for flaw in found]} if verify else {}
+        whole = (
+            {"verified": verify and not found, "flaws": [flaw._asdict() for flaw in found]}
+            if verify
+            else {}
+        )
         rescue = [str(path) for path in left_out]
         print_json(
-            {"file": str(made.path), "sessions": made.sessions, "bytes": made.bytes, "left_out": rescue, **whole}
+            {
+                "file": str(made.path),
+                "sessions": made.sessions,
+                "bytes": made.bytes,
+                "left_out": rescue,
+                **whole,
+            }
         )
     else:
         print(f"{made.sessions} session{'' if made.sessions == 1 else 's'} in {made.path}")

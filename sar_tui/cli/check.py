@@ -34,7 +34,8 @@ def check(
         bool,
         typer.Option(
             "--repair",
-            help="Move what is damaged into a file beside the database, and make altered results again from the log. "
+            help="Move what is damaged into a file beside the database, and make altered results "
+            "again from the log. "
             "No other program may run.",
         ),
     ] = False,
@@ -42,7 +43,8 @@ def check(
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Check that all recorded data is whole: the file, its relations, the sensors' samples, and what was recorded.
+    """Check that all recorded data is whole: the file, its relations, the sensors' samples, and
+    what was recorded.
 
     Without --repair nothing is changed, and a session may go on meanwhile.
     """
@@ -82,7 +84,10 @@ def check(
         for session in stopped:
             print(f"· {session}: This session was interrupted; what was recorded is here.")
         if unhashed:
-            print(f"· Sessions recorded before data version 22: {unhashed}. A change of their log would not show.")
+            print(
+                f"· Sessions recorded before data version 22: {unhashed}. A change of their log "
+                "would not show."
+            )
     if found or waiting:
         raise typer.Exit(FAILED)
 
@@ -109,7 +114,10 @@ def _print_repair(done: "Repair") -> None:
         if not last:
             print(f"! {table}: Nothing can be read.")
             continue
-        print(f"! {session or table}: {'events' if session else 'rows'} {first} to {last} cannot be read.")
+        print(
+            f"! {session or table}: {'events' if session else 'rows'} {first} to {last} cannot be "
+            "read."
+        )
     for table, rows, reason in done.moved:
         print(f"· {rows} of the rows of {table} moved aside: {reason}.")
     if done.aside:
@@ -122,14 +130,21 @@ def _print_repair(done: "Repair") -> None:
 
 def missing_words(rows: Iterable[tuple[str, int]]) -> str:
     """Return what is missing of a session in words: "the session itself, 65 messages"."""
-    return ", ".join("the session itself" if t == "sessions" else f"{n} {_WORDS.get(t, t)}" for t, n in rows)
+    return ", ".join(
+        "the session itself" if t == "sessions" else f"{n} {_WORDS.get(t, t)}" for t, n in rows
+    )
 
 
 def _print(found: "list[Flaw]", waiting: list[str], number: dict[str, int], folder: Path) -> None:
     if not found and not waiting:
-        counted = ", ".join(f"{number[table]} {words}" for table, words in _COUNTED.items() if number[table])
+        counted = ", ".join(
+            f"{number[table]} {words}" for table, words in _COUNTED.items() if number[table]
+        )
         print(f"All data in {folder} is whole{f' ({counted})' if counted else ''}.")
     for flaw in found:
         print(f"✗ {f'{flaw.where}: ' if flaw.where else ''}{flaw.what}")
     if any(flaw.kind == "file" for flaw in found):
-        print("Copy the folder before anything else. Then restore a backup, or save what can be read: check --repair.")
+        print(
+            "Copy the folder before anything else. Then restore a backup, or save what can be "
+            "read: check --repair."
+        )

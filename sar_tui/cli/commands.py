@@ -1,4 +1,6 @@
-"""The tree of commands. A command's module is imported when the command is called, or for the help that lists it."""
+"""The tree of commands. A command's module is imported when the command is called, or for the help
+that lists it.
+"""
 
 import gc
 from collections.abc import Iterator, Mapping
@@ -10,7 +12,16 @@ import typer
 import typer.main
 
 from sar_tui import __version__
-from sar_tui.cli.common import Data, Home, Markers, SyncFlash, Tasks, checked_markers, need_screen, need_terminal
+from sar_tui.cli.common import (
+    Data,
+    Home,
+    Markers,
+    SyncFlash,
+    Tasks,
+    checked_markers,
+    need_screen,
+    need_terminal,
+)
 from sar_tui.cli.errors import Commands, Refused
 
 if TYPE_CHECKING:
@@ -50,7 +61,9 @@ COMMANDS = {
     "tasks": "tasks:app",
     "themes": "themes:app",
 }
-"""Each command by its name: its module in this package, and there a function, or a Typer with further commands."""
+"""Each command by its name: its module in this package, and there a function, or a Typer with
+further commands.
+"""
 
 
 @cache
@@ -107,7 +120,8 @@ def _print_version(wanted: bool) -> None:
 
 
 def _checked_patient(home: Home, catalogue: "Catalogue", code: str) -> str:
-    """Return the code of a participant who can train alone; from here on the terminal's keys send no signals.
+    """Return the code of a participant who can train alone; from here on the terminal's keys send
+    no signals.
 
     Raises:
         Refused: there is no passphrase, or no terminal.
@@ -140,13 +154,17 @@ def open_app(
             "--patient",
             metavar="CODE",
             show_default=False,
-            help="Let this participant train alone: only their exercises, until F12 and the passphrase.",
+            help="Let this participant train alone: only their exercises, until F12 and the "
+            "passphrase.",
         ),
     ] = None,
     markers: Markers = None,
     sync_flash: SyncFlash = False,
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
     ] = False,
 ) -> None:
     """Motor-rehabilitation tasks in a terminal. Opens the app if there is no command."""
@@ -156,9 +174,13 @@ def open_app(
         if patient is not None:
             raise Refused("--patient goes without a command: sar-tui --patient CODE")
         if markers:
-            raise Refused("--markers goes after the command: sar-tui run TASK -p CODE --markers WHERE")
+            raise Refused(
+                "--markers goes after the command: sar-tui run TASK -p CODE --markers WHERE"
+            )
         if sync_flash:
-            raise Refused("--sync-flash goes after the command: sar-tui run TASK -p CODE --sync-flash")
+            raise Refused(
+                "--sync-flash goes after the command: sar-tui run TASK -p CODE --sync-flash"
+            )
     else:
         catalogue = home.catalogue()
         if patient is None:
@@ -166,11 +188,19 @@ def open_app(
         else:
             patient = _checked_patient(home, catalogue, patient)
         addresses = checked_markers(markers)
-        gc.disable()  # nothing that is loaded is garbage; the app turns it on again once its first screen is filled
+        # nothing that is loaded is garbage; the app turns it on again once its first screen is
+        # filled
+        gc.disable()
         try:
             from sar_tui.app.app import run_app
 
-            ended = run_app(home.folder, catalogue, patient=patient or "", markers=addresses, sync_flash=sync_flash)
+            ended = run_app(
+                home.folder,
+                catalogue,
+                patient=patient or "",
+                markers=addresses,
+                sync_flash=sync_flash,
+            )
         finally:
             gc.enable()
         raise typer.Exit(ended)

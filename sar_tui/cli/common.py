@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 
 def named_path(text: str) -> Path:
-    """Return a path that was given to an option. An empty one, as of a variable that is not set, is bad usage."""
+    """Return a path that was given to an option. An empty one, as of a variable that is not set, is
+    bad usage.
+    """
     if not text:
         raise typer.BadParameter("a name is missing: it is empty.")
     return Path(text)
@@ -52,20 +54,31 @@ Tasks = Annotated[
 New = Annotated[
     bool,
     typer.Option(
-        "--new", help="The participant is new. Without it, an unknown code is asked about, or refused if nobody can be."
+        "--new",
+        help="The participant is new. Without it, an unknown code is asked about, or refused if "
+        "nobody can be.",
     ),
 ]
 RecordedSession = Annotated[
-    str, typer.Argument(metavar="SESSION|last", help="The session's id, or its beginning.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="SESSION|last", help="The session's id, or its beginning.", show_default=False
+    ),
 ]
 TaskName = Annotated[
-    str, typer.Argument(metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="TASK", help="The task's name; `sar-tui tasks` lists them.", show_default=False
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Pairs = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="NAME=VALUE", show_default=False, help="Set a parameter of the task. May be repeated."
+        "--set",
+        metavar="NAME=VALUE",
+        show_default=False,
+        help="Set a parameter of the task. May be repeated.",
     ),
 ]
 Steps = Annotated[
@@ -94,7 +107,8 @@ Outputs = Annotated[
         "--outputs",
         metavar="NAME,NAME",
         show_default=False,
-        help="The agent's outputs: screen, speech, tones, servo, ros://HOST; the same as --set outputs=….",
+        help="The agent's outputs: screen, speech, tones, servo, ros://HOST; the same as --set "
+        "outputs=….",
     ),
 ]
 Markers = Annotated[
@@ -103,11 +117,15 @@ Markers = Annotated[
         "--markers",
         metavar="WHERE",
         show_default=False,
-        help="Send markers of events to lsl, udp://HOST:PORT or serial:PORT[@BAUD]. May be repeated.",
+        help="Send markers of events to lsl, udp://HOST:PORT or serial:PORT[@BAUD]. May be "
+        "repeated.",
     ),
 ]
 SyncFlash = Annotated[
-    bool, typer.Option("--sync-flash", help="Begin with a flash and a tone, to align the recordings of cameras.")
+    bool,
+    typer.Option(
+        "--sync-flash", help="Begin with a flash and a tone, to align the recordings of cameras."
+    ),
 ]
 Speech = Annotated[
     str | None,
@@ -115,12 +133,15 @@ Speech = Annotated[
         "--speech",
         metavar="WHERE",
         show_default=False,
-        help="Let the agent speak: sound (loudspeaker) or file:DIR (a WAV file for each utterance).",
+        help="Let the agent speak: sound (loudspeaker) or file:DIR (a WAV file for each "
+        "utterance).",
     ),
 ]
 Language = Annotated[
     str | None,
-    typer.Option("--language", metavar="CODE", show_default=False, help="Language of the session: en, es."),
+    typer.Option(
+        "--language", metavar="CODE", show_default=False, help="Language of the session: en, es."
+    ),
 ]
 
 
@@ -131,7 +152,9 @@ class Home(NamedTuple):
     tasks: tuple[Path, ...] = ()
 
     @classmethod
-    def of(cls, context: typer.Context, data: Path | None = None, tasks: Sequence[Path] | None = None) -> "Home":
+    def of(
+        cls, context: typer.Context, data: Path | None = None, tasks: Sequence[Path] | None = None
+    ) -> "Home":
         """Combine a command's options with those of the commands above it."""
         above = context.find_object(cls) or cls()
         return cls(data or above.data, (*(tasks or ()), *above.tasks))
@@ -151,7 +174,9 @@ class Home(NamedTuple):
 
     @contextmanager
     def database(self) -> "Iterator[sqlite3.Connection]":
-        """Open the database to read it, say if data was lost, and close it afterwards. Raises StoreError."""
+        """Open the database to read it, say if data was lost, and close it afterwards. Raises
+        StoreError.
+        """
         from sar_tui.store.database import connect_to_read
         from sar_tui.store.troubles import troubles
 
@@ -165,7 +190,9 @@ class Home(NamedTuple):
 
     @contextmanager
     def writable_database(self) -> "Iterator[sqlite3.Connection]":
-        """Open the database to write to it, made if there is none, and close it afterwards. Raises StoreError."""
+        """Open the database to write to it, made if there is none, and close it afterwards. Raises
+        StoreError.
+        """
         from sar_tui.store.database import connect
 
         database = connect(self.folder)
@@ -176,7 +203,9 @@ class Home(NamedTuple):
 
     @contextmanager
     def session(self, name: str) -> "Iterator[tuple[sqlite3.Connection, dict[str, Any]]]":
-        """Open the database at a recorded session, given its id, the start of it, or ``last``. Raises StoreError."""
+        """Open the database at a recorded session, given its id, the start of it, or ``last``.
+        Raises StoreError.
+        """
         from sar_tui.store.sessions import find
 
         with self.database() as database:
@@ -191,7 +220,9 @@ def watch_plugins(context: typer.Context) -> None:
 
 
 def give_up(plugin: str) -> None:
-    """End the program at once. For the watchdog's thread, while the command hangs in the code of a plug-in."""
+    """End the program at once. For the watchdog's thread, while the command hangs in the code of a
+    plug-in.
+    """
     print(f"The {plugin} does not return from its own code.", file=sys.stderr, flush=True)
     os._exit(FAILED)
 
@@ -207,11 +238,16 @@ def console(*, error: bool = False) -> "Console":
 
 
 def warn_of_git(path: Path) -> None:
-    """Say on stderr if ``git add .`` would take a file or folder that was written, which holds data of people."""
+    """Say on stderr if ``git add .`` would take a file or folder that was written, which holds data
+    of people.
+    """
     from sar_tui.drivers.git import is_safe_from
 
     if not is_safe_from(path):
-        print(f"! git would add {path}: add it to .gitignore, or move it out of this work tree.", file=sys.stderr)
+        print(
+            f"! git would add {path}: add it to .gitignore, or move it out of this work tree.",
+            file=sys.stderr,
+        )
 
 
 def print_json(value: object) -> None:
@@ -283,7 +319,9 @@ def steps_of(file: Path | None) -> "tuple[Step, ...]":
 
 @contextmanager
 def checked_settings(task: "type[Task]") -> Iterator[None]:
-    """Turn a ParameterError into Refused, and add to its message where the settings of the task are listed."""
+    """Turn a ParameterError into Refused, and add to its message where the settings of the task are
+    listed.
+    """
     from sar_tui.rules.declaration import ParameterError
 
     try:
@@ -293,7 +331,9 @@ def checked_settings(task: "type[Task]") -> Iterator[None]:
 
 
 def is_served() -> bool:
-    """Return True if a browser shows this program's screen: `sar-tui serve` or textual-serve started it."""
+    """Return True if a browser shows this program's screen: `sar-tui serve` or textual-serve
+    started it.
+    """
     return "web_driver" in os.environ.get("TEXTUAL_DRIVER", "")
 
 
@@ -302,7 +342,9 @@ CANNOT_PLACE_TEXT = ("dumb", "unknown")
 
 
 def terminal_kind() -> str:
-    """Return the kind of the terminal, as in TERM; empty if it is not known. Windows has one kind."""
+    """Return the kind of the terminal, as in TERM; empty if it is not known. Windows has one
+    kind.
+    """
     return os.environ.get("TERM", "" if os.name == "posix" else "windows")
 
 
@@ -312,7 +354,8 @@ def is_interactive() -> bool:
 
 
 def are_new(database: "sqlite3.Connection", codes: Sequence[str], *, said: bool) -> bool:
-    """Return True if participants of whom something is recorded now are new: it was said, or is answered here.
+    """Return True if participants of whom something is recorded now are new: it was said, or is
+    answered here.
 
     Raises:
         Refused: somebody is not known, and nobody can be asked.
@@ -342,13 +385,20 @@ def need_screen() -> None:
 def need_terminal() -> None:
     """Raise Refused if there is no terminal, or a browser shows the screen."""
     if is_served():
-        raise Refused("A session cannot run in a browser, where responses cannot be timed. Use a terminal.")
-    if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
+        raise Refused(
+            "A session cannot run in a browser, where responses cannot be timed. Use a terminal."
+        )
+    if not all(
+        stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)
+    ):
         reason = "its input or output is redirected"
     elif (term := terminal_kind()) in CANNOT_PLACE_TEXT:
         reason = f"this one (TERM={term}) cannot place text on the screen"
     elif not term:
-        reason = "the variable TERM, which names the kind of this one, is empty; a common value is xterm-256color"
+        reason = (
+            "the variable TERM, which names the kind of this one, is empty; a common value "
+            "is xterm-256color"
+        )
     else:
         return
     raise Refused(f"This needs a real terminal: {reason}. `sar-tui simulate` works without one.")

@@ -31,7 +31,10 @@ _OF_THE_WAY_BACK = (
 _HARDLY_MOVING_RAD_S = 0.15
 """A recording of reaches has larger rates, unless rates in rad/s were taken for deg/s."""
 
-_SLOW = "The hand turns at no more than {largest} deg/s. If the file is in rad/s, leave out --rate deg/s."
+_SLOW = (
+    "The hand turns at no more than {largest} deg/s. If the file is in rad/s, leave out "
+    "--rate deg/s."
+)
 
 _FLAGS = {
     "no_rest": "the hand was not still before it, so the sensor's bias is a guess",
@@ -39,11 +42,13 @@ _FLAGS = {
     "cut": "the recording begins or ends in it",
     "timed_out": "it lasted too long, and was ended",
     "endless": "it never came to an end",
-    "reversed": "the hand turned the wrong way: check which hand it was, and how the sensor was attached",
+    "reversed": "the hand turned the wrong way: check which hand it was, and how the sensor was "
+    "attached",
     "low_rate": "there are few samples a second, so its boundaries are less exact",
     "saturated": "it was faster than the sensor can measure, so only its times are known",
     "moving": "the hand was still moving when it was measured",
-    "clipped": "its largest values are cut off, as the sensor measures no more; only its times are known",
+    "clipped": "its largest values are cut off, as the sensor measures no more; only its times "
+    "are known",
     "too_far": "the hand turned farther than it can: the sensor's rate is most likely in deg/s",
     "error": "the sensor reported an error",
     "samples": "too few samples to find anything in",
@@ -66,7 +71,9 @@ def read_detector(text: str) -> DetectorName:
         if name == current_name(text):
             return name
     *others, last = STORED_NAMES
-    raise typer.BadParameter(f"There is no detector {text!r}; there are {', '.join(others)} and {last}.")
+    raise typer.BadParameter(
+        f"There is no detector {text!r}; there are {', '.join(others)} and {last}."
+    )
 
 
 def detector_option(help: str, *, show_default: bool = True) -> Any:
@@ -105,19 +112,28 @@ def detect(
     file: Annotated[
         Path,
         typer.Argument(
-            parser=named_path, metavar="FILE", help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.", show_default=False
+            parser=named_path,
+            metavar="FILE",
+            help="FILE.csv or FILE.npz: t, wx,wy,wz, ax,ay,az.",
+            show_default=False,
         ),
     ],
     detector: Annotated[DetectorName, detector_option("How to find the reaches.")] = "orientation",
     hand: Annotated[Hand, typer.Option(help="The hand with the sensor.")] = Hand.right,
     repetitions: Annotated[
-        bool, typer.Option("--repetitions", help="Count the repetitions of one exercise instead of finding reaches.")
+        bool,
+        typer.Option(
+            "--repetitions",
+            help="Count the repetitions of one exercise instead of finding reaches.",
+        ),
     ] = False,
     one_way: Annotated[
         bool, typer.Option("--one-way", help="Find movements from rest to rest without a way back.")
     ] = False,
     rate: Annotated[Rate, typer.Option(help="Unit of the file's angular rates.")] = Rate.radians,
-    acceleration: Annotated[Acceleration, typer.Option(help="Unit of its accelerations.")] = Acceleration.metres,
+    acceleration: Annotated[
+        Acceleration, typer.Option(help="Unit of its accelerations.")
+    ] = Acceleration.metres,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -133,7 +149,9 @@ def detect(
     from sar_tui.motion.long_recording import detect_long
 
     if one_way and (repetitions or detector != "orientation"):
-        raise typer.BadParameter("--one-way goes neither with --repetitions nor with another detector.")
+        raise typer.BadParameter(
+            "--one-way goes neither with --repetitions nor with another detector."
+        )
     units = msgspec.convert({"rate": rate.value, "acceleration": acceleration.value}, Units)
     try:
         if repetitions:
@@ -216,11 +234,21 @@ def _report_repetitions(file: Path, units: "Units", as_json: bool) -> None:
     if as_json:
         turns_s = [round(turn + begin_s, 3) for turn in found.turns_s]
         rate_hz = round(recording.rate_hz, 3)
-        print_json({"rate_hz": rate_hz, "repetitions": found.count, "period_s": found.period_s, "turns_s": turns_s})
+        print_json(
+            {
+                "rate_hz": rate_hz,
+                "repetitions": found.count,
+                "period_s": found.period_s,
+                "turns_s": turns_s,
+            }
+        )
         return
     where = _where(lasts_s, recording.rate_hz)
     if found.period_s is None:
-        sentence = f"No repetitions {where}: counting needs at least two of 0.5 to 10 s each, in one rhythm."
+        sentence = (
+            f"No repetitions {where}: counting needs at least two of 0.5 to 10 s each, in "
+            "one rhythm."
+        )
     else:
         number = "One repetition" if found.count == 1 else f"{found.count} repetitions"
         sentence = f"{number} {where}, one every {found.period_s:.2f} s."
@@ -233,7 +261,15 @@ def _print(found: "LongDetection", detector: str, one_way: bool) -> None:
     out, reaches = console(), found.reaches
     if reaches:
         times = ("onset\ns", "turn\ns", "end\ns", "time\ns")
-        numbers = ("reach", *times, "angle\n°", "out\nrad/s", "back\nrad/s", "SPARC\nout", "SPARC\nback")
+        numbers = (
+            "reach",
+            *times,
+            "angle\n°",
+            "out\nrad/s",
+            "back\nrad/s",
+            "SPARC\nout",
+            "SPARC\nback",
+        )
         rows = [_row(number, reach, one_way) for number, reach in enumerate(reaches, 1)]
         print_table(out, (*numbers, "flags"), rows, right=numbers)
         for line in explain_flags(flag for reach in reaches for flag in reach.flags):
@@ -265,4 +301,7 @@ def _sentence(found: "LongDetection", detector: str) -> str:
     times = [reach.reach_time_s for reach in found.reaches]
     if len(times) == 1:
         return f"One reach {where}: {times[0]:.3f} s."
-    return f"{len(times)} reaches {where}: {min(times):.3f} to {max(times):.3f} s, median {median(times):.3f} s."
+    return (
+        f"{len(times)} reaches {where}: {min(times):.3f} to {max(times):.3f} s, median "
+        f"{median(times):.3f} s."
+    )

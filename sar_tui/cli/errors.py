@@ -18,9 +18,14 @@ _LONG, _QUOTED = 300, 60
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _DISK = {
-    **dict.fromkeys(_FULL, "The disk is full: what was to be written is not complete. Free some space, and try again."),
-    errno.EFBIG: "A file would be larger than the disk or this login may have. Write less, or to another disk.",
-    errno.EIO: "The disk cannot be read or written: see that it is plugged in and whole, and try again.",
+    **dict.fromkeys(
+        _FULL,
+        "The disk is full: what was to be written is not complete. Free some space, and try again.",
+    ),
+    errno.EFBIG: "A file would be larger than the disk or this login may have. Write less, or to "
+    "another disk.",
+    errno.EIO: "The disk cannot be read or written: see that it is plugged in and whole, and try "
+    "again.",
     errno.EROFS: "The disk can only be read. Name another one to write to.",
 }
 """Failures of a disk, which the system often reports without the name of the file."""
@@ -65,7 +70,9 @@ def report(error: Exception) -> int:
 
 
 def explain(error: Exception) -> tuple[int, str]:
-    """Return the exit code and the message for an error, even if parts of the program cannot be loaded."""
+    """Return the exit code and the message for an error, even if parts of the program cannot be
+    loaded.
+    """
     try:
         return _expected(error) or (FAILED, _unexpected(error))
     except Exception as broken:
@@ -105,16 +112,20 @@ def _expected(error: Exception) -> tuple[int, str] | None:
 
 
 def _of_python(error: Exception) -> tuple[int, str] | None:
-    """Return the exit code and the message of an error that is known by Python's own words only, else None."""
+    """Return the exit code and the message of an error that is known by Python's own words only,
+    else None.
+    """
     import shlex
     import sysconfig
     from pathlib import Path
 
     folders = (Path(__file__).parents[1], sysconfig.get_path("purelib"))
     known = {
-        "can't start new thread": "The system starts no more threads for this login: close other programs, or raise "
+        "can't start new thread": "The system starts no more threads for this login: close other "
+        "programs, or raise "
         "the limit of processes (ulimit -u) or of memory (ulimit -v).",
-        "marshal data too short": "A module that Python keeps compiled is cut short, as by a full disk. Make all anew: "
+        "marshal data too short": "A module that Python keeps compiled is cut short, as by a full "
+        "disk. Make all anew: "
         f"{sys.executable} -m compileall -fq {shlex.join(map(str, folders))}",
     }
     sentence = next((known[said] for said in known if said in str(error)), None)
@@ -137,7 +148,9 @@ def _remove_prefix(error: Exception) -> None:
 
 
 def _print(sentence: str) -> None:
-    print(re.sub(rf"\S{{{_LONG},}}", lambda word: f"{word[0][:_QUOTED]}…", sentence), file=sys.stderr)
+    print(
+        re.sub(rf"\S{{{_LONG},}}", lambda word: f"{word[0][:_QUOTED]}…", sentence), file=sys.stderr
+    )
 
 
 def _close_stdout() -> None:

@@ -33,28 +33,47 @@ def export(
             parser=named_path,
             metavar="DIR",
             show_default=False,
-            help="The folder to make. It may exist if it is empty, or holds an earlier export, which is replaced. "
+            help="The folder to make. It may exist if it is empty, or holds an earlier export, "
+            "which is replaced. "
             "Default: a new one in the folder exports of the data folder.",
         ),
     ] = None,
     sessions: Annotated[
-        list[str] | None, typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings.")
+        list[str] | None,
+        typer.Argument(metavar="[SESSION|last]…", help="Ids, or their beginnings."),
     ] = None,
     participant: Annotated[
         str | None,
-        typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Sessions of this participant."),
+        typer.Option(
+            "-p",
+            "--participant",
+            metavar="CODE",
+            show_default=False,
+            help="Sessions of this participant.",
+        ),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="All sessions.")] = False,
     format: Annotated[
-        str, typer.Option("--format", metavar="NAME", help=f"The form of the files: {', '.join(names())}.")
+        str,
+        typer.Option(
+            "--format", metavar="NAME", help=f"The form of the files: {', '.join(names())}."
+        ),
     ] = "csv",
-    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")] = False,
+    simulated: Annotated[
+        bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")
+    ] = False,
     mixed: Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")] = False,
     with_notes: Annotated[
-        bool, typer.Option("--with-notes", help="Also texts that somebody may have typed: notes, reasons, remarks.")
+        bool,
+        typer.Option(
+            "--with-notes", help="Also texts that somebody may have typed: notes, reasons, remarks."
+        ),
     ] = False,
     with_events: Annotated[
-        bool, typer.Option("--with-events", help="Also a row for each message in the program, without its content.")
+        bool,
+        typer.Option(
+            "--with-events", help="Also a row for each message in the program, without its content."
+        ),
     ] = False,
     recode: Annotated[
         Path | None,
@@ -63,11 +82,13 @@ def export(
             parser=named_path,
             metavar="MAP.csv",
             show_default=False,
-            help="Replace codes by random ones and shift dates. The file keeps both; it is made if it does not exist.",
+            help="Replace codes by random ones and shift dates. The file keeps both; it is made "
+            "if it does not exist.",
         ),
     ] = None,
     recipient: Annotated[
-        str, typer.Option("--for", metavar="TEXT", show_default=False, help="For whom, for the ledger.")
+        str,
+        typer.Option("--for", metavar="TEXT", show_default=False, help="For whom, for the ledger."),
     ] = "",
     show_ledger: Annotated[
         bool, typer.Option("--ledger", help="List all exports instead: when, what, for whom.")
@@ -97,7 +118,11 @@ def export(
         mixed=mixed,
     )
     options = Options(
-        with_notes=with_notes, with_events=with_events, recode=recode, recipient=recipient.strip(), author=login_name()
+        with_notes=with_notes,
+        with_events=with_events,
+        recode=recode,
+        recipient=recipient.strip(),
+        author=login_name(),
     )
     with home.database() as database, progress_line("Exporting") as show:
 
@@ -109,10 +134,15 @@ def export(
         to = to or new_folder(home.folder, form, options)
         had_map = recode is None or recode.exists()
         try:
-            exported = write(database, home.folder, home.catalogue(), request, form, to, start, options)
+            exported = write(
+                database, home.folder, home.catalogue(), request, form, to, start, options
+            )
         except BaseException:
             if recode and not had_map and recode.exists():
-                said = f"! {recode} was made, and nothing was exported with it. Keep it for the next try, or delete it."
+                said = (
+                    f"! {recode} was made, and nothing was exported with it. Keep it for the "
+                    "next try, or delete it."
+                )
                 print(said, file=sys.stderr)
             raise
     for written in (to, *([recode] if recode else ())):
@@ -156,4 +186,9 @@ def _print_ledger(home: Home, as_json: bool) -> None:
         )
         for entry in entries
     ]
-    print_table(out, ("when", "by", "for", "format", "sessions", "with", "manifest"), rows, right=("sessions",))
+    print_table(
+        out,
+        ("when", "by", "for", "format", "sessions", "with", "manifest"),
+        rows,
+        right=("sessions",),
+    )

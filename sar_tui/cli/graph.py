@@ -2,7 +2,16 @@
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, TaskName, Tasks, console, print_json, watch_plugins
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    TaskName,
+    Tasks,
+    console,
+    print_json,
+    watch_plugins,
+)
 
 
 def graph(

@@ -1,4 +1,6 @@
-"""Draw a graph of nodes as text: the longest path through the loop from top to bottom, the rest as branches."""
+"""Draw a graph of nodes as text: the longest path through the loop from top to bottom, the rest as
+branches.
+"""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -19,14 +21,23 @@ def draw(whole: Graph, width: int) -> str:
     rest = [part for part in whole.nodes if part.name not in path]
     for part in rest:
         lines += ["", *_node(part, None, whole, inner, width)]
-    return "\n".join([*lines, "", "│ ──▶ topic: published when it happens    ┄┄▶ service: called, answers at once", ""])
+    return "\n".join(
+        [
+            *lines,
+            "",
+            "│ ──▶ topic: published when it happens    ┄┄▶ service: called, answers at once",
+            "",
+        ]
+    )
 
 
 def _node(part: Part, below: str | None, whole: Graph, inner: int, width: int) -> Iterator[str]:
     """Yield the lines of a box, its branches, and the line down to the next box."""
     out = [edge for edge in whole.edges if edge.source == part.name]
     down = [edge.name for edge in out if edge.kind == "topic" and edge.target == below]
-    branches = list(_branches([edge for edge in out if edge.name not in down or edge.target != below]))
+    branches = list(
+        _branches([edge for edge in out if edge.name not in down or edge.target != below])
+    )
     middle = (inner + 2) // 2
     stem = "┬" if down or branches else "─"
     yield f"{_INDENT}╭{'─' * (inner + 2)}╮"
@@ -52,7 +63,11 @@ def _branches(edges: Sequence[Edge]) -> Iterator[tuple[str, str, list[str]]]:
     """Yield each other target, its arrow, and the names of the topics or services."""
     for kind, arrow in (("topic", "──▶"), ("service", "┄┄▶")):
         for target in dict.fromkeys(edge.target for edge in edges if edge.kind == kind):
-            yield target, arrow, [edge.name for edge in edges if (edge.kind, edge.target) == (kind, target)]
+            yield (
+                target,
+                arrow,
+                [edge.name for edge in edges if (edge.kind, edge.target) == (kind, target)],
+            )
 
 
 def _note(part: Part) -> str:

@@ -35,21 +35,34 @@ def list_instruments(as_json: AsJson = False, data: Data = None, tasks: Tasks = 
 @app.command("add")
 def add_score(
     context: typer.Context,
-    participant: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
     name: Annotated[
-        str, typer.Argument(metavar="INSTRUMENT", help="`sar-tui instrument list` lists them.", show_default=False)
+        str,
+        typer.Argument(
+            metavar="INSTRUMENT", help="`sar-tui instrument list` lists them.", show_default=False
+        ),
     ],
     score: Annotated[float, typer.Argument(metavar="SCORE", help="The score.", show_default=False)],
     on: Annotated[
-        str, typer.Option("--on", metavar="DATE", show_default=False, help="The day it was measured: 2026-03-01.")
+        str,
+        typer.Option(
+            "--on", metavar="DATE", show_default=False, help="The day it was measured: 2026-03-01."
+        ),
     ],
-    note: Annotated[str, typer.Option("--note", metavar="TEXT", help="Such as the goal of GAS, or the assessor.")] = "",
+    note: Annotated[
+        str,
+        typer.Option("--note", metavar="TEXT", help="Such as the goal of GAS, or the assessor."),
+    ] = "",
     new: New = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Enter a score. A second one for the same day replaces the first, which is kept in the database."""
+    """Enter a score. A second one for the same day replaces the first, which is kept in the
+    database.
+    """
     from sar_tui.drivers.login_name import login_name
     from sar_tui.progress.instruments import Score
     from sar_tui.store import instrument_scores, participants
@@ -58,24 +71,36 @@ def add_score(
     with home.writable_database() as database:
         is_new = are_new(database, [participant], said=new)
         code = participants.check_own(participant)
-        stored = instrument_scores.add(database, code, Score(name, on, score, note), author=login_name(), is_new=is_new)
+        stored = instrument_scores.add(
+            database, code, Score(name, on, score, note), author=login_name(), is_new=is_new
+        )
     if as_json:
         print_json({"participant": code, **_plain(stored)})
         return
-    console().print(f"{stored.instrument} {stored.score:g} of {code}, {stored.date}, is saved.", soft_wrap=True)
+    console().print(
+        f"{stored.instrument} {stored.score:g} of {code}, {stored.date}, is saved.", soft_wrap=True
+    )
 
 
 @app.command("remove")
 def remove_score(
     context: typer.Context,
-    participant: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)],
-    name: Annotated[str, typer.Argument(metavar="INSTRUMENT", help="The instrument.", show_default=False)],
-    on: Annotated[str, typer.Option("--on", metavar="DATE", show_default=False, help="The day of the score.")],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
+    name: Annotated[
+        str, typer.Argument(metavar="INSTRUMENT", help="The instrument.", show_default=False)
+    ],
+    on: Annotated[
+        str, typer.Option("--on", metavar="DATE", show_default=False, help="The day of the score.")
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Remove a score that was entered by mistake. It no longer counts, and is kept in the database."""
+    """Remove a score that was entered by mistake. It no longer counts, and is kept in the
+    database.
+    """
     from sar_tui.drivers.login_name import login_name
     from sar_tui.store import instrument_scores, participants
 
@@ -87,7 +112,8 @@ def remove_score(
         print_json({"participant": code, **_plain(removed)})
         return
     console().print(
-        f"{removed.instrument} {removed.score:g} of {code}, {removed.date}, is removed, and kept in the database.",
+        f"{removed.instrument} {removed.score:g} of {code}, {removed.date}, is removed, and kept "
+        "in the database.",
         soft_wrap=True,
     )
 

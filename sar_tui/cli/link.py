@@ -6,7 +6,16 @@ from typing import Annotated, Any, cast, get_args
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Tasks,
+    console,
+    named_path,
+    print_json,
+    warn_of_git,
+)
 from sar_tui.cli.errors import Refused
 from sar_tui.tui.exit_codes import FAILED
 
@@ -31,7 +40,13 @@ def invite(
         ),
     ],
     name: Annotated[
-        str, typer.Option("--name", metavar="NAME", show_default=False, help="Their name in the record, such as op1.")
+        str,
+        typer.Option(
+            "--name",
+            metavar="NAME",
+            show_default=False,
+            help="Their name in the record, such as op1.",
+        ),
     ],
     host: Annotated[
         list[str],
@@ -42,7 +57,9 @@ def invite(
             help="This machine's name or address on their network. May be repeated.",
         ),
     ],
-    days: Annotated[int, typer.Option("--days", metavar="N", help="Days until it expires, at most 366.")] = 30,
+    days: Annotated[
+        int, typer.Option("--days", metavar="N", help="Days until it expires, at most 366.")
+    ] = 30,
     to: Annotated[
         Path | None,
         typer.Option(
@@ -59,8 +76,8 @@ def invite(
 ) -> None:
     """Create an invitation: a file that lets a person join sessions from another machine.
 
-    The file is a key: treat it like a password. It is valid for sessions of this data folder that are started with
-    --listen from now on.
+    The file is a key: treat it like a password. It is valid for sessions of this data folder that
+    are started with --listen from now on.
     """
     from sar_tui.link.authority import Authority
     from sar_tui.link.invitation import check_name, file_name, write
@@ -99,7 +116,8 @@ def invite(
         return
     port = where[0].port
     console().print(
-        f"Created {path}, valid until {invitation.expires:%Y-%m-%d}. Anyone who has this file can join as {name}.\n"
+        f"Created {path}, valid until {invitation.expires:%Y-%m-%d}. Anyone who has this file can "
+        f"join as {name}.\n"
         f"Copy it to the other machine, and run there:  sar-tui wizard --link {path.name}\n"
         f"Run here:  sar-tui run TASK -p CODE --listen tls/0.0.0.0:{port}",
         markup=False,
@@ -108,7 +126,9 @@ def invite(
 
 
 @app.command("list")
-def list_invitations(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+def list_invitations(
+    context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
+) -> None:
     """List all invitations."""
     from sar_tui.link.authority import Authority
 
@@ -132,21 +152,33 @@ def list_invitations(context: typer.Context, as_json: AsJson = False, data: Data
         print_json({"invitations": rows})
         return
     if not rows:
-        console().print("Nobody is invited. To invite someone: sar-tui link invite operator --name NAME --host HOST")
+        console().print(
+            "Nobody is invited. To invite someone: sar-tui link invite operator --name NAME "
+            "--host HOST"
+        )
         return
 
     from sar_tui.cli.tables import add, table
 
     listed = table("name", "role", "state", "expires", "host", whole=("name", "role", "state"))
     for row in rows:
-        add(listed, row["name"], row["role"], row["state"], f"{row['expires']:%Y-%m-%d}", ", ".join(row["endpoints"]))
+        add(
+            listed,
+            row["name"],
+            row["role"],
+            row["state"],
+            f"{row['expires']:%Y-%m-%d}",
+            ", ".join(row["endpoints"]),
+        )
     console().print(listed)
 
 
 @app.command()
 def revoke(
     context: typer.Context,
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the guest.", show_default=False)],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of the guest.", show_default=False)
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -159,7 +191,8 @@ def revoke(
         print_json({"name": revoked.name, "role": revoked.role, "revoked": revoked.revoked})
         return
     console().print(
-        f"Revoked the invitation of {revoked.name}. Sessions that already run still accept it: end them to be sure.",
+        f"Revoked the invitation of {revoked.name}. Sessions that already run still accept it: "
+        "end them to be sure.",
         markup=False,
         soft_wrap=True,
     )
@@ -168,7 +201,10 @@ def revoke(
 @app.command()
 def check(
     file: Annotated[
-        Path, typer.Argument(parser=named_path, metavar="FILE", help="The invitation.", show_default=False)
+        Path,
+        typer.Argument(
+            parser=named_path, metavar="FILE", help="The invitation.", show_default=False
+        ),
     ],
     as_json: AsJson = False,
     data: Data = None,
@@ -204,7 +240,9 @@ def check(
             soft_wrap=True,
         )
         for tried in attempts:
-            mark, text = ("✗", tried["error"]) if tried["error"] else ("✓", "A session there accepts it.")
+            mark, text = (
+                ("✗", tried["error"]) if tried["error"] else ("✓", "A session there accepts it.")
+            )
             out.print(f"{mark} {tried['endpoint']}: {text}", markup=False, soft_wrap=True)
     if all(tried["error"] for tried in attempts):
         raise typer.Exit(FAILED)

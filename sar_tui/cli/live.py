@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from sar_tui.store.sessions import Row
 
 AllowOperators = Annotated[
-    bool, typer.Option("--operator", help="Let operators on this machine join, with `sar-tui wizard`.")
+    bool,
+    typer.Option("--operator", help="Let operators on this machine join, with `sar-tui wizard`."),
 ]
 Listen = Annotated[
     str | None,
@@ -62,7 +63,8 @@ def run(
             "--participant",
             metavar="CODE",
             show_default=False,
-            help="The participant's code, never a name. In a task for two, give it twice: left, then right.",
+            help="The participant's code, never a name. In a task for two, give it twice: left, "
+            "then right.",
         ),
     ],
     settings: Pairs = None,
@@ -72,7 +74,8 @@ def run(
             "--imu",
             metavar="NAME",
             show_default=False,
-            help="The motion sensor: phidget, simulated, recorded:FILE, session:ID; the same as --set imu=NAME.",
+            help="The motion sensor: phidget, simulated, recorded:FILE, session:ID; the same as "
+            "--set imu=NAME.",
         ),
     ] = None,
     imu_trunk: Annotated[
@@ -103,8 +106,8 @@ def run(
 ) -> None:
     """Start a session.
 
-    It starts from the participant's programme; --set, --imu, --imu-trunk, --theme, --outputs, --speech and --language
-    apply to this session only.
+    It starts from the participant's programme; --set, --imu, --imu-trunk, --theme, --outputs,
+    --speech and --language apply to this session only.
     """
     home = Home.of(context, data, tasks)
     catalogue = home.catalogue()
@@ -113,7 +116,9 @@ def run(
         _check_uses_sensor(kind, "imu", "no motion sensor")
     if imu_trunk is not None:
         _check_uses_sensor(kind, "imu_trunk", "no sensor on the trunk")
-    given = read_settings(settings, imu=imu, imu_trunk=imu_trunk, outputs=outputs, language=language)
+    given = read_settings(
+        settings, imu=imu, imu_trunk=imu_trunk, outputs=outputs, language=language
+    )
 
     from sar_tui.runs.plan import left_out_text, make_plan
     from sar_tui.store import programmes
@@ -142,16 +147,22 @@ def run(
     if kind.sensor_seats(plan.parameters):
         _check_sensor(plan, home)
     elif imu is not None:
-        raise Refused(f"The task {kind.name} uses no motion sensor with these settings: leave out --imu.")
+        raise Refused(
+            f"The task {kind.name} uses no motion sensor with these settings: leave out --imu."
+        )
     addresses = checked_markers(markers)
     need_terminal()
     with closing(connect_to_read(home.folder)) as database:
         are_new(database, plan.participants, said=new)
     can_join = operator or plan.parameters.operator_joins
-    with _open_link(home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms) as link:
+    with _open_link(
+        home, plan.id, task, plan.participants, can_join, listen, plan.parameters.operator_lost_ms
+    ) as link:
         from sar_tui.app.app import run_app
 
-        ended = run_app(home.folder, catalogue, plan=plan, link=link, markers=addresses, sync_flash=sync_flash)
+        ended = run_app(
+            home.folder, catalogue, plan=plan, link=link, markers=addresses, sync_flash=sync_flash
+        )
     raise typer.Exit(ended)
 
 
@@ -179,7 +190,9 @@ def _open_link(
         raise Refused(str(error)) from error
     with ExitStack() as stack:
         try:
-            broker = stack.enter_context(open_link(home.folder, session, task, participants, listening, lost_ms))
+            broker = stack.enter_context(
+                open_link(home.folder, session, task, participants, listening, lost_ms)
+            )
         except LinkError as error:
             raise Failed(str(error)) from error
         yield broker
@@ -189,11 +202,15 @@ def _check_uses_sensor(kind: "type[Task]", parameter: str, which: str) -> None:
     from sar_tui.rules.parameters import fields
 
     if not any(field.name == parameter for field in fields(kind.Parameters)):
-        raise Refused(f"The task {kind.name} uses {which}: leave out --{parameter.replace('_', '-')}.")
+        raise Refused(
+            f"The task {kind.name} uses {which}: leave out --{parameter.replace('_', '-')}."
+        )
 
 
 def _check_sensor(plan: "Plan", home: Home) -> None:
-    """Raise before the screen changes if a sensor does not exist. The app waits for one that is not plugged in."""
+    """Raise before the screen changes if a sensor does not exist. The app waits for one that is not
+    plugged in.
+    """
     from sar_tui.loop.clock import VirtualClock
     from sar_tui.runs.sensors import open_sensors
 
@@ -204,9 +221,13 @@ def resume(
     context: typer.Context,
     session: Annotated[
         str | None,
-        typer.Argument(metavar="[SESSION|last]", help="The session's id, or its beginning.", show_default=False),
+        typer.Argument(
+            metavar="[SESSION|last]", help="The session's id, or its beginning.", show_default=False
+        ),
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Resume the latest without a question.")] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Resume the latest without a question.")
+    ] = False,
     operator: AllowOperators = False,
     listen: Listen = None,
     markers: Markers = None,
@@ -238,11 +259,18 @@ def resume(
     need_terminal()
     lost_ms = chosen["parameters"].get("operator_lost_ms", TaskParameters().operator_lost_ms)
     can_join = operator or chosen["parameters"].get("operator_joins", False)
-    with _open_link(home, chosen["id"], chosen["task"], codes(chosen), can_join, listen, lost_ms) as link:
+    with _open_link(
+        home, chosen["id"], chosen["task"], codes(chosen), can_join, listen, lost_ms
+    ) as link:
         from sar_tui.app.app import run_app
 
         ended = run_app(
-            home.folder, catalogue, resume=chosen["id"], link=link, markers=addresses, sync_flash=sync_flash
+            home.folder,
+            catalogue,
+            resume=chosen["id"],
+            link=link,
+            markers=addresses,
+            sync_flash=sync_flash,
         )
     raise typer.Exit(ended)
 
@@ -259,12 +287,16 @@ def _confirm(latest: "Row") -> None:
     done = f"{latest['attempts']} of {latest['parameters'].get('attempts', '?')} attempts done"
     began = local_time(latest["started_at"], latest["utc_offset_s"])
     print(
-        f"The latest interrupted session is {latest['id']} of {participant_codes(latest)}: {latest['task']}, "
+        f"The latest interrupted session is {latest['id']} of {participant_codes(latest)}: "
+        f"{latest['task']}, "
         f"began {began}, {done}.",
         file=sys.stderr,
     )
     if not is_interactive():
         raise Refused(f"Nobody can be asked if it is meant. Name it: sar-tui resume {latest['id']}")
     if not typer.confirm("Resume it?", err=True):
-        print("Nothing was resumed. `sar-tui sessions` lists all sessions; `sar-tui resume ID` resumes one.")
+        print(
+            "Nothing was resumed. `sar-tui sessions` lists all sessions; `sar-tui resume ID` "
+            "resumes one."
+        )
         raise typer.Exit(FAILED)

@@ -13,9 +13,14 @@ _ROWS = 1000
 
 
 def print_table(
-    out: "Console", columns: Sequence[str], rows: Sequence[Sequence[object]], *, right: Sequence[str] = ()
+    out: "Console",
+    columns: Sequence[str],
+    rows: Sequence[Sequence[object]],
+    *,
+    right: Sequence[str] = (),
 ) -> None:
-    """Print a table. Columns in ``right`` are right-aligned; an empty cell is a dash; a long line is not folded.
+    """Print a table. Columns in ``right`` are right-aligned; an empty cell is a dash; a long line
+    is not folded.
 
     The name of a column may have several lines.
     """
@@ -33,4 +38,6 @@ def print_table(
     rule = "─" * (sum(widths) + len(_GAP) * (len(columns) - 1))
     lines = [*map(line, heads), rule, *map(line, cells)]
     for first in range(0, len(lines), _ROWS):
-        out.print("\n".join(lines[first : first + _ROWS]), markup=False, highlight=False, soft_wrap=True)
+        out.print(
+            "\n".join(lines[first : first + _ROWS]), markup=False, highlight=False, soft_wrap=True
+        )

@@ -11,14 +11,19 @@ from sar_tui.cli.common import checked_markers
 def markers(
     destinations: Annotated[
         list[str],
-        typer.Argument(metavar="WHERE", help="lsl, udp://HOST:PORT or serial:PORT[@BAUD].", show_default=False),
+        typer.Argument(
+            metavar="WHERE", help="lsl, udp://HOST:PORT or serial:PORT[@BAUD].", show_default=False
+        ),
     ],
     count: Annotated[int, typer.Option(metavar="N", min=1, max=100_000, help="How many.")] = 10,
-    every: Annotated[float, typer.Option(metavar="SECONDS", min=0, max=60, help="Time between two.")] = 1.0,
+    every: Annotated[
+        float, typer.Option(metavar="SECONDS", min=0, max=60, help="Time between two.")
+    ] = 1.0,
 ) -> None:
     """Send test markers to other recorders.
 
-    Start the recorder, and see that ten markers arrive, one a second. A session sends markers with `--markers`.
+    Start the recorder, and see that ten markers arrive, one a second. A session sends markers with
+    `--markers`.
     """
     addresses = checked_markers(destinations)
 

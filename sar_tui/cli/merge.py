@@ -31,7 +31,10 @@ def merge(
     other: Annotated[
         Path | None,
         typer.Argument(
-            parser=named_path, metavar="[OTHER.db]", help="The other database, or its data folder.", show_default=False
+            parser=named_path,
+            metavar="[OTHER.db]",
+            help="The other database, or its data folder.",
+            show_default=False,
         ),
     ] = None,
     same: Annotated[
@@ -44,23 +47,36 @@ def merge(
         ),
     ] = None,
     site: Annotated[
-        str, typer.Option("--site", metavar="CODE", show_default=False, help="The other's site, if it has no code.")
+        str,
+        typer.Option(
+            "--site",
+            metavar="CODE",
+            show_default=False,
+            help="The other's site, if it has no code.",
+        ),
     ] = "",
     one_site: Annotated[
-        bool, typer.Option("--one-site", help="Both are of one site, where a code stands for one person.")
+        bool,
+        typer.Option(
+            "--one-site", help="Both are of one site, where a code stands for one person."
+        ),
     ] = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Bring what another database has into this one; without one, list what contradicts and who is the same person.
+    """Bring what another database has into this one; without one, list what contradicts and who is
+    the same person.
 
     The other database is only read, and a backup of this one is made.
     """
     from sar_tui.store.merge.merge import merge as merge_databases
 
     if other is None and (site or one_site):
-        raise Refused("--site and --one-site are about another database: name it, such as sar-tui merge bern.db.")
+        raise Refused(
+            "--site and --one-site are about another database: name it, such as sar-tui merge "
+            "bern.db."
+        )
     home = Home.of(context, data, tasks)
     with progress_line("Merging") as show:
 
@@ -68,7 +84,9 @@ def merge(
             show(step, 0, 0)
             return lambda done, total: show(step, done, total)
 
-        merged = merge_databases(home.folder, other, same or (), site=site, one_site=one_site, start=start)
+        merged = merge_databases(
+            home.folder, other, same or (), site=site, one_site=one_site, start=start
+        )
     if as_json:
         print_json(merged)
     else:
@@ -93,13 +111,21 @@ def _print(merged: "Merged", other: Path | None) -> None:
     for code, same_as in merged.same:
         print(f"{code} is {same_as}.")
     for conflict in merged.conflicts:
-        print(f"! Another version of the {conflict.kind} {conflict.key} is kept aside ({conflict.digest[:8]}).")
+        print(
+            f"! Another version of the {conflict.kind} {conflict.key} is kept aside "
+            f"({conflict.digest[:8]})."
+        )
     for session in merged.left_out:
-        print(f"! Session {session} is running there. It is left out: merge again when it has ended.")
+        print(
+            f"! Session {session} is running there. It is left out: merge again when it has ended."
+        )
     for sentence in merged.refused:
         print(f"! {sentence}")
     for path in merged.rescue_files:
-        print(f"! {path} holds data that is not in that database. Run `sar-tui rescue` there, and merge again.")
+        print(
+            f"! {path} holds data that is not in that database. Run `sar-tui rescue` there, and "
+            "merge again."
+        )
 
 
 def _count(number: int, words: tuple[str, str]) -> str:

@@ -16,15 +16,17 @@ if TYPE_CHECKING:
 def passphrase(
     context: typer.Context,
     remove: Annotated[bool, typer.Option("--remove", help="Remove the passphrase.")] = False,
-    tries: Annotated[bool, typer.Option("--tries", help="List when it was entered, right or wrong.")] = False,
+    tries: Annotated[
+        bool, typer.Option("--tries", help="List when it was entered, right or wrong.")
+    ] = False,
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
     """Set the therapist's passphrase.
 
-    It ends patient mode, and guards the therapist's choices in a pause. It is asked for twice, or read from standard
-    input. Forgotten: set another one.
+    It ends patient mode, and guards the therapist's choices in a pause. It is asked for twice, or
+    read from standard input. Forgotten: set another one.
     """
     from sar_tui.store.passphrase import Passphrase
 
@@ -37,10 +39,16 @@ def passphrase(
         return
     if remove:
         stored.remove()
-        done = "There is no passphrase now: the therapist's choices in a pause are open, and patient mode cannot begin."
+        done = (
+            "There is no passphrase now: the therapist's choices in a pause are open, and "
+            "patient mode cannot begin."
+        )
     else:
         stored.set(_ask())
-        done = "The passphrase is set. Patient mode: sar-tui --patient CODE, or F12 on the first screen."
+        done = (
+            "The passphrase is set. Patient mode: sar-tui --patient CODE, or F12 on the first "
+            "screen."
+        )
     if as_json:
         print_json({"is_set": stored.is_set})
     else:

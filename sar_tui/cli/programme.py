@@ -1,4 +1,6 @@
-"""``sar-tui programme``: shows, exports, imports participants' programmes, and lists their versions and presets."""
+"""``sar-tui programme``: shows, exports, imports participants' programmes, and lists their versions
+and presets.
+"""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -29,13 +31,24 @@ if TYPE_CHECKING:
 
 app = typer.Typer(rich_markup_mode=None)
 
-Code = Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)]
+Code = Annotated[
+    str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+]
 AnyTask = Annotated[
-    str | None, typer.Argument(metavar="[TASK]", help="The task. Default: each that has one.", show_default=False)
+    str | None,
+    typer.Argument(
+        metavar="[TASK]", help="The task. Default: each that has one.", show_default=False
+    ),
 ]
 Version = Annotated[
     int | None,
-    typer.Option("--version", metavar="N", min=1, show_default=False, help="An earlier version. Default: the newest."),
+    typer.Option(
+        "--version",
+        metavar="N",
+        min=1,
+        show_default=False,
+        help="An earlier version. Default: the newest.",
+    ),
 ]
 
 
@@ -66,7 +79,9 @@ def show(
         code, names = _tasks(database, participant, task)
         for name in names:
             saved = programmes.find(database, code, name, version) if version else None
-            found.append((home.catalogue().task(name), saved or programmes.newest(database, code, name)))
+            found.append(
+                (home.catalogue().task(name), saved or programmes.newest(database, code, name))
+            )
     usables = [usable(kind.Parameters, saved.parameters) for kind, saved in found]
     if as_json:
         rows = [
@@ -82,14 +97,20 @@ def show(
 
 
 def _print(
-    kind: "type[Task]", code: str, saved: "Programme", differing: "Sequence[Change]", left_out: Sequence[str]
+    kind: "type[Task]",
+    code: str,
+    saved: "Programme",
+    differing: "Sequence[Change]",
+    left_out: Sequence[str],
 ) -> None:
     from sar_tui.cli.tables import add, table
     from sar_tui.rules.declaration import show as shown
 
     out = console()
     if not saved.version:
-        out.print(f"{code} has no programme for {kind.title}: its defaults are used.", soft_wrap=True)
+        out.print(
+            f"{code} has no programme for {kind.title}: its defaults are used.", soft_wrap=True
+        )
         return
     out.print(f"{code}, {kind.title}: version {saved.version}", soft_wrap=True)
     out.print(f"Saved {_when_and_who(saved)}", soft_wrap=True)
@@ -105,7 +126,11 @@ def _print(
     for reason in left_out:
         out.print(f"! Not used: {reason}", soft_wrap=True)
     rest = "Everything else is" if differing else "Everything is"
-    out.print(f"{rest} at its default; `sar-tui tasks show {kind.name}` lists it.", end="\n\n", soft_wrap=True)
+    out.print(
+        f"{rest} at its default; `sar-tui tasks show {kind.name}` lists it.",
+        end="\n\n",
+        soft_wrap=True,
+    )
 
 
 @app.command()
@@ -133,7 +158,12 @@ def history(
             rows.append((kind, before, saved, made))
     if as_json:
         print_json(
-            {"versions": [{**_facts(kind, code, saved), "changes": [*made]} for kind, _, saved, made in reversed(rows)]}
+            {
+                "versions": [
+                    {**_facts(kind, code, saved), "changes": [*made]}
+                    for kind, _, saved, made in reversed(rows)
+                ]
+            }
         )
         return
     if not rows:
@@ -143,11 +173,23 @@ def history(
     from sar_tui.cli.tables import add, table
 
     several = ("task",) if len(found) > 1 else ()
-    made_table = table("version", *several, "saved", "what changed", "why", right=("version",), whole=("saved",))
+    made_table = table(
+        "version", *several, "saved", "what changed", "why", right=("version",), whole=("saved",)
+    )
     for kind, before, saved, made in reversed(rows):
         theme = [f"theme {before.theme} → {saved.theme}"] if before.theme != saved.theme else []
-        words = "; ".join([*(change.text for change in made), *theme]) or "nothing differs from the defaults"
-        add(made_table, saved.version, *(kind.name for _ in several), _when_and_who(saved), words, saved.reason)
+        words = (
+            "; ".join([*(change.text for change in made), *theme])
+            or "nothing differs from the defaults"
+        )
+        add(
+            made_table,
+            saved.version,
+            *(kind.name for _ in several),
+            _when_and_who(saved),
+            words,
+            saved.reason,
+        )
     console().print(made_table)
 
 
@@ -169,7 +211,9 @@ def export_programme(
     ] = None,
     preset: Annotated[
         str | None,
-        typer.Option("--preset", metavar="NAME", show_default=False, help="Keep it as a preset of your own."),
+        typer.Option(
+            "--preset", metavar="NAME", show_default=False, help="Keep it as a preset of your own."
+        ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -191,7 +235,9 @@ def export_programme(
     if as_json:
         kept, left_out = usable(kind.Parameters, saved.parameters)
         values = msgspec.to_builtins(build(kind.Parameters, kept))
-        print_json({"programme": {**_facts(kind, code, saved), "parameters": values, "left_out": left_out}})
+        print_json(
+            {"programme": {**_facts(kind, code, saved), "parameters": values, "left_out": left_out}}
+        )
         return
     text = write(kind, code, saved)
     if preset is not None:
@@ -213,7 +259,10 @@ def import_programme(
     file: Annotated[
         Path | None,
         typer.Argument(
-            parser=named_path, metavar="[FILE]", help="A file that export wrote; - for stdin.", show_default=False
+            parser=named_path,
+            metavar="[FILE]",
+            help="A file that export wrote; - for stdin.",
+            show_default=False,
         ),
     ] = None,
     preset: Annotated[
@@ -222,21 +271,34 @@ def import_programme(
             "--preset",
             metavar="NAME",
             show_default=False,
-            help="Instead of a file: mild, moderate, severe, or one of your own. Settings of the person and the place, "
-            "such as hand, language and limits, stay as they are; all others are as the preset says, else at their "
+            help="Instead of a file: mild, moderate, severe, or one of your own. Settings of the "
+            "person and the place, "
+            "such as hand, language and limits, stay as they are; all others are as the preset "
+            "says, else at their "
             "default.",
         ),
     ] = None,
     reason: Annotated[
-        str, typer.Option("--reason", metavar="TEXT", show_default=False, help="Why the programme changes.")
+        str,
+        typer.Option(
+            "--reason", metavar="TEXT", show_default=False, help="Why the programme changes."
+        ),
     ] = "",
     author: Annotated[
         str | None,
-        typer.Option("--author", metavar="NAME", show_default=False, help="Who changes it. Default: the login name."),
+        typer.Option(
+            "--author",
+            metavar="NAME",
+            show_default=False,
+            help="Who changes it. Default: the login name.",
+        ),
     ] = None,
     new: New = False,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Also if the programme was changed since the file was exported.")
+        bool,
+        typer.Option(
+            "--anyway", help="Also if the programme was changed since the file was exported."
+        ),
     ] = False,
     as_json: AsJson = False,
     data: Data = None,
@@ -253,7 +315,10 @@ def import_programme(
     from sar_tui.store import participants, programmes
 
     if (file is None) == (preset is None):
-        raise Refused("Name either a file or a preset: --preset mild. `sar-tui programme presets TASK` lists them.")
+        raise Refused(
+            "Name either a file or a preset: --preset mild. `sar-tui programme presets TASK` "
+            "lists them."
+        )
     if not reason.strip():
         raise Refused('Say why the programme changes: --reason "Reached the goal four times".')
     home = Home.of(context, data, tasks)
@@ -283,22 +348,35 @@ def import_programme(
                 reason=reason.strip(),
             )  # fmt: skip
         except programmes.Superseded as error:
-            raise Refused(f"{error} Export it again, or give --anyway to put this file on top of it.") from error
+            raise Refused(
+                f"{error} Export it again, or give --anyway to put this file on top of it."
+            ) from error
         participants.add(database, code)
     if as_json:
         print_json({"programme": {**_facts(kind, code, saved), "parameters": saved.parameters}})
         return
     if preset is not None and (stay := not_applied(kind, given)):
         names = ", ".join(field.title for field in stay)
-        print(f"! The preset also names what belongs to the person or the place, and stays: {names}.", file=sys.stderr)
+        print(
+            f"! The preset also names what belongs to the person or the place, and stays: {names}.",
+            file=sys.stderr,
+        )
     is_new = saved.version != last.version
-    done = f"Saved version {saved.version}" if is_new else f"Nothing differs from version {saved.version}"
+    done = (
+        f"Saved version {saved.version}"
+        if is_new
+        else f"Nothing differs from version {saved.version}"
+    )
     console().print(f"{done} of the programme of {code} for {kind.title}.", soft_wrap=True)
 
 
 @app.command()
 def presets(
-    context: typer.Context, task: TaskName, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
+    context: typer.Context,
+    task: TaskName,
+    as_json: AsJson = False,
+    data: Data = None,
+    tasks: Tasks = None,
 ) -> None:
     """List the presets of a task."""
     from sar_tui.runs.presets import files
@@ -321,7 +399,10 @@ def presets(
     if not rows:
         out.print(f"The task {task} has no presets.")
     for row in rows:
-        out.print(f"{row['name']:<12} {row.get('error') or row['summary'] or 'one of your own'}", soft_wrap=True)
+        out.print(
+            f"{row['name']:<12} {row.get('error') or row['summary'] or 'one of your own'}",
+            soft_wrap=True,
+        )
 
 
 def _tasks(database: Any, participant: str, task: str | None) -> tuple[str, list[str]]:
@@ -379,7 +460,9 @@ def _preset_file(home: Home, kind: "type[Task]", name: str) -> Path:
     from sar_tui.runs.presets import own_folder
 
     if not name.replace("-", "").replace("_", "").isalnum():
-        raise Refused(f"{name!r} cannot name a preset. Use letters, digits, - and _, such as left-arm.")
+        raise Refused(
+            f"{name!r} cannot name a preset. Use letters, digits, - and _, such as left-arm."
+        )
     folder = own_folder(home.folder, kind)
     make_private(folder)
     return folder / f"{name}.toml"

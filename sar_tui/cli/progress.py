@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git, watch_plugins
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Tasks,
+    console,
+    named_path,
+    print_json,
+    warn_of_git,
+    watch_plugins,
+)
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 
@@ -32,14 +42,20 @@ _ID = 6
 
 def progress(
     context: typer.Context,
-    participant: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
     task: Annotated[
-        str | None, typer.Option("--task", metavar="TASK", show_default=False, help="Only this task.")
+        str | None,
+        typer.Option("--task", metavar="TASK", show_default=False, help="Only this task."),
     ] = None,
     compare: Annotated[
         str | None,
         typer.Option(
-            "--compare", metavar="SESSION,SESSION", show_default=False, help="Compare two sessions, by id or beginning."
+            "--compare",
+            metavar="SESSION,SESSION",
+            show_default=False,
+            help="Compare two sessions, by id or beginning.",
         ),
     ] = None,
     html: Annotated[
@@ -52,7 +68,9 @@ def progress(
             help="Write a page with charts, to print. It needs the extra `report`.",
         ),
     ] = None,
-    note: Annotated[bool, typer.Option("--note", help="Print a paragraph to paste into a record.")] = False,
+    note: Annotated[
+        bool, typer.Option("--note", help="Print a paragraph to paste into a record.")
+    ] = False,
     language: Annotated[
         str, typer.Option("--language", metavar="CODE", help="Language of the sentences: en, es.")
     ] = "en",
@@ -85,7 +103,9 @@ def progress(
         )
     if not (found.lines or found.instruments or found.events) and not as_json and html is None:
         of_task = "" if task is None else f" of the task {task}"
-        raise Refused(f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions.")
+        raise Refused(
+            f"{code} has no finished attempts{of_task} yet. `sar-tui sessions` lists all sessions."
+        )
     if html is not None:
         _write_page(found, html, find, language)
     elif compare is not None:
@@ -105,7 +125,9 @@ def progress(
 
 
 def _write_page(found: "Progress", path: Path, find: "Find", language: str) -> None:
-    """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts cannot be drawn."""
+    """Write the page, readable by its owner alone. Raises Refused if the file exists, or charts
+    cannot be drawn.
+    """
     from sar_tui.drivers.new_file import write_private
     from sar_tui.reports.html_page import ChartsMissing
     from sar_tui.reports.progress_page import page
@@ -145,7 +167,9 @@ def _print(out: "Console", found: "Progress", find: "Find", language: str) -> No
         out.print(f"! {text}", soft_wrap=True, end="\n\n")
     for line in found.lines:
         tr = progress_words.words(language, find(line.task))
-        out.print(f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n")
+        out.print(
+            f"{found.participant} · {progress_words.heading(line, tr)}", soft_wrap=True, end="\n\n"
+        )
         _print_chart(out, line, tr)
         _print_sessions(out, line, tr)
         for sentence in progress_words.sentences(line, tr):
@@ -156,10 +180,17 @@ def _print(out: "Console", found: "Progress", find: "Find", language: str) -> No
 
 
 def _print_chart(out: "Console", line: "LineProgress", tr: "Language") -> None:
-    """Print the level at goal over sessions, or their results where no level is known; nothing of a single session."""
+    """Print the level at goal over sessions, or their results where no level is known; nothing of a
+    single session.
+    """
     from rich.text import Text
 
-    from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, result_figure
+    from sar_tui.reports.progress_figures import (
+        has_levels,
+        has_results,
+        level_figure,
+        result_figure,
+    )
 
     if len(line.sessions) < 2 or not has_results(line):
         return
@@ -173,9 +204,16 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
     from sar_tui.cli.long_table import print_table
     from sar_tui.reports import progress_words
 
-    heads = [tr(head) for head in ("session", "date", "levels", "mean ± SD", "correct", "goals", "level at goal")]
+    heads = [
+        tr(head)
+        for head in ("session", "date", "levels", "mean ± SD", "correct", "goals", "level at goal")
+    ]
     heads.append(f"{tr(line.axis.unit or line.axis.name)}, 95 %")
-    measured = [measure for measure in line.measured if any(measure.name in each.qualities for each in line.sessions)]
+    measured = [
+        measure
+        for measure in line.measured
+        if any(measure.name in each.qualities for each in line.sessions)
+    ]
     heads += [measure.label(tr) for measure in measured]
     has_felt = any(each.pain is not None or each.tiredness is not None for each in line.sessions)
     if has_felt:
@@ -191,7 +229,11 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
             tr.figures(f"{each.at_goal.level:.1f}") if each.at_goal and each.at_goal.level else "",
             progress_words.band(line, each, tr) or tr(progress_words.SIDES[each.side]),
             *(progress_words.measured(each, measure, tr) for measure in measured),
-            *("–" if given is None else str(given) for given in (each.pain, each.tiredness) if has_felt),
+            *(
+                "–" if given is None else str(given)
+                for given in (each.pain, each.tiredness)
+                if has_felt
+            ),
         )
         for each in line.sessions[-_LISTED:]
     ]
@@ -201,7 +243,9 @@ def _print_sessions(out: "Console", line: "LineProgress", tr: "Language") -> Non
     if line.between_sd is not None:
         shown = progress_words.between_sd(line, tr)
         between = tr("SD between the means of the sessions: {sd}.", sd=shown)
-        out.print(f"{between} {tr('SD in the table: between the attempts of a session.')}", soft_wrap=True)
+        out.print(
+            f"{between} {tr('SD in the table: between the attempts of a session.')}", soft_wrap=True
+        )
     out.print()
 
 
@@ -224,7 +268,8 @@ def _print_dose(out: "Console", found: "Progress", tr: "Language") -> None:
     last = found.days[-1]
     out.print(
         tr(
-            "{date}: {done} of {planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",
+            "{date}: {done} of {planned} attempts, {repetitions} repetitions, {minutes} min on "
+            "task without rests.",
             date=last.date,
             done=str(last.done),
             planned=str(last.planned),
@@ -254,9 +299,13 @@ def _compare(found: "Progress", named: str, find: "Find", language: str, as_json
 
 
 def _session(found: "Progress", name: str) -> str:
-    """Return the id of a session of the participant, given its id, its beginning, or ``last``. Raises Refused."""
+    """Return the id of a session of the participant, given its id, its beginning, or ``last``.
+    Raises Refused.
+    """
     known = [each.session for line in found.lines for each in line.sessions]
-    meant = known[-1:] if name == "last" else [session for session in known if session.startswith(name)]
+    meant = (
+        known[-1:] if name == "last" else [session for session in known if session.startswith(name)]
+    )
     if len(meant) != 1:
         many = "More than one session" if meant else "No session with a finished attempt"
         raise Refused(f"{many} of {found.participant} begins with {name}.")

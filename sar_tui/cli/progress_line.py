@@ -1,4 +1,6 @@
-"""Progress of a command that takes long: a line on the terminal, or a line now and then on stderr where it is piped."""
+"""Progress of a command that takes long: a line on the terminal, or a line now and then on stderr
+where it is piped.
+"""
 
 import os
 import sys
@@ -22,9 +24,14 @@ _PIPED_S = 10.0
 
 @contextmanager
 def progress_line(
-    what: str, *, piped: bool = False, still: bool = False, now: Callable[[], float] = time.monotonic
+    what: str,
+    *,
+    piped: bool = False,
+    still: bool = False,
+    now: Callable[[], float] = time.monotonic,
 ) -> Iterator[Show]:
-    """Show on stderr what a block is doing and how long it will go on, once it takes longer than a second.
+    """Show on stderr what a block is doing and how long it will go on, once it takes longer than a
+    second.
 
     The line is gone when the block is over.
 
@@ -34,7 +41,8 @@ def progress_line(
         still: only when the block calls, so that no thread disturbs what it measures.
         now: the clock, in s.
     """
-    stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)  # it gets a carriage return, which others may not
+    # it gets a carriage return, which others may not
+    stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
     if stream is None or not (stream.isatty() or piped):
         yield lambda what, done, of: None
         return
@@ -63,7 +71,14 @@ def progress_line(
 class _Line:
     """The line, drawn by the block and by the thread that shows that time goes on."""
 
-    def __init__(self, what: str, now: Callable[[], float], write: Callable[[str], None], *, on_terminal: bool) -> None:
+    def __init__(
+        self,
+        what: str,
+        now: Callable[[], float],
+        write: Callable[[str], None],
+        *,
+        on_terminal: bool,
+    ) -> None:
         self._now, self._write, self._on_terminal = now, write, on_terminal
         self._what, self._done, self._of = what, 0.0, 0.0
         self._began_s, self._began_at = now(), 0.0
@@ -99,7 +114,9 @@ class _Line:
             self._write(f"{text}\n")
 
     def _how_far(self) -> str:
-        """Return the share that is done, and the time left at the speed until now; or the time that has passed."""
+        """Return the share that is done, and the time left at the speed until now; or the time that
+        has passed.
+        """
         passed_s, made = self._now() - self._began_s, self._done - self._began_at
         if self._of <= 0:
             return f"{passed_s:.0f} s"

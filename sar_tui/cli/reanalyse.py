@@ -18,14 +18,21 @@ if TYPE_CHECKING:
     from sar_tui.motion.samples import Samples
 
 Row = dict[str, Any]
-_WINDOW = ("window_from_ns", "window_started_ns", "window_to_ns", "detector", "detector_parameters", "hand")
+_WINDOW = (
+    "window_from_ns",
+    "window_started_ns",
+    "window_to_ns",
+    "detector",
+    "detector_parameters",
+    "hand",
+)
 
 
 class _StoredSamples(NamedTuple):
     """The samples of a session, in order with its events by their sequence numbers.
 
-    ``blocks``: the event that each block came before, and its samples. ``attached``: the events at which a sensor was
-    attached. ``ended``: the event that ended each attempt's trial.
+    ``blocks``: the event that each block came before, and its samples. ``attached``: the events at
+    which a sensor was attached. ``ended``: the event that ended each attempt's trial.
     """
 
     blocks: "list[tuple[int, Samples]]"
@@ -45,14 +52,24 @@ class _StoredSamples(NamedTuple):
             for record in imu.blocks(database, session)
             if record.topic is IMU and isinstance(record.message, ImuBlock)
         ]
-        attached = [seq for seq, message in _events(database, session, SENSOR.name) if message["state"] == "attached"]
+        attached = [
+            seq
+            for seq, message in _events(database, session, SENSOR.name)
+            if message["state"] == "attached"
+        ]
         trials = _events(database, session, TRIAL.name)
-        return cls(blocks, attached, {(message["attempt"], message["trial"]): seq for seq, message in trials})
+        return cls(
+            blocks,
+            attached,
+            {(message["attempt"], message["trial"]): seq for seq, message in trials},
+        )
 
     def before(self, row: Row, window: "Window") -> "Samples":
-        """Return the samples of a window that perception had: from the last attachment until the trial ended.
+        """Return the samples of a window that perception had: from the last attachment until the
+        trial ended.
 
-        Older samples may have been dropped before the reach began, so the newest are taken, up to their stored number.
+        Older samples may have been dropped before the reach began, so the newest are taken, up to
+        their stored number.
         """
         from sar_tui.motion.samples import join
 
@@ -60,8 +77,14 @@ class _StoredSamples(NamedTuple):
         attached = max((seq for seq in self.attached if seq < ended), default=-1)
         parts = []
         for seq, samples in self.blocks:
-            if attached < seq <= ended and samples["at"][-1] >= window.from_ns and samples["at"][0] < window.to_ns:
-                parts.append(samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)])
+            if (
+                attached < seq <= ended
+                and samples["at"][-1] >= window.from_ns
+                and samples["at"][0] < window.to_ns
+            ):
+                parts.append(
+                    samples[(samples["at"] >= window.from_ns) & (samples["at"] < window.to_ns)]
+                )
         whole = join(parts)
         seen = row["details"].get("samples") or 0
         newest: Samples = whole[max(0, len(whole) - seen) :]
@@ -90,7 +113,10 @@ def reanalyse(
     session: RecordedSession,
     detector: Annotated[
         DetectorName | None,
-        detector_option("Detector to use, with its default parameters. Default: the session's.", show_default=False),
+        detector_option(
+            "Detector to use, with its default parameters. Default: the session's.",
+            show_default=False,
+        ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -103,15 +129,19 @@ def reanalyse(
     from sar_tui.store import sessions as store
 
     with Home.of(context, data, tasks).session(session) as (database, found):
-        stored_trials = [row for row in store.rows(database, "trials", found["id"]) if _has_window(row)]
+        stored_trials = [
+            row for row in store.rows(database, "trials", found["id"]) if _has_window(row)
+        ]
         if any(row["seat"] != "A" for row in store.rows(database, "trials", found["id"])):
             raise Refused(
-                f"The session {found['id']} ({found['task']}) has two participants. Their reaches cannot be found "
+                f"The session {found['id']} ({found['task']}) has two participants. Their reaches "
+                "cannot be found "
                 "again: the samples are stored, but not which sensor each reach came from."
             )
         if not stored_trials:
             raise Refused(
-                f"The session {found['id']} ({found['task']}) has no reach that can be found again: "
+                f"The session {found['id']} ({found['task']}) has no reach that can be found "
+                "again: "
                 "none of its trials has samples of a motion sensor."
             )
         measured = _StoredSamples.of(database, found["id"])
@@ -143,11 +173,14 @@ def _trial(row: Row, detector: DetectorName | None) -> _Trial:
     try:
         if not detector:
             asked[name.replace("-", "_")] = msgspec.json.decode(details["detector_parameters"])
-            asked["measures_version"] = details.get("measures_version") or (2 if name == "orientation" else 1)
+            asked["measures_version"] = details.get("measures_version") or (
+                2 if name == "orientation" else 1
+            )
         parameters = msgspec.convert(asked, AnalysisParameters)
     except msgspec.MsgspecError as error:
         raise Refused(
-            f"Attempt {row['attempt']}, trial {row['trial']} was found by the detector {name} with parameters that "
+            f"Attempt {row['attempt']}, trial {row['trial']} was found by the detector {name} "
+            "with parameters that "
             f"this version of sar-tui does not know ({error}). Choose a detector with --detector."
         ) from error
     known = tuple(flag for flag in row["timing"]["flags"] if flag in ("saturated", "error"))
@@ -169,7 +202,11 @@ def _reanalyse(measured: _StoredSamples, trial: _Trial) -> Row:
     finding = analyse(samples, window, parameters)
     recorded, now = row["details"].get("reach_time_ms"), finding.details.get("reach_time_ms")
     was = (row["onset_ns"], row["response_ns"], recorded)
-    others = [f"{stored}_reach_time_ms" for name, stored in STORED_NAMES.items() if name != parameters.detector]
+    others = [
+        f"{stored}_reach_time_ms"
+        for name, stored in STORED_NAMES.items()
+        if name != parameters.detector
+    ]
     return {
         "attempt": row["attempt"],
         "trial": row["trial"],
@@ -213,7 +250,8 @@ def _print(rows: Sequence[Row], recorded: Sequence[Row]) -> None:
     for row in rows:
         if row["missing_samples"]:
             out.print(
-                f"Attempt {row['attempt']}, trial {row['trial']}: {row['missing_samples']} of its samples "
+                f"Attempt {row['attempt']}, trial {row['trial']}: {row['missing_samples']} of its "
+                "samples "
                 "were never stored.",
                 soft_wrap=True,
             )
@@ -225,7 +263,8 @@ def _sentence(rows: Sequence[Row], recorded: Sequence[Row]) -> str:
     then, now = _versions(recorded), _versions(row["details"] for row in rows)
     missing = sum(row["recorded_ms"] is not None and row["reach_time_ms"] is None for row in rows)
     return (
-        f"{equal} of {len(rows)} {'trial is' if len(rows) == 1 else 'trials are'} exactly as recorded"
+        f"{equal} of {len(rows)} {'trial is' if len(rows) == 1 else 'trials are'} exactly as "
+        "recorded"
         f"{f', and in {missing} there is no reach now' if missing else ''}. "
         f"Recorded: {then} detector. Now: {now} detector."
     )
@@ -233,5 +272,7 @@ def _sentence(rows: Sequence[Row], recorded: Sequence[Row]) -> str:
 
 def _versions(details: Iterable[Row]) -> str:
     return ", ".join(
-        dict.fromkeys(f"{current_name(d['detector'])} (version {d.get('detector_version')})" for d in details)
+        dict.fromkeys(
+            f"{current_name(d['detector'])} (version {d.get('detector_version')})" for d in details
+        )
     )

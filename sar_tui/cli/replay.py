@@ -38,7 +38,8 @@ def replay(
             "--what-if",
             metavar="NAME=VALUE",
             show_default=False,
-            help="Score the recorded responses by another setting of difficulty, feedback or detector, as far as the "
+            help="Score the recorded responses by another setting of difficulty, feedback or "
+            "detector, as far as the "
             "prompts would have been the same. May be repeated.",
         ),
     ] = None,
@@ -46,7 +47,8 @@ def replay(
         bool,
         typer.Option(
             "--fork",
-            help="With --what-if, go on after the first prompt that would have been another, with a model of this "
+            help="With --what-if, go on after the first prompt that would have been another, with "
+            "a model of this "
             "participant's key presses: many runs, and an interval. Any setting may be changed.",
         ),
     ] = False,
@@ -64,13 +66,20 @@ def replay(
         bool,
         typer.Option(
             "--watch",
-            help="Show the session again on the participant's screen, for watching only: Space pauses, left and right "
+            help="Show the session again on the participant's screen, for watching only: Space "
+            "pauses, left and right "
             "jump an attempt, + and - change the speed, Q leaves.",
         ),
     ] = False,
     speed: Annotated[
         float | None,
-        typer.Option(metavar="TIMES", min=0.25, max=16, show_default=False, help="Speed of --watch. Default: 1."),
+        typer.Option(
+            metavar="TIMES",
+            min=0.25,
+            max=16,
+            show_default=False,
+            help="Speed of --watch. Default: 1.",
+        ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -91,14 +100,18 @@ def replay(
     if speed is not None and not watch:
         raise Refused("--speed is for --watch only.")
     if watch and (changed or as_json):
-        raise Refused("--watch shows the session as it was: give neither --what-if nor --json with it.")
+        raise Refused(
+            "--watch shows the session as it was: give neither --what-if nor --json with it."
+        )
     if watch:
         _watch(home, session, speed or 1.0)
     with home.session(session) as (database, found):
         database.execute("PRAGMA query_only=ON")
         if fork:
             forked = _fork(database, home, found, changed, runs)
-            print_json(forked) if as_json else _print_forked(forked, home.catalogue().task(found["task"]).metric)
+            print_json(forked) if as_json else _print_forked(
+                forked, home.catalogue().task(found["task"]).metric
+            )
             return
         if changed:
             with progress_line("Scoring"):
@@ -107,7 +120,11 @@ def replay(
             return
         with progress_line("Replaying") as show:
             replayed = run_again(
-                database, home.folder, home.catalogue(), found, lambda done, of: show("Replaying", done, of)
+                database,
+                home.folder,
+                home.catalogue(),
+                found,
+                lambda done, of: show("Replaying", done, of),
             )
     if as_json:
         print_json(replayed)
@@ -124,7 +141,9 @@ def _read(pairs: list[str]) -> dict[str, object]:
     for pair in pairs:
         name, sign, value = pair.partition("=")
         if not sign or not name.strip():
-            raise Refused(f"--what-if takes NAME=VALUE, such as --what-if threshold=900, not {pair!r}.")
+            raise Refused(
+                f"--what-if takes NAME=VALUE, such as --what-if threshold=900, not {pair!r}."
+            )
         found[name.strip()] = value
     return found
 
@@ -147,7 +166,11 @@ def _watch(home: Home, session: str, speed: float) -> None:
 
 
 def _fork(
-    database: "sqlite3.Connection", home: Home, row: "Row", changed: dict[str, object], runs: int | None
+    database: "sqlite3.Connection",
+    home: Home,
+    row: "Row",
+    changed: dict[str, object],
+    runs: int | None,
 ) -> "Forked":
     from sar_tui.replay.fork import RUNS
     from sar_tui.replay.fork import fork as fork_session
@@ -174,7 +197,14 @@ def _print_forked(forked: "Forked", metric: "Metric") -> None:
     made = table("", *numbers, right=numbers)
     for one in forked.numbers:
         name = f"mean {metric.label}" if one.name == "mean_metric" else one.name.replace("_", " ")
-        add(made, name, *(None if value is None else f"{value:.4g}" for value in (getattr(one, n) for n in numbers)))
+        add(
+            made,
+            name,
+            *(
+                None if value is None else f"{value:.4g}"
+                for value in (getattr(one, n) for n in numbers)
+            ),
+        )
     out = console()
     out.print(heading, style="bold")
     out.print(made)
@@ -187,7 +217,9 @@ def _print(rescored: "Rescored") -> None:
     from sar_tui.replay.words import rescored_sentences
 
     numbers = ("attempt", "level", "result, recorded", "result, now")
-    made = table(*numbers[:2], "seat", *numbers[2:], "outcome, recorded", "outcome, now", right=numbers)
+    made = table(
+        *numbers[:2], "seat", *numbers[2:], "outcome, recorded", "outcome, now", right=numbers
+    )
     for one in rescored.attempts:
         was, now = one.recorded, one.rescored
         results = [None if score.metric is None else f"{score.metric:.1f}" for score in (was, now)]

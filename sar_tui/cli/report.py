@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, warn_of_git
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Tasks,
+    console,
+    named_path,
+    print_json,
+    warn_of_git,
+)
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.progress_line import progress_line
 from sar_tui.tui.exit_codes import FAILED
@@ -30,15 +39,27 @@ Sessions = Annotated[
 ]
 Participant = Annotated[
     str | None,
-    typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Sessions of this participant."),
+    typer.Option(
+        "-p",
+        "--participant",
+        metavar="CODE",
+        show_default=False,
+        help="Sessions of this participant.",
+    ),
 ]
 Everything = Annotated[bool, typer.Option("--all", help="All sessions.")]
-Simulated = Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")]
+Simulated = Annotated[
+    bool, typer.Option("--simulated", help="Simulated sessions instead of live ones.")
+]
 Mixed = Annotated[bool, typer.Option("--mixed", help="Live and simulated sessions.")]
 AsPage = Annotated[
     Path | None,
     typer.Option(
-        "--html", parser=named_path, metavar="FILE", show_default=False, help="Write a page to read and to print."
+        "--html",
+        parser=named_path,
+        metavar="FILE",
+        show_default=False,
+        help="Write a page to read and to print.",
     ),
 ]
 
@@ -72,8 +93,8 @@ def wizard(
 ) -> None:
     """Report what the operators of sessions did, how fast, and how far they agreed with the agent.
 
-    One session is reported in full. Several are pooled: agreement, latencies by operator and condition, exclusions,
-    and drift.
+    One session is reported in full. Several are pooled: agreement, latencies by operator and
+    condition, exclusions, and drift.
     """
     names = list(sessions or ())
     home = Home.of(context, data, tasks)
@@ -85,7 +106,13 @@ def wizard(
         found, selection = _study(home, database, request, exclude or [])
     from sar_tui.reports.wizard_study_words import sections as sections_of_study
 
-    _put_out(found, sections_of_study(found), "Report on the operators of several sessions", html, as_json)
+    _put_out(
+        found,
+        sections_of_study(found),
+        "Report on the operators of several sessions",
+        html,
+        as_json,
+    )
     _tell_left_out(selection)
 
 
@@ -116,7 +143,9 @@ def intervention(
     with home.database() as database, progress_line("Reading") as show:
         selection = select(database, home.folder, request, only_counted=True)
         done, of = count(1), len(selection.sessions)
-        found = make_report(read(database, home.folder, selection, lambda: show("Reading", next(done), of)))
+        found = make_report(
+            read(database, home.folder, selection, lambda: show("Reading", next(done), of))
+        )
     _put_out(found, sections(found), "Report on the intervention", html, as_json)
     _tell_left_out(selection)
 
@@ -174,7 +203,10 @@ def _excluded(known: Sequence[str], exclude: Sequence[str]) -> dict[str, str]:
         meant = [session for session in known if name.strip() and session.startswith(name.strip())]
         if len(meant) != 1:
             many = "More than one" if meant else "None"
-            raise Refused(f"{many} of these sessions begins with {name.strip()!r}. Write --exclude SESSION=WHY.")
+            raise Refused(
+                f"{many} of these sessions begins with {name.strip()!r}. Write --exclude "
+                "SESSION=WHY."
+            )
         if not why.strip():
             raise Refused(f"Say why {meant[0]} is excluded: --exclude {meant[0]}=WHY.")
         found[meant[0]] = why.strip()
@@ -196,8 +228,12 @@ def _request(
     )
 
 
-def _put_out(found: object, sections: "Sequence[Section]", title: str, html: Path | None, as_json: bool) -> None:
-    """Print a report, as JSON if asked, or write it as a page. Raises Refused if the file exists."""
+def _put_out(
+    found: object, sections: "Sequence[Section]", title: str, html: Path | None, as_json: bool
+) -> None:
+    """Print a report, as JSON if asked, or write it as a page. Raises Refused if the file
+    exists.
+    """
     from sar_tui.cli.sections import print_sections
 
     if html is not None:
@@ -217,7 +253,9 @@ def _put_out(found: object, sections: "Sequence[Section]", title: str, html: Pat
 
 
 def _tell_left_out(selection: "Selection") -> None:
-    """Name the sessions that do not count, and those that are running. Raises Exit if one is running."""
+    """Name the sessions that do not count, and those that are running. Raises Exit if one is
+    running.
+    """
     for sentence in (*selection.set_aside, *selection.refused):
         console(error=True).print(f"! {sentence}", soft_wrap=True)
     if selection.refused:

@@ -14,7 +14,9 @@ _LISTED = 5
 """Damaged messages of a session that are named; JSON has all."""
 
 
-def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+def rescue(
+    context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
+) -> None:
     """Bring the sessions of rescue files back into the database.
 
     A rescue file is written if the database was removed during a session, or locked at its end.
@@ -37,10 +39,19 @@ def rescue(context: typer.Context, as_json: AsJson = False, data: Data = None, t
         print(f"There are no rescue files in {home.folder}.")
     for each in () if as_json else sessions:
         of = f"Session {each.session} of {each.participants} ({each.task})"
-        print(f"{of} stays in {each.file}: {each.problem}." if each.problem else f"{of} is in the database again.")
+        print(
+            f"{of} stays in {each.file}: {each.problem}."
+            if each.problem
+            else f"{of} is in the database again."
+        )
         if each.damaged:
-            numbers = ", ".join(map(str, each.damaged[:_LISTED])) + (" …" if len(each.damaged) > _LISTED else "")
-            print(f"! Messages of it that are damaged are left out: {len(each.damaged)} (number {numbers}).")
+            numbers = ", ".join(map(str, each.damaged[:_LISTED])) + (
+                " …" if len(each.damaged) > _LISTED else ""
+            )
+            print(
+                f"! Messages of it that are damaged are left out: {len(each.damaged)} (number "
+                f"{numbers})."
+            )
         if each.missing:
             print(f"! The file is damaged. Missing: {missing_words(each.missing)}.")
     if files and not sessions and not as_json:

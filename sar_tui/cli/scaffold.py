@@ -25,7 +25,10 @@ class Pattern(Enum):
 def make(name: str, to: Path, like: Pattern = Pattern.CHOICE) -> Path:
     """Create the folder of a new task and return its absolute path. Raises Refused."""
     if not name.isidentifier() or not name.islower():
-        raise Refused(f"{name!r} is not a valid name of a task. Use a Python name in small letters, such as tapping.")
+        raise Refused(
+            f"{name!r} is not a valid name of a task. Use a Python name in small letters, such as "
+            "tapping."
+        )
     folder = to.resolve() / name
     if folder.exists():
         raise Refused(f"{folder} exists already. Choose another name, or another folder with --to.")

@@ -1,4 +1,6 @@
-"""``sar-tui serve``: shows the operator's panel, an observer's view, or the agent alone in a browser."""
+"""``sar-tui serve``: shows the operator's panel, an observer's view, or the agent alone in a
+browser.
+"""
 
 import signal
 import sys
@@ -14,7 +16,8 @@ from sar_tui.drivers import child_process
 from sar_tui.drivers.installation import pip_install_extra
 
 _UNENCRYPTED = (
-    "Others on the network can reach this and read along: it is not encrypted. Use an SSH tunnel instead of --host, "
+    "Others on the network can reach this and read along: it is not encrypted. Use an SSH tunnel "
+    "instead of --host, "
     "or a proxy with TLS and --public-url."
 )
 
@@ -23,26 +26,40 @@ def serve(
     context: typer.Context,
     view: Annotated[
         Literal["operator", "observer", "agent"],
-        typer.Argument(help="The operator's panel, the same read-only, or the agent alone.", show_default=False),
+        typer.Argument(
+            help="The operator's panel, the same read-only, or the agent alone.", show_default=False
+        ),
     ],
     session: Annotated[
         str | None,
-        typer.Option("--session", metavar="SESSION", show_default=False, help="The session, if several are running."),
+        typer.Option(
+            "--session",
+            metavar="SESSION",
+            show_default=False,
+            help="The session, if several are running.",
+        ),
     ] = None,
     name: Annotated[
         str | None,
-        typer.Option(metavar="NAME", show_default=False, help="The operator's name. Default: the login name."),
+        typer.Option(
+            metavar="NAME", show_default=False, help="The operator's name. Default: the login name."
+        ),
     ] = None,
     link: Link = None,
-    host: Annotated[str, typer.Option(metavar="HOST", help="Address to listen on. Default: this machine only.")] = (
-        "127.0.0.1"
-    ),
+    host: Annotated[
+        str, typer.Option(metavar="HOST", help="Address to listen on. Default: this machine only.")
+    ] = ("127.0.0.1"),
     port: Annotated[
-        int, typer.Option(min=0, max=65535, metavar="N", help="Port to listen on; 0 picks a free one.")
+        int,
+        typer.Option(min=0, max=65535, metavar="N", help="Port to listen on; 0 picks a free one."),
     ] = 8000,
     public_url: Annotated[
         str,
-        typer.Option(metavar="URL", show_default=False, help="URL that browsers open, behind a tunnel or proxy."),
+        typer.Option(
+            metavar="URL",
+            show_default=False,
+            help="URL that browsers open, behind a tunnel or proxy.",
+        ),
     ] = "",
     token_file: Annotated[
         Path | None,
@@ -82,7 +99,8 @@ def serve(
         from sar_tui.serve import address, runner, server, token
     except ImportError as error:
         raise Refused(
-            f"Serving to a browser needs the package {error.name}. Install it with: {pip_install_extra('serve')}"
+            f"Serving to a browser needs the package {error.name}. Install it with: "
+            f"{pip_install_extra('serve')}"
         ) from error
     try:
         secret = token.load_or_create_token(token_file) if token_file else token.new_token()
@@ -100,7 +118,9 @@ def serve(
     def print_address() -> None:
         """Print one line, with --json including the parts of the address."""
         if as_json:
-            print_json({"view": view, "url": url, "host": host, "port": place.port, "token": secret})
+            print_json(
+                {"view": view, "url": url, "host": host, "port": place.port, "token": secret}
+            )
         else:
             print(url)
         sys.stdout.flush()
@@ -109,7 +129,11 @@ def serve(
 
     program = _program(view, session, link, home, name)
     served = server.Server(
-        view, program, place, secret, is_ready=lambda: link is not None or _is_live(session, home.folder)
+        view,
+        program,
+        place,
+        secret,
+        is_ready=lambda: link is not None or _is_live(session, home.folder),
     )
     number = runner.run(served, listening, print_address)
     if number == signal.SIGINT:
@@ -128,9 +152,13 @@ def _is_live(session: str | None, data: Path) -> bool:
         return False
 
 
-def _program(view: str, session: str | None, link: Path | None, home: Home, name: str | None = None) -> list[str]:
+def _program(
+    view: str, session: str | None, link: Path | None, home: Home, name: str | None = None
+) -> list[str]:
     """Return the command that runs in each browser, as a list."""
-    command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[view]
+    command = {"operator": ["wizard"], "observer": ["wizard", "--observe"], "agent": ["agent"]}[
+        view
+    ]
     program = child_process.python("sar_tui", *command, "--data", str(home.folder.absolute()))
     for folder in home.tasks:
         program += ["--tasks", str(folder.absolute())]

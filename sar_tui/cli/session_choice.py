@@ -13,7 +13,10 @@ if TYPE_CHECKING:
     from sar_tui.link.invitation import Invitation
 
 Joined = Annotated[
-    str | None, typer.Argument(metavar="SESSION", help="The session's id, or its beginning.", show_default=False)
+    str | None,
+    typer.Argument(
+        metavar="SESSION", help="The session's id, or its beginning.", show_default=False
+    ),
 ]
 Link = Annotated[
     Path | None,
@@ -27,8 +30,11 @@ Link = Annotated[
 ]
 
 
-def session_to_join(session: str | None, link: Path | None, data: Path) -> "JoinableSession | Invitation":
-    """Return the session of a data folder given by its id or the start of it, the only one there, or an invitation's.
+def session_to_join(
+    session: str | None, link: Path | None, data: Path
+) -> "JoinableSession | Invitation":
+    """Return the session of a data folder given by its id or the start of it, the only one there,
+    or an invitation's.
 
     Raises:
         Refused: there is no such session, or there are several.
@@ -50,13 +56,15 @@ def _one(data: Path, session: str | None) -> "JoinableSession":
     meant = [each for each in live if each.session.startswith(session or "")]
     if not live and (others := other_folders(data)):
         raise Refused(
-            f"No session of {data} can be joined. There is one of another data folder: to join it, add --data "
+            f"No session of {data} can be joined. There is one of another data folder: to join "
+            "it, add --data "
             f"{others[0]}."
         )
     if not live:
         raise Refused(
             "No session on this machine can be joined. Start one with --operator, as in "
-            "`sar-tui run keyboard -p P01 --operator`. Sessions of other users, or with another XDG_RUNTIME_DIR, are "
+            "`sar-tui run keyboard -p P01 --operator`. Sessions of other users, or with another "
+            "XDG_RUNTIME_DIR, are "
             "not found."
         )
     there = "; ".join(f"{each.session} ({each.description})" for each in live)

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, RecordedSession, Tasks, console, print_json, watch_plugins
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    RecordedSession,
+    Tasks,
+    console,
+    print_json,
+    watch_plugins,
+)
 
 if TYPE_CHECKING:
     import sqlite3
@@ -30,7 +39,13 @@ def sessions(
     context: typer.Context,
     participant: Annotated[
         str | None,
-        typer.Option("-p", "--participant", metavar="CODE", show_default=False, help="Sessions of this participant."),
+        typer.Option(
+            "-p",
+            "--participant",
+            metavar="CODE",
+            show_default=False,
+            help="Sessions of this participant.",
+        ),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -52,7 +67,12 @@ def sessions(
         if code and not listed and not stored:
             participants.check_known(database, code)
     rows = [
-        {**row, "site": row["site"] or own, "operators": known.get(row["id"], []), "wellbeing": felt.get(row["id"], [])}
+        {
+            **row,
+            "site": row["site"] or own,
+            "operators": known.get(row["id"], []),
+            "wellbeing": felt.get(row["id"], []),
+        }
         for row in listed
     ]
     if as_json:
@@ -65,7 +85,9 @@ def sessions(
     if not rows:
         whose = f" of {code}" if code else ""
         out.print(
-            f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` makes one.", soft_wrap=True
+            f"There are no sessions{whose} yet. `sar-tui simulate keyboard --user average` makes "
+            "one.",
+            soft_wrap=True,
         )
         return
 
@@ -111,14 +133,29 @@ def show(
         felt = wellbeing.of_session(database, found["id"])
         moves = found["parameters"].get("difficulty_policy") in ("target", "percentile", "sequence")
         changes = difficulty_changes.lines(database, found["id"]) if moves and not as_json else []
-        must_rest = any(found["parameters"].get(f"rest_after_{what}") for what in ("attempts", "minutes"))
+        must_rest = any(
+            found["parameters"].get(f"rest_after_{what}") for what in ("attempts", "minutes")
+        )
         changes += rests.lines(database, found["id"]) if must_rest and not as_json else []
         changes += skipped_attempts.lines(database, found["id"]) if not as_json else []
-        changes += reported_changes.lines(store.rows(database, "actions", found["id"])) if not as_json else []
+        changes += (
+            reported_changes.lines(store.rows(database, "actions", found["id"]))
+            if not as_json
+            else []
+        )
         events = adverse_events.listing(database, session=found["id"])
-        found |= {"site": found["site"] or sites.own(database), "discarded": _discarded(database, found["id"])}
+        found |= {
+            "site": found["site"] or sites.own(database),
+            "discarded": _discarded(database, found["id"]),
+        }
     if as_json:
-        known = {"session": found, "attempts": attempts, "trials": trials, "outputs": outputs, "markers": markers}
+        known = {
+            "session": found,
+            "attempts": attempts,
+            "trials": trials,
+            "outputs": outputs,
+            "markers": markers,
+        }
         print_json({**known, "wellbeing": felt, "adverse_events": events, "answers": answers})
         return
 
@@ -139,18 +176,26 @@ def show(
         out.print("\n".join(changes), markup=False, soft_wrap=True, end="\n\n")
     _print_marks(out, trials)
     _print_wellbeing(out, found, felt, events)
-    if said := lines(answers, sum(bool(each["practice"]) for each in attempts if each["seat"] == "A")):
+    if said := lines(
+        answers, sum(bool(each["practice"]) for each in attempts if each["seat"] == "A")
+    ):
         out.print("\n".join(said), markup=False, soft_wrap=True, end="\n\n")
     _print_timing(out, found["machine"], trials)
     for sent in markers:
         out.print(sent.line, markup=False, soft_wrap=True)
     if missing:
-        out.print(f"! {missing} Without it, measures of its own are not shown.", markup=False, soft_wrap=True)
+        out.print(
+            f"! {missing} Without it, measures of its own are not shown.",
+            markup=False,
+            soft_wrap=True,
+        )
     print_failed_outputs(out, outputs)
 
 
 def _declared(home: Home, name: str) -> "tuple[Sequence[Measure], Findings, str]":
-    """Return a task's measures, the function that adds its findings to a summary, and why there are none if so."""
+    """Return a task's measures, the function that adds its findings to a summary, and why there are
+    none if so.
+    """
     from sar_tui.plugins import PluginError
     from sar_tui.widgets.task_view import stored_findings
 
@@ -162,14 +207,18 @@ def _declared(home: Home, name: str) -> "tuple[Sequence[Measure], Findings, str]
 
 
 def print_failed_outputs(out: "Console", outputs: "Sequence[OutputSummary]") -> None:
-    """Print a line for each output that failed, so that the log is not the only place that reports it."""
+    """Print a line for each output that failed, so that the log is not the only place that reports
+    it.
+    """
     for summary in outputs:
         if summary.line:
             out.print(f"! {summary.line}", markup=False, soft_wrap=True)
 
 
 def _programme(database: "sqlite3.Connection", row: Row) -> str:
-    """Return the version of the programme that a session ran, who saved it, and why; empty if there was none."""
+    """Return the version of the programme that a session ran, who saved it, and why; empty if there
+    was none.
+    """
     from sar_tui.store import programmes
     from sar_tui.store.merge.people import code_at
 
@@ -189,7 +238,10 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
 
     ended = f", ended {local_time(row['ended_at'], row['utc_offset_s'])}" if row["ended_at"] else ""
     for name, value in (
-        ("Session", f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}"),
+        (
+            "Session",
+            f"{row['id']}  {row['status']}{'' if row['mode'] == 'live' else ', ' + row['mode']}",
+        ),
         *([("", _discarded_words(row["discarded"]))] if row["discarded"] else []),
         ("Participant", participant_codes(row)),
         *([("Site", row["site"])] if row["site"] else []),
@@ -200,7 +252,10 @@ def _print_facts(out: "Console", row: Row, programme: str) -> None:
     ):
         out.print(f"{name:<12} {value}", markup=False)
     if row["operators"]:
-        operators = f"{', '.join(row['operators'])}; `sar-tui report wizard {row['id']}` shows what they did"
+        operators = (
+            f"{', '.join(row['operators'])}; `sar-tui report wizard {row['id']}` shows "
+            "what they did"
+        )
         out.print(f"{'Operator':<12} {operators}", markup=False, soft_wrap=True)
     out.print()
 
@@ -240,20 +295,29 @@ def _print_plot(out: "Console", attempts: Sequence[Row], seat: str, metric: "Met
         height=_PLOT_SIZE[1],
         color=out.is_terminal and not out.no_color,
         results=[result_name(row["outcome"], row["metric"], row["goal"], metric) for row in scored],
-        beside=[row["metric"] for row in counted] + [row["goal"] for row in counted if row["goal"] is not None],
+        beside=[row["metric"] for row in counted]
+        + [row["goal"] for row in counted if row["goal"] is not None],
     )
     out.print(Text.from_ansi(plot), soft_wrap=True, end="\n\n")
 
 
 def _print_marks(out: "Console", trials: Sequence[Row]) -> None:
     """Print the therapist's marks of single trials."""
-    marks = [f"attempt {t['attempt']} {mark}" for t in trials if (mark := (t["details"] or {}).get("mark"))]
+    marks = [
+        f"attempt {t['attempt']} {mark}"
+        for t in trials
+        if (mark := (t["details"] or {}).get("mark"))
+    ]
     if marks:
         out.print(f"Marked by the therapist: {', '.join(marks)}.", soft_wrap=True, end="\n\n")
 
 
-def _print_wellbeing(out: "Console", row: Row, felt: Sequence[Row], events: "Sequence[AdverseEvent]") -> None:
-    """Print what the participants said of pain and tiredness, and adverse events that began in the session."""
+def _print_wellbeing(
+    out: "Console", row: Row, felt: Sequence[Row], events: "Sequence[AdverseEvent]"
+) -> None:
+    """Print what the participants said of pain and tiredness, and adverse events that began in the
+    session.
+    """
     from sar_tui.reports.wellbeing import session_lines
 
     if lines := session_lines(row, felt, events):
@@ -263,17 +327,26 @@ def _print_wellbeing(out: "Console", row: Row, felt: Sequence[Row], events: "Seq
 def _print_timing(out: "Console", machine: Row, trials: Sequence[Row]) -> None:
     """Print the timing quality of a session."""
     if machine["flags"]:
-        out.print(f"! Timing is less exact: the keys came through {' and '.join(machine['flags'])}.")
+        out.print(
+            f"! Timing is less exact: the keys came through {' and '.join(machine['flags'])}."
+        )
     timings = [trial["timing"] for trial in trials]
     if not timings:
         return
     flags = Counter(flag for timing in timings for flag in timing["flags"])
     flagged = sum(bool(timing["flags"]) for timing in timings)
     names = ", ".join(f"{name} {count}" for name, count in flags.most_common())
-    out.print(f"Timing: {flagged} of {len(timings)} trials have a flag{f' ({names})' if names else ''}.")
+    out.print(
+        f"Timing: {flagged} of {len(timings)} trials have a flag{f' ({names})' if names else ''}."
+    )
     sources = Counter(timing["onset_source"] for timing in timings if timing["onset_source"])
     if sources:
-        out.print(f"Onsets stamped at: {', '.join(f'{name} {count}' for name, count in sources.most_common())}.")
-    delays = [timing["handler_delay_ms"] for timing in timings if timing["handler_delay_ms"] is not None]
+        out.print(
+            "Onsets stamped at: "
+            f"{', '.join(f'{name} {count}' for name, count in sources.most_common())}."
+        )
+    delays = [
+        timing["handler_delay_ms"] for timing in timings if timing["handler_delay_ms"] is not None
+    ]
     if delays:
         out.print(f"From a key's stamp to its handling: median {median(delays):.2f} ms.")

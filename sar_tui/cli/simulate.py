@@ -54,7 +54,8 @@ def simulate(
     user: Annotated[
         list[User],
         typer.Option(
-            help="Skill of the simulated participant. In a task for two, give it twice: left, then right.",
+            help="Skill of the simulated participant. In a task for two, give it twice: left, "
+            "then right.",
             show_default=False,
         ),
     ],
@@ -69,7 +70,10 @@ def simulate(
         ),
     ] = None,
     attempts: Annotated[
-        int | None, typer.Option(metavar="N", show_default=False, help="Number of attempts. Default: the task's.")
+        int | None,
+        typer.Option(
+            metavar="N", show_default=False, help="Number of attempts. Default: the task's."
+        ),
     ] = None,
     seed: Seed = None,
     steps: Steps = None,
@@ -102,7 +106,8 @@ def simulate(
         OperatorName | None,
         typer.Option(
             show_default=False,
-            help="Simulate an operator: careful, hasty (often wrong) or absent (comes and goes). Feedback then needs "
+            help="Simulate an operator: careful, hasty (often wrong) or absent (comes and goes). "
+            "Feedback then needs "
             "approval (operator_feedback=approve), unless --set says otherwise.",
         ),
     ] = None,
@@ -112,7 +117,8 @@ def simulate(
 ) -> None:
     """Run a session with a simulated participant, or two in a task for two.
 
-    It runs the same nodes as a live session, on a clock that jumps from one event to the next, into the database.
+    It runs the same nodes as a live session, on a clock that jumps from one event to the next, into
+    the database.
     """
     watch_plugins(context)
     home = Home.of(context, data, tasks)
@@ -169,7 +175,9 @@ def simulate(
     out = console()
     out.print(attempts_table(rows, kind.metric, kind.measured))
     said = summary(rows, kind.metric, partial(stored_findings, kind))
-    out.print(f"{said} Seed {plan.seed}. `sar-tui show {session}{given}` shows more.", soft_wrap=True)
+    out.print(
+        f"{said} Seed {plan.seed}. `sar-tui show {session}{given}` shows more.", soft_wrap=True
+    )
     if operator is not None:
         out.print(f"`sar-tui report wizard {session}` shows what the operator did.", soft_wrap=True)
     print_failed_outputs(out, spoke)

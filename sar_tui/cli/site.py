@@ -10,7 +10,8 @@ from sar_tui.cli.common import AsJson, Data, Home, Tasks, print_json
 def site(
     context: typer.Context,
     code: Annotated[
-        str | None, typer.Argument(metavar="CODE", help="The site's code, such as BERN.", show_default=False)
+        str | None,
+        typer.Argument(metavar="CODE", help="The site's code, such as BERN.", show_default=False),
     ] = None,
     as_json: AsJson = False,
     data: Data = None,
@@ -34,4 +35,7 @@ def site(
     else:
         print(f"All that was recorded in {home.folder} belongs to the site {now}.")
         if before not in ("", now):
-            print(f"It was {before}: whoever has data of {before} already must get it again, and remove the earlier.")
+            print(
+                f"It was {before}: whoever has data of {before} already must get it again, and "
+                "remove the earlier."
+            )

@@ -22,7 +22,9 @@ Findings = Callable[[Sequence["AttemptEnded"], "Metric"], Sequence[str]]
 
 
 def table(*columns: str, right: Sequence[str] = (), whole: Sequence[str] = ()) -> Table:
-    """Return an empty table. Columns in ``right`` are right-aligned; those in ``whole`` are never folded."""
+    """Return an empty table. Columns in ``right`` are right-aligned; those in ``whole`` are never
+    folded.
+    """
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for column in columns:
         justify: Literal["left", "right"] = "right" if column in right else "left"
@@ -41,15 +43,23 @@ def head(made: Table, heading: str) -> None:
     made.add_row(Text(heading, style="bold"))
 
 
-def attempts_table(rows: Sequence[Row], metric: "Metric", measured: Sequence["Measure"] = ()) -> Table:
-    """Return a table of attempts, one row for each seat, with the declared measures that some of them have."""
+def attempts_table(
+    rows: Sequence[Row], metric: "Metric", measured: Sequence["Measure"] = ()
+) -> Table:
+    """Return a table of attempts, one row for each seat, with the declared measures that some of
+    them have.
+    """
     result = metric.name.replace("_", " ") or "result"
     seat = ("seat",) if len(seats(rows)) > 1 else ()
     tr = Language()
-    known = [measure for measure in measured if any(measure.name in row["qualities"] for row in rows)]
+    known = [
+        measure for measure in measured if any(measure.name in row["qualities"] for row in rows)
+    ]
     titles = [measure.title for measure in known]
     numbers = ("attempt", "level", result, "right", *titles)
-    made = table("attempt", *seat, "level", result, "right", *titles, "goal", "feedback", right=numbers)
+    made = table(
+        "attempt", *seat, "level", result, "right", *titles, "goal", "feedback", right=numbers
+    )
     for row in rows:
         name = result_name(row["outcome"], row["metric"], row["goal"], metric)
         add(
@@ -59,7 +69,10 @@ def attempts_table(rows: Sequence[Row], metric: "Metric", measured: Sequence["Me
             row["level"],
             None if row["metric"] is None else metric.show(row["metric"]),
             f"{row['correct']} of {row['trials']}",
-            *(each.show(row["qualities"][each.name], tr) if each.name in row["qualities"] else "" for each in known),
+            *(
+                each.show(row["qualities"][each.name], tr) if each.name in row["qualities"] else ""
+                for each in known
+            ),
             "" if name == "no goal" else f"{MARKERS[name]} {name}",
             "" if row["feedback"] == "none" else row["feedback"],
         )
@@ -72,20 +85,30 @@ def seats(rows: Sequence[Row]) -> list[str]:
 
 
 def summary(rows: Sequence[Row], metric: "Metric", findings: Findings = lambda *_: ()) -> str:
-    """Sum up a session in a few sentences, seat by seat where there are several; practice does not count."""
+    """Sum up a session in a few sentences, seat by seat where there are several; practice does not
+    count.
+    """
     from sar_tui.store.sessions import attempt_ended
 
     if len(taken := seats(rows)) > 1:
         mine = {seat: [row for row in rows if row["seat"] == seat] for seat in taken}
-        return " ".join(f"Seat {seat}: {summary(own, metric, findings)}" for seat, own in mine.items())
+        return " ".join(
+            f"Seat {seat}: {summary(own, metric, findings)}" for seat, own in mine.items()
+        )
     scored = [row for row in rows if not row["practice"]]
     if not scored:
         return "No attempt was finished."
     reached = sum(row["outcome"] == "success" for row in scored)
-    told = "" if all(row["outcome"] == "none" for row in scored) else f"{reached} reached the goal, "
+    told = (
+        "" if all(row["outcome"] == "none" for row in scored) else f"{reached} reached the goal, "
+    )
     levels = [row["level"] for row in scored]
     values = [row["metric"] for row in scored if row["metric"] is not None]
-    mean = f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}" if values else ""
+    mean = (
+        f", mean {metric.name.replace('_', ' ')} {metric.show(sum(values) / len(values))}"
+        if values
+        else ""
+    )
     return " ".join(
         (
             f"{len(scored)} attempt{'s' if len(scored) > 1 else ''}, {told}"

@@ -5,7 +5,16 @@ from typing import Annotated
 
 import typer
 
-from sar_tui.cli.common import AsJson, Data, Home, Tasks, console, named_path, print_json, watch_plugins
+from sar_tui.cli.common import (
+    AsJson,
+    Data,
+    Home,
+    Tasks,
+    console,
+    named_path,
+    print_json,
+    watch_plugins,
+)
 from sar_tui.cli.errors import Refused
 from sar_tui.cli.installed import installed, replaced_lines
 from sar_tui.cli.scaffold import Pattern
@@ -15,7 +24,9 @@ app = typer.Typer(rich_markup_mode=None)
 
 
 @app.callback(invoke_without_command=True)
-def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+def list_tasks(
+    context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
+) -> None:
     """List the tasks; show, create or check one."""
     watch_plugins(context)
     context.obj = home = Home.of(context, data, tasks)
@@ -34,7 +45,10 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
     )
     replaced = catalogue.replaced_tasks()
     if as_json:
-        marked = ({**row, "replaces": "built-in"} if row["name"] in replaced else row for row in [*rows, *broken])
+        marked = (
+            {**row, "replaces": "built-in"} if row["name"] in replaced else row
+            for row in [*rows, *broken]
+        )
         print_json({"tasks": list(marked)})
         return
 
@@ -44,7 +58,9 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
     for row in rows:
         metric = row["metric"]
         unit = f"{metric.unit}, " if metric and metric.unit else ""
-        words = f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)" if metric else ""
+        words = (
+            f"{metric.name.replace('_', ' ')} ({unit}{metric.better} is better)" if metric else ""
+        )
         add(made, row["name"], row["title"], row["trains"], row["summary"], words)
     out = console()
     out.print(made)
@@ -57,7 +73,9 @@ def list_tasks(context: typer.Context, as_json: AsJson = False, data: Data = Non
 @app.command("show")
 def show_task(
     context: typer.Context,
-    name: Annotated[str, typer.Argument(metavar="NAME", help="The task's name.", show_default=False)],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="The task's name.", show_default=False)
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -71,7 +89,11 @@ def show_task(
 
     task = Home.of(context, data, tasks).catalogue().task(name)
     details = [
-        {"name": detail, "type": " or ".join(sorted(declared.types)), "description": declared.meaning}
+        {
+            "name": detail,
+            "type": " or ".join(sorted(declared.types)),
+            "description": declared.meaning,
+        }
         for detail, declared in declared_keys(task.Details).items()
     ]
     if as_json:
@@ -84,7 +106,9 @@ def show_task(
         parameters = [msgspec.structs.asdict(field) for field in fields(task.Parameters)]
         for parameter in parameters:
             del parameter["renamed"]  # former spellings are not part of the output
-        print_json({"task": facts, "parameters": parameters, "details": details, "measures": task.measured})
+        print_json(
+            {"task": facts, "parameters": parameters, "details": details, "measures": task.measured}
+        )
         return
 
     from sar_tui.cli.tables import add, head, table
@@ -97,10 +121,17 @@ def show_task(
             head(made, heading)
         for field in declared:
             words = f"{field.title}. {field.help}" if field.help else field.title
-            add(made, field.name, show(field.default), f"{field.bounds} {field.unit}".strip(), words)
+            add(
+                made, field.name, show(field.default), f"{field.bounds} {field.unit}".strip(), words
+            )
     out.print(made)
-    measures = [{"name": each.name, "unit": each.unit, "what it is": each.title} for each in task.measured]
-    kept = [{"name": each["name"], "type": each["type"], "what it is": each["description"]} for each in details]
+    measures = [
+        {"name": each.name, "unit": each.unit, "what it is": each.title} for each in task.measured
+    ]
+    kept = [
+        {"name": each["name"], "type": each["type"], "what it is": each["description"]}
+        for each in details
+    ]
     for heading, rows in (("Details of a trial", kept), ("Measures of an attempt", measures)):
         if rows:
             out.print(f"\n{heading}", markup=False)
@@ -113,10 +144,17 @@ def show_task(
 @app.command("new")
 def new_task(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Its name in small letters, such as tapping.", show_default=False)
+        str,
+        typer.Argument(
+            metavar="NAME", help="Its name in small letters, such as tapping.", show_default=False
+        ),
     ],
-    to: Annotated[Path, typer.Option("--to", metavar="DIR", help="Folder to create it in.")] = Path(),
-    like: Annotated[Pattern, typer.Option("--like", help="The example to start from.")] = Pattern.CHOICE,
+    to: Annotated[
+        Path, typer.Option("--to", metavar="DIR", help="Folder to create it in.")
+    ] = Path(),
+    like: Annotated[
+        Pattern, typer.Option("--like", help="The example to start from.")
+    ] = Pattern.CHOICE,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
@@ -136,7 +174,10 @@ def new_task(
 @app.command("check")
 def check_task(
     path: Annotated[
-        Path, typer.Argument(parser=named_path, metavar="PATH", help="The task's folder.", show_default=False)
+        Path,
+        typer.Argument(
+            parser=named_path, metavar="PATH", help="The task's folder.", show_default=False
+        ),
     ],
     as_json: AsJson = False,
     data: Data = None,
@@ -155,11 +196,18 @@ def check_task(
         if not as_json:
             sign = "✗" if not done.ok else "!" if done.warning else "✓"
             told = " ".join((*done.problems, *([done.warning] if done.warning else [])))
-            out.print(f"{sign} {done.check}" + (f". {told}" if told else ""), markup=False, soft_wrap=True)
+            out.print(
+                f"{sign} {done.check}" + (f". {told}" if told else ""), markup=False, soft_wrap=True
+            )
     passed = all(done.ok for done in made)
     if as_json:
         rows = [
-            {"check": done.check, "ok": done.ok, "problem": " ".join(done.problems), "warning": done.warning}
+            {
+                "check": done.check,
+                "ok": done.ok,
+                "problem": " ".join(done.problems),
+                "warning": done.warning,
+            }
             for done in made
         ]
         print_json({"task": folder.name, "passed": passed, "checks": rows})

@@ -11,9 +11,14 @@ _NAME = "[a-z][a-z0-9]*(-[a-z0-9]+)*"
 
 
 def make(name: str, model: str, to: Path, catalogue: Catalogue) -> Path:
-    """Create the folder of a new theme and return its absolute path. Raises Refused, or PluginError without a model."""
+    """Create the folder of a new theme and return its absolute path. Raises Refused, or PluginError
+    without a model.
+    """
     if not re.fullmatch(_NAME, name):
-        raise Refused(f"{name!r} is not a valid name of a theme. Use small letters, such as evening or warm-light.")
+        raise Refused(
+            f"{name!r} is not a valid name of a theme. Use small letters, such as evening or "
+            "warm-light."
+        )
     source = catalogue.theme_folder(model)
     folder = to.resolve() / name
     if folder.exists():
@@ -28,6 +33,12 @@ def make(name: str, model: str, to: Path, catalogue: Catalogue) -> Path:
             copy.write_bytes(file.read_bytes())
         look = folder / "theme.toml"
         title = f'title = "{name.replace("-", " ").capitalize()}"'
-        text = re.sub(r"^title\s*=.*$", title, look.read_text(encoding="utf-8-sig"), count=1, flags=re.MULTILINE)
+        text = re.sub(
+            r"^title\s*=.*$",
+            title,
+            look.read_text(encoding="utf-8-sig"),
+            count=1,
+            flags=re.MULTILINE,
+        )
         look.write_text(text, encoding="utf-8")
     return folder

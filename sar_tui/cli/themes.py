@@ -19,7 +19,9 @@ app = typer.Typer(rich_markup_mode=None)
 
 
 @app.callback(invoke_without_command=True)
-def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+def list_themes(
+    context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
+) -> None:
     """List the themes: how the agent looks and speaks; create or check one."""
     context.obj = home = Home.of(context, data, tasks)
     if context.invoked_subcommand is not None:
@@ -48,7 +50,10 @@ def list_themes(context: typer.Context, as_json: AsJson = False, data: Data = No
     out.print(made)
     for row in rows:
         if row["repairs"]:
-            words = f"! {row['name']} has problems, so replacements are used: sar-tui themes check {row['name']}"
+            words = (
+                f"! {row['name']} has problems, so replacements are used: sar-tui themes "
+                f"check {row['name']}"
+            )
             out.print(words, markup=False, soft_wrap=True)
     for problem in broken:
         out.print(f"✗ {problem['error']}", markup=False, soft_wrap=True)
@@ -59,9 +64,13 @@ def new_theme(
     context: typer.Context,
     name: Annotated[
         str,
-        typer.Argument(metavar="NAME", help="Its name in small letters, such as evening.", show_default=False),
+        typer.Argument(
+            metavar="NAME", help="Its name in small letters, such as evening.", show_default=False
+        ),
     ],
-    model: Annotated[str, typer.Option("--from", metavar="THEME", help="The theme to copy.")] = "calm",
+    model: Annotated[
+        str, typer.Option("--from", metavar="THEME", help="The theme to copy.")
+    ] = "calm",
     to: Annotated[
         Path | None,
         typer.Option(
@@ -92,9 +101,12 @@ def new_theme(
         markup=False,
         soft_wrap=True,
     )
-    for language, texts in missing(folder, all_texts(catalogue), partial(translated, catalogue)).items():
+    for language, texts in missing(
+        folder, all_texts(catalogue), partial(translated, catalogue)
+    ).items():
         console().print(
-            f"! In {language}, {len(texts)} texts of the screens are shown in English, unless words.{language}.toml "
+            f"! In {language}, {len(texts)} texts of the screens are shown in English, unless "
+            f"words.{language}.toml "
             "translates them. The check lists them.",
             markup=False,
             soft_wrap=True,
@@ -104,7 +116,12 @@ def new_theme(
 @app.command("check")
 def check_theme(
     context: typer.Context,
-    theme: Annotated[str, typer.Argument(metavar="THEME", help="The theme's name, or its folder.", show_default=False)],
+    theme: Annotated[
+        str,
+        typer.Argument(
+            metavar="THEME", help="The theme's name, or its folder.", show_default=False
+        ),
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
@@ -116,7 +133,10 @@ def check_theme(
     catalogue = (home := Home.of(context, data, tasks)).catalogue()
     report = check(_folder(theme, home), all_texts(catalogue), partial(translated, catalogue))
     if as_json:
-        rows = [{"check": c.check, "ok": c.ok, "problems": c.problems, "found": c.found} for c in report.checks]
+        rows = [
+            {"check": c.check, "ok": c.ok, "problems": c.problems, "found": c.found}
+            for c in report.checks
+        ]
         print_json(
             {
                 "theme": report.theme,
@@ -144,7 +164,9 @@ def _folder(theme: str, home: Home) -> Path:
         return catalogue.theme_folder(theme)
     if path.is_dir():
         return path
-    raise Refused(f"There is no theme or folder {theme}. Choose one of: {', '.join(catalogue.theme_names())}.")
+    raise Refused(
+        f"There is no theme or folder {theme}. Choose one of: {', '.join(catalogue.theme_names())}."
+    )
 
 
 def _print(report: "Report") -> None:
@@ -156,7 +178,8 @@ def _print(report: "Report") -> None:
             out.print(f"    {problem}", markup=False, soft_wrap=True)
     for language, texts in report.missing.items():
         out.print(
-            f"! has the texts of the screens in {language}. These {len(texts)} are shown in English, unless "
+            f"! has the texts of the screens in {language}. These {len(texts)} are shown in "
+            "English, unless "
             f"words.{language}.toml translates them:",
             markup=False,
             soft_wrap=True,

@@ -1,7 +1,7 @@
 """``sar-tui timing``: check whether this machine is fit for an experiment.
 
-It measures sar-tui and a bare loop alternately, each in a pseudo-terminal with a scripted participant
-(``timing.closed_loop``). The verdict is the worst of these columns:
+It measures sar-tui and a bare loop alternately, each in a pseudo-terminal with a scripted
+participant (``timing.closed_loop``). The verdict is the worst of these columns:
 
 =============  ============  =========  =======  ========================  ==================
 verdict        robust SD     |median|   p99      terminal                  clock
@@ -11,8 +11,9 @@ fit with care  3 ms or less  3 ms       20 ms    in a multiplexer          steps
 not fit        more          more       more     over SSH                  coarser
 =============  ============  =========  =======  ========================  ==================
 
-1 ms is far below the delay of a keyboard's scanning (11-73 ms, Bridges et al. 2020). The measurement runs in a terminal
-of its own, so it does not include the delay of SSH or of a multiplexer: the verdict takes their presence into account.
+1 ms is far below the delay of a keyboard's scanning (11-73 ms, Bridges et al. 2020). The
+measurement runs in a terminal of its own, so it does not include the delay of SSH or of a
+multiplexer: the verdict takes their presence into account.
 """
 
 import json
@@ -71,9 +72,14 @@ class Circumstances(msgspec.Struct, frozen=True):
 
 
 def run(folder: Path, trials: int, as_json: bool) -> int:
-    """Measure, print, store the figures in ``folder/timing.json`` for later sessions, and return the exit code."""
+    """Measure, print, store the figures in ``folder/timing.json`` for later sessions, and return
+    the exit code.
+    """
     if sys.platform == "win32":
-        print("Timing cannot be measured on Windows: it has no pseudo-terminals. Use Linux or macOS.", file=sys.stderr)
+        print(
+            "Timing cannot be measured on Windows: it has no pseudo-terminals. Use Linux or macOS.",
+            file=sys.stderr,
+        )
         return FAILED
     make_private(folder)
     load = os.getloadavg()[0]
@@ -85,13 +91,18 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
                 show(f"Measuring {name}", next(done), 2 * trials)
 
             measured = take_turns(
-                (SAR_TUI, BASELINE), trials, max(4, math.ceil(trials / MAX_PROMPTS)), folder, on_press
+                (SAR_TUI, BASELINE),
+                trials,
+                max(4, math.ceil(trials / MAX_PROMPTS)),
+                folder,
+                on_press,
             )
     except (NoPrompt, Mismatch, TimeoutError) as error:
         print(f"Timing could not be measured. {error}", file=sys.stderr)
         return FAILED
     own, baseline = (
-        error_statistics([trial.error_ms for trial in measured[program.name]]) for program in (SAR_TUI, BASELINE)
+        error_statistics([trial.error_ms for trial in measured[program.name]])
+        for program in (SAR_TUI, BASELINE)
     )
     machine = provenance.machine()
     at_flush = [trial.timing.get("onset_source") == "flush" for trial in measured[SAR_TUI.name]]
@@ -120,7 +131,9 @@ def run(folder: Path, trials: int, as_json: bool) -> int:
     return 0
 
 
-def judge(own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances) -> tuple[str, list[str]]:
+def judge(
+    own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances
+) -> tuple[str, list[str]]:
     """Return the verdict and its reasons: first the findings, then possible causes."""
     worst, reasons = 0, []
     for name, fit, care, words in _LIMITS:
@@ -132,14 +145,21 @@ def judge(own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances) 
         reasons += _causes(own, baseline, here)
     if here.stamped_at_flush < 1:
         worst = max(worst, 1)
-        reasons.append("Some prompts could not be stamped as they reached the terminal; their stamps are less exact.")
+        reasons.append(
+            "Some prompts could not be stamped as they reached the terminal; their stamps are "
+            "less exact."
+        )
     if here.multiplexer:
         worst = max(worst, 1)
-        reasons.append(f"You are in {here.multiplexer}, whose delay is not in these figures. Run sessions outside it.")
+        reasons.append(
+            f"You are in {here.multiplexer}, whose delay is not in these figures. Run sessions "
+            "outside it."
+        )
     if here.ssh:
         worst = 2
         reasons.append(
-            "You are connected by SSH: its delay is not in these figures. Run sessions on the machine itself."
+            "You are connected by SSH: its delay is not in these figures. Run sessions on the "
+            "machine itself."
         )
     if here.clock_step > _COARSE_CLOCK:
         worst = 2
@@ -151,14 +171,18 @@ def _causes(own: ErrorStatistics, baseline: ErrorStatistics, here: Circumstances
     causes = []
     if here.load is not None and here.load > _BUSY * here.cores:
         causes.append(
-            f"The machine is busy (load {here.load:.1f} on {here.cores} core{'s' if here.cores > 1 else ''}). "
+            f"The machine is busy (load {here.load:.1f} on {here.cores} "
+            f"core{'s' if here.cores > 1 else ''}). "
             "Close other programs and measure again."
         )
     if any(abs(getattr(baseline, name)) > fit for name, fit, *_ in _LIMITS):
-        causes.append("A bare loop is no better, so the cause is the machine: is it virtual, or saving power?")
+        causes.append(
+            "A bare loop is no better, so the cause is the machine: is it virtual, or saving power?"
+        )
     else:
         causes.append(
-            "A bare loop does better on this machine. Measure again; if the result is the same, please report it."
+            "A bare loop does better on this machine. Measure again; if the result is the same, "
+            "please report it."
         )
     return causes
 
@@ -177,20 +201,31 @@ def _write(path: Path, figures: Mapping[str, object]) -> None:
     Path(name).replace(path)
 
 
-def _print(own: ErrorStatistics, baseline: ErrorStatistics, verdict: str, reasons: list[str]) -> None:
+def _print(
+    own: ErrorStatistics, baseline: ErrorStatistics, verdict: str, reasons: list[str]
+) -> None:
     columns = ("bias (median)", "SD", "robust SD", "p99", "worst")
     made = table("error, ms", "trials", *columns, right=("trials", *columns))
     for name, figures in (("sar-tui", own), ("a bare loop", baseline)):
-        shown = (figures.median_ms, figures.sd_ms, figures.robust_sd_ms, figures.p99_ms, figures.max_ms)
+        shown = (
+            figures.median_ms,
+            figures.sd_ms,
+            figures.robust_sd_ms,
+            figures.p99_ms,
+            figures.max_ms,
+        )
         add(made, name, figures.n, *(f"{value:.2f}" for value in shown))
     out = console()
     out.print(made)
     plain = {
-        "fit": "This machine is fit for an experiment: its error is far below the variation of keyboards and people.",
+        "fit": "This machine is fit for an experiment: its error is far below the variation of "
+        "keyboards and people.",
         "fit with care": "This machine is fit for an experiment, with care:",
         "not fit": "This machine is not fit for an experiment:",
     }
     out.print(f"\n{plain[verdict]}")
     for reason in reasons:
         out.print(f"  {reason}")
-    out.print("\nNot in these figures: the keyboard (11-73 ms), the terminal's drawing and the monitor.")
+    out.print(
+        "\nNot in these figures: the keyboard (11-73 ms), the terminal's drawing and the monitor."
+    )

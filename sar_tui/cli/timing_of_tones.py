@@ -16,7 +16,9 @@ def run(count: int, as_json: bool) -> int:
     try:
         with progress_line("Playing tones", still=True) as show:
             done = itertools.count(1)
-            found = measure_tones(count, on_tone=lambda: show("Playing tones", next(done), 2 * count))
+            found = measure_tones(
+                count, on_tone=lambda: show("Playing tones", next(done), 2 * count)
+            )
     except (SoundError, OSError) as error:
         print(f"The delays of tones could not be measured. {error}", file=sys.stderr)
         return FAILED
@@ -36,5 +38,11 @@ def _print(found: ToneDelays) -> None:
         add(made, name, figures.n, *(f"{value:.2f}" for value in shown))
     out = console()
     out.print(made)
-    out.print(f"\n{found.card}: a sample waits {found.buffer_ms:.0f} ms in its buffer, which is in these figures.")
-    out.print("Not in these figures: what comes after it, such as a sound server, a wireless loudspeaker, the air.")
+    out.print(
+        f"\n{found.card}: a sample waits {found.buffer_ms:.0f} ms in its buffer, which is in "
+        "these figures."
+    )
+    out.print(
+        "Not in these figures: what comes after it, such as a sound server, a wireless "
+        "loudspeaker, the air."
+    )

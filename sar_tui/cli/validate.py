@@ -32,8 +32,10 @@ def validate(
         typer.Option(
             metavar="NAME,NAME",
             show_default=False,
-            help="figure-4.4, figure-4.8, figure-4.9, figure-4.10, figure-4.11, figure-4.12, figure-4.13, figure-4.14, "
-            "figure-4.15, table-4.1, table-4.2, exports, reach, quiet, measures, smoothness, policies, praise, "
+            help="figure-4.4, figure-4.8, figure-4.9, figure-4.10, figure-4.11, figure-4.12, "
+            "figure-4.13, figure-4.14, "
+            "figure-4.15, table-4.1, table-4.2, exports, reach, quiet, measures, smoothness, "
+            "policies, praise, "
             "corrections, progress, difficulty, effects, modularity; default: all.",
         ),
     ] = None,
@@ -43,7 +45,8 @@ def validate(
             parser=named_path,
             metavar="DIR",
             show_default=False,
-            help="Store all rows (NAME.csv), the printed text (NAME.txt), the figures (NAME.svg) and one page of all "
+            help="Store all rows (NAME.csv), the printed text (NAME.txt), the figures (NAME.svg) "
+            "and one page of all "
             "(validation.html) here. Figures need the extra `report`.",
         ),
     ] = None,
@@ -58,7 +61,10 @@ def validate(
         ),
     ] = None,
     full: Annotated[
-        bool, typer.Option("--full", help="With all repetitions, as for a paper: up to a quarter of an hour.")
+        bool,
+        typer.Option(
+            "--full", help="With all repetitions, as for a paper: up to a quarter of an hour."
+        ),
     ] = False,
     session: Annotated[
         str | None,
@@ -80,7 +86,9 @@ def validate(
     home = Home.of(context, data, tasks)
     if session is not None:
         if only is not None or full:
-            raise Refused("--session makes the figures that the session has: leave out --only and --full.")
+            raise Refused(
+                "--session makes the figures that the session has: leave out --only and --full."
+            )
         _show_session(home, session, to, as_json)
         return
     from sar_tui.validation.registry import VALIDATIONS
@@ -97,7 +105,9 @@ def validate(
         def progress(what: str, done: int, of: int) -> None:
             show(what, before + VALIDATIONS[name].seconds * done / max(1, of), whole)
 
-        given = Conditions(catalogue, reaches or _REACHES[full], not full, progress=progress, known={})
+        given = Conditions(
+            catalogue, reaches or _REACHES[full], not full, progress=progress, known={}
+        )
         conditions = given if full else given._replace(seeds=given.seeds[:_QUICK_SEEDS])
         for name in names:
             show(name, before, whole)
@@ -117,7 +127,9 @@ def validate(
     if against:
         if as_json:
             for claim in against:
-                console(error=True).print(_verdict(claim.sentence, claim.against), markup=False, soft_wrap=True)
+                console(error=True).print(
+                    _verdict(claim.sentence, claim.against), markup=False, soft_wrap=True
+                )
         raise typer.Exit(FAILED)
 
 
@@ -138,7 +150,9 @@ def _prepare_folder(folder: Path, names: Sequence[str]) -> None:
     """Make the folder. Raises Refused if it holds one of the files to be written."""
     for file in (_WHOLE, *(f"{name}.{kind}" for name in names for kind in ("csv", "txt", "svg"))):
         if (folder / file).exists():
-            raise Refused(f"{folder} already holds a {file}, which is not overwritten. Name another folder.")
+            raise Refused(
+                f"{folder} already holds a {file}, which is not overwritten. Name another folder."
+            )
     folder.mkdir(parents=True, exist_ok=True)
 
 
@@ -170,11 +184,16 @@ def _store_page(
     from sar_tui.validation.page import page
 
     write_private(folder / _WHOLE, page(title, reports, notes))
-    lacking = any(report.chart and not (folder / f"{name}.svg").exists() for name, (_, report) in reports.items())
+    lacking = any(
+        report.chart and not (folder / f"{name}.svg").exists()
+        for name, (_, report) in reports.items()
+    )
     if lacking:
         from sar_tui.reports.html_page import no_package
 
-        console(error=True).print(f"! {no_package()}. Everything but NAME.svg is written.", soft_wrap=True)
+        console(error=True).print(
+            f"! {no_package()}. Everything but NAME.svg is written.", soft_wrap=True
+        )
 
 
 def _show_session(home: Home, name: str, to: Path | None, as_json: bool) -> None:
@@ -209,7 +228,9 @@ def _print(out: "Console", title: str, report: "Report") -> None:
         made = table()
         made.padding = (0, 1, 0, 0)
         for column in columns:
-            made.add_column(column.head, justify="right" if column.is_number else "left", overflow="fold")
+            made.add_column(
+                column.head, justify="right" if column.is_number else "left", overflow="fold"
+            )
         for row in report.rows if report.seen is None else report.seen:
             add(made, *(column.show(row) for column in columns))
         out.print(made)

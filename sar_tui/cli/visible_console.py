@@ -18,6 +18,10 @@ class VisibleConsole(Console):
         """Return a string as text. Done here, before its length is measured."""
         return super().render_str(visible(text, KEPT), **how)
 
-    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterable[Segment]:
         for segment in super().render(renderable, options):
-            yield segment if segment.control else Segment(visible(segment.text, KEPT), segment.style)
+            yield (
+                segment if segment.control else Segment(visible(segment.text, KEPT), segment.style)
+            )

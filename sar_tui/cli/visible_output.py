@@ -1,4 +1,6 @@
-"""Standard output and error of all commands, with characters made visible that a terminal would obey."""
+"""Standard output and error of all commands, with characters made visible that a terminal would
+obey.
+"""
 
 import sys
 from collections.abc import Iterable
@@ -14,7 +16,8 @@ class VisibleStream:
     """Stream for texts from anywhere.
 
     Attributes:
-        rich_proxied_file: the stream itself. Consoles of rich write to it, as they send commands to the terminal.
+        rich_proxied_file: the stream itself. Consoles of rich write to it, as they send commands to
+            the terminal.
         buffer: None, as bytes would not be checked.
     """
 

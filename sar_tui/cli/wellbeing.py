@@ -15,12 +15,16 @@ _ID = 6
 
 def wellbeing(
     context: typer.Context,
-    participant: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)],
+    participant: Annotated[
+        str, typer.Argument(metavar="CODE", help="The participant's code.", show_default=False)
+    ],
     as_json: AsJson = False,
     data: Data = None,
     tasks: Tasks = None,
 ) -> None:
-    """Show the pain and tiredness of a participant over sessions, and what the therapist should know."""
+    """Show the pain and tiredness of a participant over sessions, and what the therapist should
+    know.
+    """
     from sar_tui.reports.wellbeing import advice, by_visit, dated_event
     from sar_tui.rules.wellbeing import tell_therapist
     from sar_tui.store import adverse_events, participants
@@ -33,7 +37,14 @@ def wellbeing(
         reasons = tell_therapist(store.history(database, code))
         events = adverse_events.listing(database, code)
     if as_json:
-        print_json({"participant": code, "wellbeing": rows, "tell_therapist": reasons, "adverse_events": events})
+        print_json(
+            {
+                "participant": code,
+                "wellbeing": rows,
+                "tell_therapist": reasons,
+                "adverse_events": events,
+            }
+        )
         return
 
     out = console()

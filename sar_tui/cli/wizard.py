@@ -1,4 +1,6 @@
-"""``sar-tui wizard``: the operator's panel of a session that runs in another terminal, or on another machine."""
+"""``sar-tui wizard``: the operator's panel of a session that runs in another terminal, or on
+another machine.
+"""
 
 import sys
 from pathlib import Path
@@ -21,7 +23,11 @@ def wizard(
     link: Link = None,
     name: Annotated[
         str | None,
-        typer.Option(metavar="NAME", show_default=False, help="Your name in the record. Default: your login name."),
+        typer.Option(
+            metavar="NAME",
+            show_default=False,
+            help="Your name in the record. Default: your login name.",
+        ),
     ] = None,
     observe: Annotated[bool, typer.Option("--observe", help="Only watch.")] = False,
     wait: Annotated[bool, typer.Option("--wait", help="Wait for a session to join.")] = False,
@@ -30,7 +36,8 @@ def wizard(
 ) -> None:
     """Open the operator's panel: watch a session and control it.
 
-    The session runs in another terminal with --operator, or on another machine with --listen. F1 shows all keys.
+    The session runs in another terminal with --operator, or on another machine with --listen. F1
+    shows all keys.
     """
     home = Home.of(context, data, tasks)
     where = session_to_show(session, link, home.folder, wait=wait, observe=observe)
@@ -40,7 +47,9 @@ def wizard(
     from sar_tui.plugins import DEFAULT_THEME
 
     theme = home.catalogue().theme(DEFAULT_THEME)
-    app = WizardApp(theme, home.folder, name, "observer" if observe else "operator", where, waits=wait)
+    app = WizardApp(
+        theme, home.folder, name, "observer" if observe else "operator", where, waits=wait
+    )
     raise typer.Exit(run_wizard(app, lambda text: print(text, file=sys.stderr)))
 
 
@@ -62,7 +71,10 @@ def session_to_show(
             raise Refused("An invitation is for one session: leave out SESSION and --wait.")
         where = session_to_join(None, link, data)
         if observe and getattr(where, "role", None) == "operator":
-            raise Refused(f"{link} invites an operator, who can act. To only watch, ask for an observer's invitation.")
+            raise Refused(
+                f"{link} invites an operator, who can act. To only watch, ask for an observer's "
+                "invitation."
+            )
         return where
     if session is None:
         need_packages()
@@ -73,7 +85,9 @@ def session_to_show(
 
 
 def name_at_session(name: str | None, link: Path | None, *, observe: bool) -> str:
-    """Return the user's name at the session. An observer's default is unique, because a user may open several."""
+    """Return the user's name at the session. An observer's default is unique, because a user may
+    open several.
+    """
     import os
     import re
 

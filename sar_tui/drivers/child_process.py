@@ -1,4 +1,6 @@
-"""Child processes with their own pipes, detached from the terminal, and killed together with their children."""
+"""Child processes with their own pipes, detached from the terminal, and killed together with their
+children.
+"""
 
 import contextlib
 import os
@@ -12,7 +14,8 @@ REAPED_S = 1.0
 
 
 def python(module: str, *arguments: str) -> list[str]:
-    """Return the command line that runs a Python module: the only one by which the program starts Python.
+    """Return the command line that runs a Python module: the only one by which the program starts
+    Python.
 
     With ``-P``, no module in the current folder can replace a library.
     """

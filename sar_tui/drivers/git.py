@@ -8,12 +8,16 @@ _TIMEOUT_S = 20.0
 
 
 def tracked(folder: Path) -> list[Path]:
-    """Return the files of a folder that git tracks, staged ones too; none if the folder is in no work tree."""
+    """Return the files of a folder that git tracks, staged ones too; none if the folder is in no
+    work tree.
+    """
     return _listed(folder, "--cached")
 
 
 def would_add(folder: Path) -> list[Path]:
-    """Return the files of a folder that ``git add .`` would take, as it neither tracks nor ignores them."""
+    """Return the files of a folder that ``git add .`` would take, as it neither tracks nor ignores
+    them.
+    """
     return _listed(folder, "--others", "--exclude-standard")
 
 
@@ -29,12 +33,16 @@ def _listed(folder: Path, *which: str) -> list[Path]:
 
 
 def _git(folder: Path, *words: str) -> tuple[int, bytes]:
-    """Return the exit code and the output of git; 128, with which it fails, if it is not installed."""
+    """Return the exit code and the output of git; 128, with which it fails, if it is not
+    installed.
+    """
     kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     # A stranger's repository may name a program that git starts to see what has changed.
     command = ["git", "-c", "core.fsmonitor=false", "-C", str(folder), *words]
     try:
-        done = subprocess.run(command, capture_output=True, env=kept, timeout=_TIMEOUT_S, check=False)
+        done = subprocess.run(
+            command, capture_output=True, env=kept, timeout=_TIMEOUT_S, check=False
+        )
     except (OSError, subprocess.TimeoutExpired):
         return 128, b""
     return done.returncode, done.stdout

@@ -1,4 +1,6 @@
-"""The installation that runs: the checkout, if it runs from one, and the commands that add packages to it."""
+"""The installation that runs: the checkout, if it runs from one, and the commands that add packages
+to it.
+"""
 
 import os
 import re
@@ -12,18 +14,23 @@ _NAME = "sar-tui"
 
 @cache
 def checkout() -> Path | None:
-    """Return the folder of the checkout that the program runs from; None if it is installed elsewhere."""
+    """Return the folder of the checkout that the program runs from; None if it is installed
+    elsewhere.
+    """
     folder = Path(__file__).resolve().parents[2]
     return folder if (folder / "pyproject.toml").exists() else None
 
 
 def pip_install(*packages: str) -> str:
-    """Return the command that installs packages from the index into the environment of the program."""
+    """Return the command that installs packages from the index into the environment of the
+    program.
+    """
     return f"{_pip()} install {' '.join(map(shlex.quote, packages))}"
 
 
 def pip_install_extra(extra: str) -> str:
-    """Return the command that installs an extra: in a checkout, or else by the names of its packages.
+    """Return the command that installs an extra: in a checkout, or else by the names of its
+    packages.
 
     An extra is never asked for by the name of the program: on the public index that is not ours.
     """
@@ -33,7 +40,9 @@ def pip_install_extra(extra: str) -> str:
 
 
 def _pip() -> str:
-    """Return the pip of the program's environment, as it is called in the checkout or after activation."""
+    """Return the pip of the program's environment, as it is called in the checkout or after
+    activation.
+    """
     folder = checkout()
     if folder and Path(sys.prefix).resolve() == folder / ".venv":
         return r".venv\Scripts\pip" if os.name == "nt" else ".venv/bin/pip"

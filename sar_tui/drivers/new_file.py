@@ -5,7 +5,9 @@ from pathlib import Path
 
 
 def unused(path: Path) -> Path:
-    """Return the path, or one with a number if there is a file or folder of that name: ``copy-2.db``."""
+    """Return the path, or one with a number if there is a file or folder of that name:
+    ``copy-2.db``.
+    """
     free, number = path, 1
     while os.path.lexists(free):
         number += 1

@@ -16,7 +16,9 @@ _VENDOR = "06c2"
 _DEVICES = Path("/sys/bus/usb/devices")
 _NODES = Path("/dev/bus/usb")
 _IMPORTING = threading.Lock()
-"""Held while Phidget22 is imported: its modules import each other in a circle, which fails in two threads at once."""
+"""Held while Phidget22 is imported: its modules import each other in a circle, which fails in two
+threads at once.
+"""
 
 
 def new_channel(kind: str) -> Any:
@@ -33,17 +35,21 @@ def new_channel(kind: str) -> Any:
         devices = importlib.import_module(f"Phidget22.Devices.{kind}")
         from Phidget22.Phidget import Phidget
 
-    Phidget.getLibraryVersion()  # Fails before there is an object, whose destructor would print a second error.
+    # Fails before there is an object, whose destructor would print a second error.
+    Phidget.getLibraryVersion()
     return getattr(devices, kind)()
 
 
 def plugged_in(devices: Path = _DEVICES) -> bool | None:
-    """Return True if a Phidget is on a USB port; None if the system does not list USB devices (any except Linux)."""
+    """Return True if a Phidget is on a USB port; None if the system does not list USB devices (any
+    except Linux).
+    """
     return any(_phidgets(devices)) if devices.is_dir() else None
 
 
 def usb_denied(devices: Path = _DEVICES, nodes: Path = _NODES) -> bool:
-    """Return True if a Phidget is on a USB port that this user may not open. Always False except on Linux.
+    """Return True if a Phidget is on a USB port that this user may not open. Always False except on
+    Linux.
 
     Args:
         devices: the system's folder of USB devices.

@@ -25,7 +25,9 @@ PING_S = 3.0
 CLOSE_S = 1.0
 """Longest wait for the server when closing."""
 _STARTING = threading.Lock()
-"""Held while roslibpy starts its event loop: a second thread would find the loop missing, and never connect."""
+"""Held while roslibpy starts its event loop: a second thread would find the loop missing, and never
+connect.
+"""
 
 
 class AddressError(ValueError):
@@ -51,10 +53,14 @@ def parse(address: str, example: str) -> Address:
     """
     try:
         parts = urlsplit(address.strip())
-        options = dict(parse_qsl(parts.query, keep_blank_values=True, strict_parsing=bool(parts.query)))
+        options = dict(
+            parse_qsl(parts.query, keep_blank_values=True, strict_parsing=bool(parts.query))
+        )
         known = parts.scheme in ("", "ros") and not parts.username and not parts.fragment
         if known and parts.hostname and re.fullmatch(r"[\w.:-]+", parts.hostname):
-            return Address(parts.hostname, PORT if parts.port is None else parts.port, parts.path, options)
+            return Address(
+                parts.hostname, PORT if parts.port is None else parts.port, parts.path, options
+            )
     except ValueError:
         pass
     raise AddressError(f'The address "{address}" is not valid. Use {example}.')
@@ -63,15 +69,17 @@ def parse(address: str, example: str) -> Address:
 class Bridge:
     """A connection to a rosbridge server, which is made again whenever it is lost.
 
-    Opening and publishing never block. Messages published while there is no connection are dropped. After each
-    reconnection, topics are advertised and subscribed to again. It uses roslibpy's asyncio transport, since the other
-    one can be started only once in a program.
+    Opening and publishing never block. Messages published while there is no connection are dropped.
+    After each reconnection, topics are advertised and subscribed to again. It uses roslibpy's
+    asyncio transport, since the other one can be started only once in a program.
 
     Args:
         address: the server.
         advertised: the topics published to, with their types.
-        subscribed: the topics subscribed to, with their types and the callback for each message (as JSON has it).
-        on_change: called when the connection is made or lost, and when it is impossible (see ``problem``).
+        subscribed: the topics subscribed to, with their types and the callback for each message (as
+            JSON has it).
+        on_change: called when the connection is made or lost, and when it is impossible (see
+            ``problem``).
 
     All callbacks run in the connection's own thread. After ``close``, only one that was
     already under way can still run.
@@ -109,14 +117,18 @@ class Bridge:
         threading.Thread(target=self._connect, name="rosbridge", daemon=True).start()
 
     def publish(self, topic: str, message: Mapping[str, Any]) -> bool:
-        """Send a message to an advertised topic. Returns False without a connection. May be called from any thread."""
+        """Send a message to an advertised topic. Returns False without a connection. May be called
+        from any thread.
+        """
         connection = self._connection
         if connection is not None:
             connection.send_ros_message({"op": "publish", "topic": topic, "msg": message})
         return connection is not None
 
     def close(self) -> None:
-        """Send what was published, and disconnect. Waits at most a second if the bridge hangs. May be called twice."""
+        """Send what was published, and disconnect. Waits at most a second if the bridge hangs. May
+        be called twice.
+        """
         with self._closing:
             self._closed = True
             if self._factory is not None:

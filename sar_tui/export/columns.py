@@ -75,9 +75,11 @@ def stored(
     levels: tuple[str, ...] = (),
     required: bool = False,
 ) -> Column:
-    """Return the column of what the database stores in ``source``: "trials.onset_ns", "sessions.machine.cores".
+    """Return the column of what the database stores in ``source``: "trials.onset_ns",
+    "sessions.machine.cores".
 
-    Its name is the last part of the source if none is given. Raises ValueError if it must not leave.
+    Its name is the last part of the source if none is given. Raises ValueError if it must not
+    leave.
     """
     found = treatment(source)
     if found not in LEAVING:
@@ -95,7 +97,9 @@ MODE = stored(
 )
 TASK = stored("sessions.task", "string", "Name of the task.", required=True)
 PARTICIPANT = stored("seats.participant", "string", "Code of the participant.")
-SEAT = stored("seats.seat", "string", "The participant's place: A, or B in a task for two.", required=True)
+SEAT = stored(
+    "seats.seat", "string", "The participant's place: A, or B in a task for two.", required=True
+)
 TO_SESSION = Reference(("session",), "sessions", ("session",))
 
 
@@ -105,5 +109,7 @@ def as_bool(value: int | None) -> bool | None:
 
 
 def finite(value: Any) -> Any:
-    """Return a number, or None for an infinite one, as earlier versions stored it for a missing result."""
+    """Return a number, or None for an infinite one, as earlier versions stored it for a missing
+    result.
+    """
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,4 +1,6 @@
-"""The contents of an export, as every format gets them: tables whose rows come from the database one by one."""
+"""The contents of an export, as every format gets them: tables whose rows come from the database
+one by one.
+"""
 
 import re
 import sqlite3
@@ -50,7 +52,8 @@ class Contents:
         tables: with the columns that leave.
         problems: sentences on what could not be read; complete when all rows were read.
         left_out: columns that the sessions have and that do not leave, as "trials.details_remark".
-        notices: a sentence on each task that cannot be loaded, so that its details are not described.
+        notices: a sentence on each task that cannot be loaded, so that its details are not
+            described.
     """
 
     def __init__(
@@ -110,32 +113,45 @@ class Contents:
         self._codes = {privacy.code(code): code for code in selection.participants}
         self._persons = {row["id"]: row["participant"] for row in selection.sessions}
         moments = (
-            (privacy.id(row["id"]), privacy.moment(row["started_at"], row["participant"])) for row in selection.sessions
+            (privacy.id(row["id"]), privacy.moment(row["started_at"], row["participant"]))
+            for row in selection.sessions
         )
         self._months = {session: moment[:_MONTH] for session, moment in moments if moment}
         self._owners = {"session": list(self._sessions), "participant": list(self._codes)}
 
     def _differing(self) -> frozenset[str]:
-        """Return the columns of versions that are not the same in all sessions, or in those with a task or theme."""
+        """Return the columns of versions that are not the same in all sessions, or in those with a
+        task or theme.
+        """
         seen: dict[str, set[Any]] = {}
         for table in self._whole.values():
             names = [column.name for column in table.columns]
             versions = [column.name for column in table.columns if column.treatment == "version"]
             for session in self._sessions.values() if versions else ():
-                for values in self._damage.rows(table, session, partial(table.rows, self._database, session)):
+                for values in self._damage.rows(
+                    table, session, partial(table.rows, self._database, session)
+                ):
                     row = dict(zip(names, values, strict=True))
                     for name in versions:
                         kind = name.partition("_")[0]
-                        seen.setdefault(name, set()).add((row[kind] if kind in _APART else None, row[name]))
+                        seen.setdefault(name, set()).add(
+                            (row[kind] if kind in _APART else None, row[name])
+                        )
         self.problems.clear()  # they are found again when the rows leave
-        return frozenset(name for name, values in seen.items() if len({of for of, _ in values}) < len(values))
+        return frozenset(
+            name for name, values in seen.items() if len({of for of, _ in values}) < len(values)
+        )
 
     def _report(self, sentence: str) -> None:
         """Add a problem, with the ids of sessions as they leave."""
-        self.problems.append(_with_ids(sentence, {here: leaving for leaving, here in self._sessions.items()}))
+        self.problems.append(
+            _with_ids(sentence, {here: leaving for leaving, here in self._sessions.items()})
+        )
 
     def here(self, problem: str) -> str:
-        """Return a problem with the ids of sessions and the codes that they have in the database."""
+        """Return a problem with the ids of sessions and the codes that they have in the
+        database.
+        """
         return _with_ids(problem, self._sessions | self._codes)
 
     def part(self, names: Collection[str]) -> "Contents":
@@ -149,7 +165,8 @@ class Contents:
         return self._whole[table.name]
 
     def by_month(self, table: Table) -> list[tuple[str, list[str]]]:
-        """Return the owners of a table by the month in which their sessions began, as it leaves: "2026-11".
+        """Return the owners of a table by the month in which their sessions began, as it leaves:
+        "2026-11".
 
         The month is empty for a table of participants, and of a session without a date.
         """
@@ -166,7 +183,9 @@ class Contents:
         return self._privacy.of_site[0] if self._privacy.of_site else ""
 
     def owners(self, table: Table) -> list[str]:
-        """Return the sessions that the table has rows of, by id, or the participants, by their codes as they leave."""
+        """Return the sessions that the table has rows of, by id, or the participants, by their
+        codes as they leave.
+        """
         return self._owners[table.of]
 
     @property
@@ -175,7 +194,8 @@ class Contents:
         return list(self._sessions)
 
     def measured(self, sessions: Collection[str]) -> list[str]:
-        """Return the ids of sessions with the same measured timing, as they leave; none if that would tell a time.
+        """Return the ids of sessions with the same measured timing, as they leave; none if that
+        would tell a time.
 
         Args:
             sessions: by their ids here.
@@ -190,7 +210,9 @@ class Contents:
         return sum(len(self.owners(table)) for table in self.tables)
 
     def rows(self, table: Table, owner: str) -> Iterator[Values]:
-        """Yield the rows of one session or participant in a table: a value for each of its columns, None if missing."""
+        """Yield the rows of one session or participant in a table: a value for each of its columns,
+        None if missing.
+        """
         whole = self._whole[table.name]
         stored = self._sessions[owner] if table.of == "session" else self._codes[owner]
         kept = [index for index, column in enumerate(whole.columns) if self._privacy.leaves(column)]
@@ -217,15 +239,27 @@ def _picker(kept: list[int]) -> Any:
 
 def _not_loaded(task: str, trials: Table, privacy: Privacy) -> str:
     """Return a sentence on a task that cannot be loaded, and on what that means for the export."""
-    said = f"The task {task} cannot be loaded, so nothing says what its details are: they leave as they are stored"
-    own = [column for column in trials.columns if column.name.startswith("details_") and task in (column.tasks or ())]
+    said = (
+        f"The task {task} cannot be loaded, so nothing says what its details are: they leave "
+        "as they are stored"
+    )
+    own = [
+        column
+        for column in trials.columns
+        if column.name.startswith("details_") and task in (column.tasks or ())
+    ]
     if withheld := [column.name for column in own if not privacy.leaves(column)]:
         return (
-            f"{said}, except for texts of several words, which somebody may have typed ({', '.join(withheld)}). Give "
-            "the folder that the task is in with --tasks DIR to have all of them, each with its meaning, or add "
+            f"{said}, except for texts of several words, which somebody may have typed "
+            f"({', '.join(withheld)}). Give "
+            "the folder that the task is in with --tasks DIR to have all of them, each with its "
+            "meaning, or add "
             "--with-notes."
         )
-    return f"{said}. Give the folder that the task is in with --tasks DIR to have each with its meaning."
+    return (
+        f"{said}. Give the folder that the task is in with --tasks DIR to have each with its "
+        "meaning."
+    )
 
 
 def _declared(catalogue: "Catalogue", tasks: list[str]) -> tuple[Mapping[str, Declared], list[str]]:
@@ -245,19 +279,24 @@ def _declared(catalogue: "Catalogue", tasks: list[str]) -> tuple[Mapping[str, De
                 declared
                 if known is None
                 else Declared(
-                    known.meaning if same else f"{known.meaning} {declared.meaning}", known.types | declared.types
+                    known.meaning if same else f"{known.meaning} {declared.meaning}",
+                    known.types | declared.types,
                 )
             )
     return found, not_loaded
 
 
 def _fields(catalogue: "Catalogue", not_loaded: Collection[str]) -> Fields:
-    """Return the parameters that tasks declare; of a task that cannot be loaded, those that all tasks have."""
+    """Return the parameters that tasks declare; of a task that cannot be loaded, those that all
+    tasks have.
+    """
     common = {field.name: field for field in declared_fields(TaskParameters)}
     found = dict.fromkeys(not_loaded, common)
     for name in catalogue.task_names():
         try:
-            found[name] = {field.name: field for field in declared_fields(catalogue.task(name).Parameters)}
+            found[name] = {
+                field.name: field for field in declared_fields(catalogue.task(name).Parameters)
+            }
         except PluginError:
             continue
     return found

@@ -1,4 +1,6 @@
-"""CSV files, as all that the program writes: texts in them are texts, whatever program opens the file."""
+"""CSV files, as all that the program writes: texts in them are texts, whatever program opens the
+file.
+"""
 
 import csv
 import re
@@ -8,7 +10,8 @@ from typing import Any, TextIO
 from sar_tui.model.visible_text import visible
 
 _FORMULA = re.compile(r"[=+\-@\t\r].", re.DOTALL)
-"""Beginning of a text that spreadsheets compute (https://owasp.org/www-community/attacks/CSV_Injection).
+"""Beginning of a text that spreadsheets compute
+(https://owasp.org/www-community/attacks/CSV_Injection).
 
 A sign alone is none, nor is a number.
 """
@@ -20,7 +23,8 @@ _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.,:/-]*")
 
 
 def cell(value: Any) -> Any:
-    """Return a value as it is written: of a text, a formula begins with an apostrophe, and controls are visible signs.
+    """Return a value as it is written: of a text, a formula begins with an apostrophe, and controls
+    are visible signs.
 
     Numbers stay as they are, negative ones and those in texts too.
     """

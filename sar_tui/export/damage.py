@@ -23,7 +23,9 @@ def is_not_json(error: sqlite3.OperationalError) -> bool:
 
 
 def with_any_text(database: sqlite3.Connection, read: Callable[[], T]) -> T:
-    """Return what is read, also if the bytes of a text are not UTF-8: then texts are read so from now on."""
+    """Return what is read, also if the bytes of a text are not UTF-8: then texts are read so from
+    now on.
+    """
     try:
         return read()
     except sqlite3.OperationalError as error:
@@ -34,10 +36,14 @@ def with_any_text(database: sqlite3.Connection, read: Callable[[], T]) -> T:
 
 
 def _numbers(table: Table) -> list[int]:
-    """Return the places of the columns of numbers. Samples, of which there are many, are never stored as texts."""
+    """Return the places of the columns of numbers. Samples, of which there are many, are never
+    stored as texts.
+    """
     if table.name == "imu":
         return []
-    return [index for index, column in enumerate(table.columns) if column.type in ("integer", "number")]
+    return [
+        index for index, column in enumerate(table.columns) if column.type in ("integer", "number")
+    ]
 
 
 class Damage:
@@ -74,8 +80,11 @@ class Damage:
         """Remember that a column of the row that is being read is damaged."""
         self._damaged.append((column, where))
 
-    def rows(self, table: Table, owner: str, read: Callable[[], Iterator[Values]]) -> Iterator[Values]:
-        """Yield the rows of a session or participant, and report the values in them that are damaged.
+    def rows(
+        self, table: Table, owner: str, read: Callable[[], Iterator[Values]]
+    ) -> Iterator[Values]:
+        """Yield the rows of a session or participant, and report the values in them that are
+        damaged.
 
         Args:
             table: with the columns of the rows.
@@ -102,7 +111,9 @@ class Damage:
         yield from self.rows(table, owner, lambda: islice(read(), count, None))
 
     def _without_texts(self, table: Table, row: Values, numbers: Sequence[int]) -> Values:
-        """Return a row with nothing where a text is stored for a number, and remember that it was damaged."""
+        """Return a row with nothing where a text is stored for a number, and remember that it was
+        damaged.
+        """
         kept = list(row)
         for index in numbers:
             if isinstance(row[index], str):
@@ -111,7 +122,9 @@ class Damage:
         return tuple(kept)
 
     def _read_any_text(self) -> None:
-        """From now on, read texts whose bytes are not UTF-8 as well. It is slower, so not before there is one."""
+        """From now on, read texts whose bytes are not UTF-8 as well. It is slower, so not before
+        there is one.
+        """
 
         def decoded(data: bytes) -> str:
             try:
@@ -125,25 +138,39 @@ class Damage:
     def _name(self, table: Table, owner: str, row: Values) -> None:
         """Report the damaged values of a row."""
         values = dict(zip((column.name for column in table.columns), row, strict=False))
-        beside = ", ".join(f"{name} {values[name]}" for name in table.key if name in values and name != table.of)
+        beside = ", ".join(
+            f"{name} {values[name]}" for name in table.key if name in values and name != table.of
+        )
 
         def tell(place: str, said: str) -> None:
             self._report(f"{table.name}, {table.of} {owner}{', ' if place else ''}{place}: {said}")
 
         for column, where in self._damaged:
-            tell(beside if where is None else where, f"what is stored in {column} is damaged, and left out.")
+            tell(
+                beside if where is None else where,
+                f"what is stored in {column} is damaged, and left out.",
+            )
         if self._has_bad_text:
             for name, value in values.items():
                 if isinstance(value, str) and _UNREADABLE in value:
-                    tell(beside, f"the text in {name} is damaged; {_UNREADABLE} replaces what cannot be read.")
+                    tell(
+                        beside,
+                        f"the text in {name} is damaged; {_UNREADABLE} replaces what cannot be "
+                        "read.",
+                    )
         self._damaged.clear()
         self._has_bad_text = False
 
-    def _report_rest(self, table: Table, owner: str, count: int, error: sqlite3.OperationalError) -> None:
-        """Report that rows are missing, if it is damage of single values; raise the error otherwise."""
+    def _report_rest(
+        self, table: Table, owner: str, count: int, error: sqlite3.OperationalError
+    ) -> None:
+        """Report that rows are missing, if it is damage of single values; raise the error
+        otherwise.
+        """
         if not is_not_json(error):
             raise error
         self._report(
-            f"{table.name}, {table.of} {owner}: a message is damaged, and the rows after the first {count} are left "
+            f"{table.name}, {table.of} {owner}: a message is damaged, and the rows after the "
+            f"first {count} are left "
             "out."
         )

@@ -1,4 +1,6 @@
-"""Exports sessions: selects them, and lets a format write them into a folder that is complete or absent."""
+"""Exports sessions: selects them, and lets a format write them into a folder that is complete or
+absent.
+"""
 
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
@@ -40,8 +42,10 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
         sessions: the ids of those that it holds.
         left_out: columns that did not leave.
         problems: a sentence on each session, or part of one, that it lacks.
-        notices: a sentence on each task that cannot be loaded, so that its details are not described.
-        manifest: SHA-256 of the manifest; of each site's, with spaces between them, in a format for many sites.
+        notices: a sentence on each task that cannot be loaded, so that its details are not
+            described.
+        manifest: SHA-256 of the manifest; of each site's, with spaces between them, in a format for
+            many sites.
     """
 
     folder: str
@@ -76,7 +80,11 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def facts(self) -> dict[str, bool]:
         """The options as the manifest and the ledger have them."""
-        return {"with_notes": self.with_notes, "with_events": self.with_events, "recoded": self.recode is not None}
+        return {
+            "with_notes": self.with_notes,
+            "with_events": self.with_events,
+            "recoded": self.recode is not None,
+        }
 
 
 FOLDER = "exports"
@@ -87,7 +95,9 @@ _UNRECORDED = "The data folder cannot be written to, so this export is not in it
 
 
 def new_folder(data: Path, format: Format, options: Options = _DEFAULTS) -> Path:
-    """Return a folder for an export that is in none yet, in a data folder. Its name has the time if dates leave."""
+    """Return a folder for an export that is in none yet, in a data folder. Its name has the time if
+    dates leave.
+    """
     ending = "recoded" if options.recode else f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
     return unused((data / FOLDER / f"{format.name}-{ending}").absolute())
 
@@ -123,14 +133,23 @@ def export(
         options.recode.resolve().is_relative_to(folder)
         or any((each / MANIFEST).exists() for each in options.recode.resolve().parents)
     ):
-        raise ExportError("The map of codes must not be in a folder that leaves. Name a file outside.", bad_input=True)
+        raise ExportError(
+            "The map of codes must not be in a folder that leaves. Name a file outside.",
+            bad_input=True,
+        )
     written: list[_Written] = []
     with ExitStack() as targets, ExitStack() as snapshot:
         snapshot.enter_context(_snapshot(database))
-        chosen = selection = with_any_text(database, lambda: select(database, data, request, also_damaged=True))
-        recoded = recoding(database, options.recode, selection.participants) if options.recode else None
+        chosen = selection = with_any_text(
+            database, lambda: select(database, data, request, also_damaged=True)
+        )
+        recoded = (
+            recoding(database, options.recode, selection.participants) if options.recode else None
+        )
         if recoded is not None:  # they are in the order in which people came
-            selection = msgspec.structs.replace(selection, sessions=tuple(shuffled(selection.sessions)))
+            selection = msgspec.structs.replace(
+                selection, sessions=tuple(shuffled(selection.sessions))
+            )
         made = []
         for part in parts(database, selection, folder, recoded) if by_site else [Part(selection)]:
             privacy = Privacy(options.with_notes, recoded, part.of_site)
@@ -138,7 +157,13 @@ def export(
             contents = with_any_text(
                 database,
                 partial(
-                    Contents, database, part.selection, privacy, catalogue, measured, with_events=options.with_events
+                    Contents,
+                    database,
+                    part.selection,
+                    privacy,
+                    catalogue,
+                    measured,
+                    with_events=options.with_events,
                 ),
             )
             made.append((part, contents, measured))
@@ -150,17 +175,25 @@ def export(
             _add_provenance(hidden / part.about, part.selection, measured, contents)
             written.append(_Written(hidden, part, contents))
         snapshot.close()
-        manifests = [_finish(each, database, format, options, selection.refused) for each in written]
+        manifests = [
+            _finish(each, database, format, options, selection.refused) for each in written
+        ]
     if recoded is not None:
         forget_times(folder, files=False)  # folders have that of the last name in them
     return Exported(
         folder=str(folder),
         format=format.name,
         sessions=chosen.ids,
-        left_out=list(dict.fromkeys(column for each in written for column in each.contents.left_out)),
+        left_out=list(
+            dict.fromkeys(column for each in written for column in each.contents.left_out)
+        ),
         problems=[
             *selection.refused,
-            *dict.fromkeys(each.contents.here(problem) for each in written for problem in each.contents.problems),
+            *dict.fromkeys(
+                each.contents.here(problem)
+                for each in written
+                for problem in each.contents.problems
+            ),
             *_unrecorded(database),
         ],
         notices=list(dict.fromkeys(notice for each in written for notice in each.contents.notices)),
@@ -177,9 +210,15 @@ class _Written(NamedTuple):
 
 
 def _finish(
-    written: _Written, database: sqlite3.Connection, format: Format, options: Options, refused: Sequence[str]
+    written: _Written,
+    database: sqlite3.Connection,
+    format: Format,
+    options: Options,
+    refused: Sequence[str],
 ) -> str:
-    """Write the manifest of a folder, and add the export to the ledger. Return the SHA-256 of the manifest."""
+    """Write the manifest of a folder, and add the export to the ledger. Return the SHA-256 of the
+    manifest.
+    """
     is_recoded = options.recode is not None
     created = {} if is_recoded else {"created": datetime.now(UTC).isoformat(timespec="seconds")}
     running = [_RUNNING] if is_recoded and refused else refused
@@ -198,7 +237,8 @@ def _finish(
     sync(written.hidden)
     if is_recoded:
         forget_times(written.hidden)
-    if isinstance(database, StoreConnection):  # before the folder appears: nothing leaves that the ledger does not have
+    # before the folder appears: nothing leaves that the ledger does not have
+    if isinstance(database, StoreConnection):
         record(
             database,
             author=options.author,
@@ -216,10 +256,15 @@ def _unrecorded(database: sqlite3.Connection) -> list[str]:
     return [] if isinstance(database, StoreConnection) else [_UNRECORDED]
 
 
-def _add_provenance(folder: Path, selection: Selection, measured: Sequence[Passport], contents: Contents) -> None:
+def _add_provenance(
+    folder: Path, selection: Selection, measured: Sequence[Passport], contents: Contents
+) -> None:
     """Write the timing of the machines, and the methods in words, beside the data."""
     folder.mkdir(parents=True, exist_ok=True)
-    passports = [msgspec.structs.replace(each, sessions=contents.measured(each.sessions)) for each in measured]
+    passports = [
+        msgspec.structs.replace(each, sessions=contents.measured(each.sessions))
+        for each in measured
+    ]
     timing = msgspec.json.format(msgspec.json.encode({"passports": passports}))
     (folder / PASSPORTS).write_bytes(timing + b"\n")
     (folder / METHODS).write_text(methods(selection.sessions, measured), encoding="utf-8")

@@ -11,20 +11,34 @@ Treatment = Literal[
 - ``code``: a participant's code.
 - ``id``: an id of a session or of an adverse event; ``seed``: a seed of what is random.
 - ``time``: a date, with or without the time of day.
-- ``clock``: one or more stamps of the steady clock of a run; ``sensor clock``: of a sensor's own clock. Both go on from
-  session to session, so in a recoded export they count from the run's start, or from the first sample.
-- ``version``: changes when software or a machine is renewed, and so tells a time. It leaves in a recoded export only if
-  all sessions have the same.
+- ``clock``: one or more stamps of the steady clock of a run; ``sensor clock``: of a sensor's own
+  clock. Both go on from session to session, so in a recoded export they count from the run's start,
+  or from the first sample.
+- ``version``: changes when software or a machine is renewed, and so tells a time. It leaves in a
+  recoded export only if all sessions have the same.
 - ``zone``: tells the season of a date, and a place. It never leaves in a recoded export.
-- ``hash``: of a session's log, which who has the log can find again. Leaves unless the export is recoded.
+- ``hash``: of a session's log, which who has the log can find again. Leaves unless the export is
+  recoded.
 - ``text``: may hold words that a person typed. Leaves only if asked for.
-- ``person``, ``device``, ``place``: names a person who is not a participant, a device, or a place on a computer or
-  network. Never leaves; another column may say which kind it is.
+- ``person``, ``device``, ``place``: names a person who is not a participant, a device, or a place
+  on a computer or network. Never leaves; another column may say which kind it is.
 - ``parts``: JSON, of which named parts leave as columns of their own.
 - ``inner``: the program's own, of no use elsewhere, or the same in another form. Never leaves.
 """
 
-LEAVING = ("open", "code", "id", "seed", "time", "clock", "sensor clock", "version", "zone", "hash", "text")
+LEAVING = (
+    "open",
+    "code",
+    "id",
+    "seed",
+    "time",
+    "clock",
+    "sensor clock",
+    "version",
+    "zone",
+    "hash",
+    "text",
+)
 """Treatments of columns that may leave."""
 
 _INVENTORY: dict[str, dict[str, Treatment]] = {
@@ -70,7 +84,13 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
         "site": "open",
         "log_hash": "hash",
     },
-    "log_hashes": {"session": "id", "number": "inner", "seq": "inner", "beside": "inner", "hash": "inner"},
+    "log_hashes": {
+        "session": "id",
+        "number": "inner",
+        "seq": "inner",
+        "beside": "inner",
+        "hash": "inner",
+    },
     "sessions.software": {
         "sar_tui": "version",
         "python": "version",
@@ -335,15 +355,28 @@ _INVENTORY: dict[str, dict[str, Treatment]] = {
     },
     "started": {"rules": "version"},
     "sync": {"number": "open", "what": "open", "source": "open"},
-    "sessions.parameters": {"name": "open", "value": "open", "text": "text", "unit": "open", "title": "open"},
+    "sessions.parameters": {
+        "name": "open",
+        "value": "open",
+        "text": "text",
+        "unit": "open",
+        "title": "open",
+    },
 }
-"""By table, or JSON column, and by column, or part of the JSON; ``sensor``, ``output``, ``started`` and ``sync`` are
-messages."""
+"""By table, or JSON column, and by column, or part of the JSON; ``sensor``, ``output``, ``started``
+and ``sync`` are messages.
+"""
 
-SOURCES = {f"{table}.{column}": found for table, columns in _INVENTORY.items() for column, found in columns.items()}
+SOURCES = {
+    f"{table}.{column}": found
+    for table, columns in _INVENTORY.items()
+    for column, found in columns.items()
+}
 """Every column and every part of a JSON column that is known, with its treatment."""
 
 
 def treatment(source: str) -> Treatment:
-    """Return what becomes of a column: "trials.onset_ns". Raises KeyError if the inventory does not have it."""
+    """Return what becomes of a column: "trials.onset_ns". Raises KeyError if the inventory does not
+    have it.
+    """
     return SOURCES[source]

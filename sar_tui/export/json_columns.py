@@ -1,4 +1,6 @@
-"""Columns out of a JSON column whose keys differ between tasks: details of trials, qualities of attempts."""
+"""Columns out of a JSON column whose keys differ between tasks: details of trials, qualities of
+attempts.
+"""
 
 import re
 import sqlite3
@@ -9,8 +11,15 @@ import msgspec
 
 from sar_tui.export.columns import Column, Type
 
-_TYPES: dict[str, Type] = {"integer": "integer", "real": "number", "true": "boolean", "false": "boolean"}
-"""The types of SQLite's ``json_each`` that are no text; a list or an object leaves as JSON in a text."""
+_TYPES: dict[str, Type] = {
+    "integer": "integer",
+    "real": "number",
+    "true": "boolean",
+    "false": "boolean",
+}
+"""The types of SQLite's ``json_each`` that are no text; a list or an object leaves as JSON in a
+text.
+"""
 _OF_PYTHON: dict[type, Type] = {
     msgspec.inspect.IntType: "integer",
     msgspec.inspect.FloatType: "number",
@@ -21,7 +30,9 @@ _UNITS = {"_ms": "ms", "_ns": "ns", "_cm": "cm", "_hz": "Hz", "_rad_s": "rad/s",
 _UNKNOWN = "Not described: its task no longer declares it."
 _NOT_LOADED = "Not described: the task {} cannot be loaded."
 _LONGEST_WORD = 32
-"""Characters of a text that is a name, such as that of a side or a condition, rather than typed words."""
+"""Characters of a text that is a name, such as that of a side or a condition, rather than typed
+words.
+"""
 
 
 class Declared(msgspec.Struct, frozen=True):
@@ -34,12 +45,15 @@ class Declared(msgspec.Struct, frozen=True):
 def declared_keys(struct: type[msgspec.Struct]) -> dict[str, Declared]:
     """Return the fields of a declaration, such as a task's ``Details``.
 
-    A meaning is that of ``Annotated[float, "From onset to end."]``, or of ``Annotated[float, msgspec.Meta(...)]``.
+    A meaning is that of ``Annotated[float, "From onset to end."]``, or of ``Annotated[float,
+    msgspec.Meta(...)]``.
     """
     found = msgspec.inspect.type_info(struct)
     assert isinstance(found, msgspec.inspect.StructType)
     hints = get_type_hints(struct, include_extras=True)
-    return {field.encode_name: _declared(field.type, _text(hints[field.name])) for field in found.fields}
+    return {
+        field.encode_name: _declared(field.type, _text(hints[field.name])) for field in found.fields
+    }
 
 
 def _text(hint: Any) -> str:
@@ -52,7 +66,11 @@ def _declared(kind: msgspec.inspect.Type, meaning: str) -> Declared:
         meaning = (kind.extra_json_schema or {}).get("description", meaning)
         kind = kind.type
     kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else (kind,)
-    types = (_OF_PYTHON.get(type(each), "string") for each in kinds if not isinstance(each, msgspec.inspect.NoneType))
+    types = (
+        _OF_PYTHON.get(type(each), "string")
+        for each in kinds
+        if not isinstance(each, msgspec.inspect.NoneType)
+    )
     return Declared(meaning, frozenset(types))
 
 
@@ -72,10 +90,12 @@ def columns(
     other: str = "",
     not_loaded: Collection[str] = (),
 ) -> dict[str, Column]:
-    """Return the columns for the keys of a JSON column, by key: those declared, and others that the sessions hold.
+    """Return the columns for the keys of a JSON column, by key: those declared, and others that the
+    sessions hold.
 
-    What nobody declares may be anything: its texts leave only if texts are asked for, unless the program knows where
-    all of it comes from, and says so in ``other``. Of tasks that cannot be loaded, texts leave that are all names.
+    What nobody declares may be anything: its texts leave only if texts are asked for, unless the
+    program knows where all of it comes from, and says so in ``other``. Of tasks that cannot be
+    loaded, texts leave that are all names.
 
     Args:
         not_loaded: tasks that cannot be loaded, so that what they declare is not known.
@@ -88,7 +108,8 @@ def columns(
         f"SELECT part.key, part.type, sessions.task, max({_IS_WORDS})"
         f" FROM {table} JOIN sessions ON sessions.id=session,"
         f" json_each({value}) AS part"
-        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({value})='object' GROUP BY 1, 2, 3"
+        f" WHERE session IN (SELECT value FROM json_each(?)) AND json_type({value})='object' "
+        "GROUP BY 1, 2, 3"
         " ORDER BY part.key",
         (msgspec.json.encode(list(sessions)).decode(),),
     )
@@ -103,7 +124,12 @@ def columns(
     for key, types in found.items():
         type = _common(types)
         is_not_loaded = bool(tasks.get(key)) and tasks[key] <= set(not_loaded)
-        is_open = key in declared or bool(other) or type != "string" or (is_not_loaded and key not in words)
+        is_open = (
+            key in declared
+            or bool(other)
+            or type != "string"
+            or (is_not_loaded and key not in words)
+        )
         unknown = _NOT_LOADED.format(" or ".join(sorted(tasks[key]))) if is_not_loaded else _UNKNOWN
         made[key] = Column(
             name=_name(column, key, {each.name for each in made.values()}),

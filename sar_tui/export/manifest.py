@@ -20,11 +20,18 @@ def write_manifest(folder: Path, about: Path = Path(), **facts: Any) -> str:
         facts: the format, the sessions, and other facts about the export.
     """
     files = [
-        {"path": path.relative_to(folder).as_posix(), "bytes": path.stat().st_size, "sha256": sha256(path)}
+        {
+            "path": path.relative_to(folder).as_posix(),
+            "bytes": path.stat().st_size,
+            "sha256": sha256(path),
+        }
         for path in sorted(folder.rglob("*"))
         if path.is_file() and path.name != LOCK
     ]
-    manifest = msgspec.json.format(msgspec.json.encode({"sar_tui": __version__, **facts, "files": files})) + b"\n"
+    manifest = (
+        msgspec.json.format(msgspec.json.encode({"sar_tui": __version__, **facts, "files": files}))
+        + b"\n"
+    )
     (folder / about / MANIFEST).write_bytes(manifest)
     return hashlib.sha256(manifest).hexdigest()
 

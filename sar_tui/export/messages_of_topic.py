@@ -1,4 +1,6 @@
-"""Messages of a session that tables are made of, each with its content; damaged ones are reported."""
+"""Messages of a session that tables are made of, each with its content; damaged ones are
+reported.
+"""
 
 import sqlite3
 from collections.abc import Iterator
@@ -17,7 +19,9 @@ def messages_of_topic(
 ) -> Iterator[tuple[int, int, dict[str, Any]]]:
     """Yield the run, the time in ns and the content of each message of a topic, in order."""
     try:
-        found = database.execute(f"{_MESSAGES} AND topic=? ORDER BY seq", (session, topic)).fetchall()
+        found = database.execute(
+            f"{_MESSAGES} AND topic=? ORDER BY seq", (session, topic)
+        ).fetchall()
     except sqlite3.OperationalError as error:
         if not is_not_json(error):
             raise
@@ -27,8 +31,12 @@ def messages_of_topic(
             yield run, at, content
 
 
-def _readable(database: sqlite3.Connection, session: str, topic: str, damage: Damage) -> Iterator[tuple[Any, ...]]:
-    """Yield messages one by one: SQLite gives up all rows of a query for a single one that is damaged."""
+def _readable(
+    database: sqlite3.Connection, session: str, topic: str, damage: Damage
+) -> Iterator[tuple[Any, ...]]:
+    """Yield messages one by one: SQLite gives up all rows of a query for a single one that is
+    damaged.
+    """
     for (number,) in database.execute(_NUMBERS, (session, topic, session, topic)).fetchall():
         try:
             yield from database.execute(f"{_MESSAGES} AND seq=?", (session, number)).fetchall()

@@ -27,7 +27,8 @@ def methods(rows: Sequence[Row], passports: Sequence[Passport]) -> str:
     if set_aside:
         parts.append(
             f"{_count(len(set_aside), 'session')} of the data (`status` discarded or refused) "
-            f"{'does' if len(set_aside) == 1 else 'do'} not count, and {'is' if len(set_aside) == 1 else 'are'} left "
+            f"{'does' if len(set_aside) == 1 else 'do'} not count, and "
+            f"{'is' if len(set_aside) == 1 else 'are'} left "
             "out above: started by mistake, or not agreed to."
         )
     return "# Methods\n\n" + "\n\n".join(parts) + "\n"
@@ -42,10 +43,14 @@ def _sessions(rows: Sequence[Row], title: str) -> Iterator[str]:
     """Yield sentences on who did what, and with which software."""
     persons = {code for row in rows for code in (row["participant"], row["partner"]) if code}
     modes = _told(row["mode"] for row in rows)
-    version, program, python = (_software(rows, *path) for path in (("task", "version"), ("sar_tui",), ("python",)))
+    version, program, python = (
+        _software(rows, *path) for path in (("task", "version"), ("sar_tui",), ("python",))
+    )
     yield (
-        f"{_count(len(persons), 'participant')} did the task “{title}” (version {version or 'not recorded'}) in "
-        f"{_count(len(rows), f'{modes} session')}, with sar-tui {program or '(version not recorded)'} on Python "
+        f"{_count(len(persons), 'participant')} did the task “{title}” (version "
+        f"{version or 'not recorded'}) in "
+        f"{_count(len(rows), f'{modes} session')}, with sar-tui "
+        f"{program or '(version not recorded)'} on Python "
         f"{python or '(version not recorded)'}."
     )
     if cut := sum(row["status"] != "completed" for row in rows):
@@ -53,7 +58,9 @@ def _sessions(rows: Sequence[Row], title: str) -> Iterator[str]:
 
 
 def _design(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield sentences on attempts, goal, level and feedback. A sentence whose values are not recorded is left out."""
+    """Yield sentences on attempts, goal, level and feedback. A sentence whose values are not
+    recorded is left out.
+    """
 
     def value(name: str) -> str:
         return _told(row["parameters"].get(name) for row in rows)
@@ -71,14 +78,17 @@ def _design(rows: Sequence[Row]) -> Iterator[str]:
         yield f"Attempts planned in a session: {', '.join([attempts, *planned])}."
     if (metric := _told(map(_metric, rows))) and (goal := value("threshold")):
         yield (
-            f"The result of an attempt was its {metric}. The goal was {goal} at the start of a session, with a share "
-            f"of right responses of at least {value('min_accuracy') or '0'}; that of each attempt is in the data."
+            f"The result of an attempt was its {metric}. The goal was {goal} at the start of a "
+            "session, with a share "
+            f"of right responses of at least {value('min_accuracy') or '0'}; that of each attempt "
+            "is in the data."
         )
     if rule := value("difficulty_policy"):
         yield f"The level followed the rule “{rule}”, up to level {value('max_level')}."
     if schedule := value("feedback_schedule"):
         yield (
-            f"Feedback followed the schedule “{schedule}” (form: {value('feedback_form')}; compared with: "
+            f"Feedback followed the schedule “{schedule}” (form: {value('feedback_form')}; "
+            "compared with: "
             f"{value('feedback_compared_with')}; delay: {value('feedback_delay_ms')} ms)."
         )
     yield "All that is random follows from the seed of each session."
@@ -90,20 +100,31 @@ def _software(rows: Sequence[Row], *path: str) -> str:
 
 def _timing(rows: Sequence[Row], passports: Sequence[Passport]) -> str:
     machines = [row["machine"] for row in rows if _at(row["machine"], "system")]
-    systems = _told(f"{_at(machine, 'system')} ({_at(machine, 'processor')})" for machine in machines)
+    systems = _told(
+        f"{_at(machine, 'system')} ({_at(machine, 'processor')})" for machine in machines
+    )
     sentences = [f"Sessions ran on {systems or 'a system that is not recorded'}."]
     if unknown := len(rows) - len(machines):
-        sentences += [f"Of {_count(unknown, 'session')}, the system is not recorded."] if machines else []
+        sentences += (
+            [f"Of {_count(unknown, 'session')}, the system is not recorded."] if machines else []
+        )
     for each in passports:
-        median, spread, worst = (each.timing.get(name) for name in ("median_ms", "robust_sd_ms", "p99_ms"))
+        median, spread, worst = (
+            each.timing.get(name) for name in ("median_ms", "robust_sd_ms", "p99_ms")
+        )
         if None not in (median, spread, worst):
             sentences.append(
-                f"Before {_count(len(each.sessions), 'session')}, the error of reaction times had been measured on "
-                f"that machine with a scripted participant: median {median:.2f} ms, robust SD {spread:.2f} ms, "
+                f"Before {_count(len(each.sessions), 'session')}, the error of reaction times had "
+                "been measured on "
+                f"that machine with a scripted participant: median {median:.2f} ms, robust SD "
+                f"{spread:.2f} ms, "
                 f"99th percentile {worst:.2f} ms ({each.timing.get('verdict', 'no verdict')})."
             )
     if missing := len(rows) - sum(len(each.sessions) for each in passports):
-        sentences.append(f"Before {_count(missing, 'session')}, the error of reaction times had not been measured.")
+        sentences.append(
+            f"Before {_count(missing, 'session')}, the error of reaction times had not been "
+            "measured."
+        )
     return "\n".join(sentences)
 
 
@@ -123,8 +144,12 @@ def _count(number: int, noun: str) -> str:
 
 
 def _told(values: Iterable[Any]) -> str:
-    """Return the different values of sessions in words: "20", "20 or 30", "1 to 12"; empty if there is none."""
-    different = list(dict.fromkeys(value for value in values if isinstance(value, int | float | str)))
+    """Return the different values of sessions in words: "20", "20 or 30", "1 to 12"; empty if there
+    is none.
+    """
+    different = list(
+        dict.fromkeys(value for value in values if isinstance(value, int | float | str))
+    )
     numbers = [value for value in different if isinstance(value, int | float)]
     if len(numbers) == len(different) >= _MANY:
         return f"{min(numbers):g} to {max(numbers):g}"

@@ -25,7 +25,9 @@ class Passport(msgspec.Struct, frozen=True):
 
 
 def passports(sessions: Iterable[Mapping[str, Any]], *, with_dates: bool) -> list[Passport]:
-    """Return the passports of sessions, as `store.sessions.listing` returns them; those not measured have none."""
+    """Return the passports of sessions, as `store.sessions.listing` returns them; those not
+    measured have none.
+    """
     found: dict[str, Passport] = {}
     for row in sessions:
         timing = (row["machine"] or {}).get("timing")
@@ -38,4 +40,6 @@ def passports(sessions: Iterable[Mapping[str, Any]], *, with_dates: bool) -> lis
 
 
 def _is_kept(name: str, value: object, with_dates: bool) -> bool:
-    return isinstance(value, int | float) or (name in _TEXTS and (with_dates or name != "measured_at"))
+    return isinstance(value, int | float) or (
+        name in _TEXTS and (with_dates or name != "measured_at")
+    )

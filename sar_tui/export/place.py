@@ -1,4 +1,6 @@
-"""Failures to make a file or folder, said of the name that the user gave and not of a hidden one beside it."""
+"""Failures to make a file or folder, said of the name that the user gave and not of a hidden one
+beside it.
+"""
 
 import errno
 from collections.abc import Iterator
@@ -29,5 +31,7 @@ def made_beside(path: Path) -> Iterator[None]:
         if error.errno in _FULL:
             raise
         if error.errno == errno.ENAMETOOLONG:
-            raise ExportError(f"{path} is too long for the name of a file or folder.", bad_input=True) from error
+            raise ExportError(
+                f"{path} is too long for the name of a file or folder.", bad_input=True
+            ) from error
         raise ExportError(f"{path} cannot be made: {error.strerror or error}.") from error

@@ -18,9 +18,12 @@ class Privacy(msgspec.Struct, frozen=True):
 
     Attributes:
         with_notes: texts that somebody may have typed leave, too.
-        recoded: codes, date shifts and the key of ids in the export; None if all that leaves is as it is here.
-        of_site: the site whose data these are, and that of the database; None if codes leave as they are stored here.
-        differing: columns with the treatment ``version`` whose values are not the same in all sessions.
+        recoded: codes, date shifts and the key of ids in the export; None if all that leaves is as
+            it is here.
+        of_site: the site whose data these are, and that of the database; None if codes leave as
+            they are stored here.
+        differing: columns with the treatment ``version`` whose values are not the same in all
+            sessions.
     """
 
     with_notes: bool = False
@@ -31,15 +34,17 @@ class Privacy(msgspec.Struct, frozen=True):
     def code(self, participant: str) -> str:
         """Return a participant's code as it leaves.
 
-        In the data of a site its own participants are P01, and those of other sites P01@BERN, in whichever database
-        the data are.
+        In the data of a site its own participants are P01, and those of other sites P01@BERN, in
+        whichever database the data are.
         """
         if self.recoded is not None:
             return self.recoded.people[participant].code
         if self.of_site is None:
             return participant
         site, here = self.of_site
-        return (participant if "@" in participant else f"{participant}@{here}").removesuffix(f"@{site}")
+        return (participant if "@" in participant else f"{participant}@{here}").removesuffix(
+            f"@{site}"
+        )
 
     def moment(self, stamp: str | None, participant: str) -> str | None:
         """Return a date, with or without the time of day, as it leaves."""
@@ -119,7 +124,9 @@ def _runs(table: Table, starts: RunStarts | None) -> Callable[[Column], RunOf]:
     names = [column.name for column in table.columns]
 
     def run_of(column: Column) -> RunOf:
-        own = f"{column.name.removesuffix('_ns')}_run"  # an attempt may have begun in an earlier run
+        own = (
+            f"{column.name.removesuffix('_ns')}_run"  # an attempt may have begun in an earlier run
+        )
         if own not in names and "run" not in names:
             stream = names.index("stream")
             return lambda row: starts.runs_of_streams.get(row[stream]) if starts else None
@@ -130,7 +137,9 @@ def _runs(table: Table, starts: RunStarts | None) -> Callable[[Column], RunOf]:
 
 
 def _once(change: Callable[[str], str]) -> Change:
-    """Return a change that is computed once for each value: a session has one id in millions of samples."""
+    """Return a change that is computed once for each value: a session has one id in millions of
+    samples.
+    """
     known: dict[str, str] = {}
 
     def changed(value: str, row: Values) -> str:
@@ -153,7 +162,9 @@ def _since_first(table: Table) -> Change:
 
 
 def _of_task(column: Column, starts: RunStarts, run_of: RunOf, days: int) -> Change:
-    return lambda value, row: without_dates(column.name, value, starts.clocks.get(run_of(row) or 0), days)
+    return lambda value, row: without_dates(
+        column.name, value, starts.clocks.get(run_of(row) or 0), days
+    )
 
 
 def _changed(row: Values, changes: Mapping[int, Change]) -> Values:

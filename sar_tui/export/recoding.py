@@ -1,4 +1,6 @@
-"""Random codes and date shifts for participants, and the key of other names, in a file that stays with the study."""
+"""Random codes and date shifts for participants, and the key of other names, in a file that stays
+with the study.
+"""
 
 import csv
 import hmac
@@ -35,7 +37,9 @@ _LOCK_TIMEOUT_S = 10.0
 
 
 class Recoded(msgspec.Struct, frozen=True):
-    """A participant's code in exports, and the days by which all dates of this person are shifted."""
+    """A participant's code in exports, and the days by which all dates of this person are
+    shifted.
+    """
 
     code: str
     shift_days: int
@@ -46,7 +50,8 @@ class Recoding(msgspec.Struct, frozen=True):
 
     Attributes:
         people: by their codes here.
-        key: makes ids and seeds, the same in all exports with the map; nobody can go back from them without it.
+        key: makes ids and seeds, the same in all exports with the map; nobody can go back from them
+            without it.
     """
 
     people: Mapping[str, Recoded]
@@ -67,8 +72,9 @@ class Recoding(msgspec.Struct, frozen=True):
 def recoding(database: sqlite3.Connection, path: Path, codes: Iterable[str]) -> Recoding:
     """Return the codes, shifts and key of a map; participants that the file lacks are added to it.
 
-    The dates of a person are shifted by the same number of days in all exports with this file. Persons who had a
-    session together have the same shift, so that it has one date for both, unless both were in the file before.
+    The dates of a person are shifted by the same number of days in all exports with this file.
+    Persons who had a session together have the same shift, so that it has one date for both, unless
+    both were in the file before.
 
     Raises:
         ExportError: the file is not one of this kind, or cannot be written.
@@ -84,18 +90,27 @@ def recoding(database: sqlite3.Connection, path: Path, codes: Iterable[str]) -> 
         known = dict(found.people)
         for code in wanted:
             if code not in known:
-                shift = next((known[each].shift_days for each in _partners(database, code) if each in known), None)
-                known[code] = Recoded(_new_code(known), -1 - secrets.randbelow(_MOST_DAYS) if shift is None else shift)
+                shift = next(
+                    (known[each].shift_days for each in _partners(database, code) if each in known),
+                    None,
+                )
+                known[code] = Recoded(
+                    _new_code(known), -1 - secrets.randbelow(_MOST_DAYS) if shift is None else shift
+                )
         made = Recoding(known, found.key or secrets.token_hex(_KEY_BYTES))
         _write(path, made)
     return made
 
 
 def _left_behind(path: Path) -> list[Path]:
-    """Return the copies of a map that killed programs have left beside it: they hold its codes, too."""
+    """Return the copies of a map that killed programs have left beside it: they hold its codes,
+    too.
+    """
     half = re.compile(rf"\.{re.escape(path.name)}\.[a-z0-9_]{{8}}")
     folder = path.absolute().parent
-    return [each for each in folder.iterdir() if half.fullmatch(each.name)] if folder.is_dir() else []
+    return (
+        [each for each in folder.iterdir() if half.fullmatch(each.name)] if folder.is_dir() else []
+    )
 
 
 def shuffled(values: Iterable[T]) -> list[T]:
@@ -108,19 +123,24 @@ def shuffled(values: Iterable[T]) -> list[T]:
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
     """Keep other exports from adding to the file. Raises ExportError."""
-    lock = filelock.FileLock(path.with_name(f".{path.name}.lock"), timeout=_LOCK_TIMEOUT_S, mode=0o600)
+    lock = filelock.FileLock(
+        path.with_name(f".{path.name}.lock"), timeout=_LOCK_TIMEOUT_S, mode=0o600
+    )
     with made_beside(path):
         try:
             with lock:
                 yield
         except filelock.Timeout as error:
-            raise ExportError(f"Another export is writing {path}. Try again when it has ended.") from error
+            raise ExportError(
+                f"Another export is writing {path}. Try again when it has ended."
+            ) from error
 
 
 def _partners(database: sqlite3.Connection, code: str) -> list[str]:
     rows = database.execute(
         "SELECT DISTINCT other.participant FROM seats AS own JOIN seats AS other USING (session)"
-        " WHERE own.participant=? AND other.participant<>own.participant ORDER BY other.participant",
+        " WHERE own.participant=? AND other.participant<>own.participant ORDER BY "
+        "other.participant",
         (code,),
     )
     return [other for (other,) in rows]
@@ -134,17 +154,25 @@ def _new_code(known: dict[str, Recoded]) -> str:
 
 
 def _read(path: Path) -> Recoding:
-    """Return what a map holds; the key is empty if there is no map, or an earlier version made it."""
+    """Return what a map holds; the key is empty if there is no map, or an earlier version made
+    it.
+    """
     if not path.exists():
         return Recoding({}, "")
     try:
         with path.open(encoding="utf-8", newline="") as file:
             head, *rows = csv.reader(file, strict=True)
-        found = {code: Recoded(recoded, int(days)) for code, recoded, days, *_ in rows if code and recoded}
+        found = {
+            code: Recoded(recoded, int(days))
+            for code, recoded, days, *_ in rows
+            if code and recoded
+        }
     except (ValueError, csv.Error) as error:
         raise _not_a_map(path) from error
     keys = {row[-1] for row in rows} if len(head) == len(HEAD) else {""}
-    is_whole = all(len(row) == len(head) for row in rows) and len({each.code for each in found.values()}) == len(rows)
+    is_whole = all(len(row) == len(head) for row in rows) and len(
+        {each.code for each in found.values()}
+    ) == len(rows)
     if tuple(head) not in (HEAD, EARLIER_HEAD) or not is_whole or len(keys) > 1:
         raise _not_a_map(path)
     return Recoding(found, next(iter(keys), ""))
@@ -152,7 +180,8 @@ def _read(path: Path) -> Recoding:
 
 def _not_a_map(path: Path) -> ExportError:
     return ExportError(
-        f"{path} is not a map of codes: it needs the columns {', '.join(HEAD)}, each code once, and the same key in "
+        f"{path} is not a map of codes: it needs the columns {', '.join(HEAD)}, each code once, "
+        "and the same key in "
         "every row. Name a file that does not exist yet to make a new map.",
         bad_input=True,
     )
@@ -165,7 +194,10 @@ def _write(path: Path, made: Recoding) -> None:
         with open(number, "w", encoding="utf-8", newline="") as file:
             writer = CsvWriter(file)
             writer.row(HEAD)
-            writer.rows((code, each.code, each.shift_days, made.key) for code, each in sorted(made.people.items()))
+            writer.rows(
+                (code, each.code, each.shift_days, made.key)
+                for code, each in sorted(made.people.items())
+            )
             file.flush()
             os.fsync(file.fileno())
         Path(name).replace(path)

@@ -33,7 +33,8 @@ class Format(Protocol):
         name: as in ``--format``.
         title: what it writes, in a few words.
 
-    A class may have ``by_site = True``: it is then called for each site, and writes a table into ``TABLE/site=CODE``.
+    A class may have ``by_site = True``: it is then called for each site, and writes a table into
+    ``TABLE/site=CODE``.
     """
 
     name: ClassVar[str]
@@ -44,7 +45,8 @@ class Format(Protocol):
 
         Args:
             contents: tables, columns and rows; nothing else may leave.
-            progress: called after each session, or participant, of each table: ``contents.steps`` times in all.
+            progress: called after each session, or participant, of each table: ``contents.steps``
+                times in all.
         """
 
 
@@ -56,7 +58,9 @@ def _installed() -> "dict[str, EntryPoint]":
 
 
 def names() -> list[str]:
-    """Return the names of all formats. A bundled one comes before an installed one of the same name."""
+    """Return the names of all formats. A bundled one comes before an installed one of the same
+    name.
+    """
     return [*BUNDLED, *sorted(set(_installed()) - set(BUNDLED))]
 
 
@@ -67,11 +71,15 @@ def load(name: str) -> Format:
         made: Format = getattr(import_module(module), attribute)()
         return made
     if name not in _installed():
-        raise ExportError(f"There is no format {name}. Choose one of: {', '.join(names())}.", bad_input=True)
+        raise ExportError(
+            f"There is no format {name}. Choose one of: {', '.join(names())}.", bad_input=True
+        )
     try:
         made = _installed()[name].load()()
     except Exception as error:
-        raise ExportError(f"The format {name} cannot be loaded: {type(error).__name__}: {error}") from error
+        raise ExportError(
+            f"The format {name} cannot be loaded: {type(error).__name__}: {error}"
+        ) from error
     if not callable(getattr(made, "write", None)):
         raise ExportError(f"The format {name} has no method write: see docs/export-data.md.")
     return made

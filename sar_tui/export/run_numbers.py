@@ -17,11 +17,14 @@ _OF_ACTIONS = (
 
 
 def runs_of_actions(database: sqlite3.Connection, session: str, damage: Damage) -> Find:
-    """Return the run of an action by its id: the one in which it was decided, or proposed if it was not decided."""
+    """Return the run of an action by its id: the one in which it was decided, or proposed if it was
+    not decided.
+    """
     return _single(database, session) or _found(
         database,
         damage,
-        "SELECT coalesce(json_extract(message, '$.id'), json_extract(message, '$.proposal.id')), max(run) FROM events"
+        "SELECT coalesce(json_extract(message, '$.id'), json_extract(message, '$.proposal.id')), "
+        "max(run) FROM events"
         f" WHERE session=? AND topic IN ({', '.join('?' * len(_OF_ACTIONS))}) GROUP BY 1",
         (session, *_OF_ACTIONS),
     )
@@ -50,12 +53,16 @@ def runs_of_starts(database: sqlite3.Connection, session: str, damage: Damage) -
 
 
 def _single(database: sqlite3.Connection, session: str) -> Find | None:
-    """Return what finds the only run of a session; None if it has several. Saves reading the messages."""
+    """Return what finds the only run of a session; None if it has several. Saves reading the
+    messages.
+    """
     runs = [run for (run,) in database.execute("SELECT run FROM runs WHERE session=?", (session,))]
     return (lambda _: runs[0]) if len(runs) == 1 else None
 
 
-def _found(database: sqlite3.Connection, damage: Damage, statement: str, values: tuple[str, ...]) -> Find:
+def _found(
+    database: sqlite3.Connection, damage: Damage, statement: str, values: tuple[str, ...]
+) -> Find:
     try:
         return dict(database.execute(statement, values)).get
     except sqlite3.OperationalError as error:

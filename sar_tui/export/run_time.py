@@ -1,7 +1,9 @@
-"""Stamps as time since the start of their run, and dates in what tasks keep: both are changed in recoded exports.
+"""Stamps as time since the start of their run, and dates in what tasks keep: both are changed in
+recoded exports.
 
-The steady clock goes on from session to session until the machine is started anew. In an export with shifted dates, one
-known date and the stamps as they are would tell the true dates of everybody who trained on the machine.
+The steady clock goes on from session to session until the machine is started anew. In an export
+with shifted dates, one known date and the stamps as they are would tell the true dates of everybody
+who trained on the machine.
 """
 
 import math
@@ -17,7 +19,9 @@ from sar_tui.export.recoding import shifted
 
 _NS_PER_S = 10**9
 _BEFORE = 600 * _NS_PER_S
-"""A sensor may be attached some minutes before the run of its session begins, if the machine is on for longer."""
+"""A sensor may be attached some minutes before the run of its session begins, if the machine is on
+for longer.
+"""
 _LATEST = 7 * 86_400 * _NS_PER_S
 _LEAST = 100 * _NS_PER_S
 """A number below is a stamp only if its name ends with ``_ns``: it may be anything else."""
@@ -29,7 +33,9 @@ _DATE = re.compile(r"\d{4}-\d\d-\d\d(?:[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-
 
 
 class RunStarts(msgspec.Struct, frozen=True):
-    """The steady clock at the start of each run of a session, and the run of each of its sensors."""
+    """The steady clock at the start of each run of a session, and the run of each of its
+    sensors.
+    """
 
     clocks: Mapping[int, int]
     runs_of_streams: Mapping[int, int]
@@ -43,25 +49,39 @@ class RunStarts(msgspec.Struct, frozen=True):
         if start is None:
             return None
         if isinstance(stamp, str):
-            found = [self.since(int(part), run) if part.isdecimal() else None for part in stamp.split()]
+            found = [
+                self.since(int(part), run) if part.isdecimal() else None for part in stamp.split()
+            ]
             return None if None in found else " ".join(map(str, found))
         since = stamp - start
         return since if -min(_BEFORE, start // 2) <= since <= _LATEST else None
 
 
 def run_starts(database: sqlite3.Connection, session: str) -> RunStarts:
-    """Return the starts of the runs of a session: by their anchors, or by the first message if one is damaged."""
+    """Return the starts of the runs of a session: by their anchors, or by the first message if one
+    is damaged.
+    """
     first = (
-        "SELECT run, min(at_ns) FROM (SELECT run, at_ns FROM earlier_events WHERE session=? UNION ALL"
-        " SELECT run, at_ns FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE id=?))"
+        "SELECT run, min(at_ns) FROM (SELECT run, at_ns FROM earlier_events WHERE session=? UNION "
+        "ALL"
+        " SELECT run, at_ns FROM messages WHERE session_number=(SELECT number FROM "
+        "session_numbers WHERE id=?))"
         " GROUP BY run"
     )
     anchors = dict(
-        database.execute("SELECT run, CAST(clock_anchor AS BLOB) FROM runs WHERE session=?", (session,)).fetchall()
+        database.execute(
+            "SELECT run, CAST(clock_anchor AS BLOB) FROM runs WHERE session=?", (session,)
+        ).fetchall()
     )
-    clocks = {run: start for run, anchor in anchors.items() if (start := _start(anchor)) is not None}
+    clocks = {
+        run: start for run, anchor in anchors.items() if (start := _start(anchor)) is not None
+    }
     if not clocks or len(clocks) < len(anchors):
-        clocks = {run: at for run, at in database.execute(first, (session, session)) if isinstance(at, int)} | clocks
+        clocks = {
+            run: at
+            for run, at in database.execute(first, (session, session))
+            if isinstance(at, int)
+        } | clocks
     streams = database.execute("SELECT stream, run FROM imu_streams WHERE session=?", (session,))
     return RunStarts(clocks, dict(streams.fetchall()))
 
@@ -77,8 +97,8 @@ def _start(anchor: bytes | None) -> int | None:
 def without_dates(name: str, value: Any, start: int | None, days: int) -> Any:
     """Return what a task keeps, such as a detail of a trial, with stamps and dates as they leave.
 
-    A number that can be a stamp of the run counts from its start. One that can be a time of day since 1970, and a text
-    that is a date, are shifted.
+    A number that can be a stamp of the run counts from its start. One that can be a time of day
+    since 1970, and a text that is a date, are shifted.
 
     Args:
         name: of the column; ``_ns`` at its end says that a small number may be a stamp, too.
@@ -119,6 +139,7 @@ def _number(value: float, start: int | None, days: int, *, is_ns: bool) -> float
         return value - start
     for unit, a_second in _UNITS.items():
         is_time = _EPOCH[0] <= value / a_second <= _EPOCH[1]
-        if is_time and (unit != "s" or isinstance(value, float)):  # a whole number so small is rather a seed
+        # a whole number so small is rather a seed
+        if is_time and (unit != "s" or isinstance(value, float)):
             return value + days * _A_DAY_S * a_second
     return value

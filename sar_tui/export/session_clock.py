@@ -14,8 +14,9 @@ _NS_PER_MS = 1_000_000
 class SessionClock(msgspec.Struct, frozen=True):
     """A clock that is 0 when the first run of a session began.
 
-    The steady clock of a later run may have begun anew. Its stamps are related by the time of day at which the runs
-    began, so they are as exact as the computer's calendar clock; within a run they are exact.
+    The steady clock of a later run may have begun anew. Its stamps are related by the time of day
+    at which the runs began, so they are as exact as the computer's calendar clock; within a run
+    they are exact.
 
     Attributes:
         zeros: for each run, its steady clock at 0, in ns.
@@ -24,7 +25,9 @@ class SessionClock(msgspec.Struct, frozen=True):
     zeros: Mapping[int, int]
 
     def seconds(self, run: int | None, at_ns: int | None) -> float | None:
-        """Return a stamp of a run in seconds, rounded once; None if one of both is missing or the run is not known."""
+        """Return a stamp of a run in seconds, rounded once; None if one of both is missing or the
+        run is not known.
+        """
         zero = self.zero(run)
         return None if zero is None or at_ns is None else (at_ns - zero) / _NS_PER_S
 

@@ -1,9 +1,11 @@
-"""A folder that holds the exports of many sites as one data set: each site replaces its own files, and no others.
+"""A folder that holds the exports of many sites as one data set: each site replaces its own files,
+and no others.
 
-A table is a folder, and a site a folder in it: ``trials/site=BERN``. What a site exported is described in
-``_sites/site=BERN``. All of an export is written into a hidden folder first, which gets another name when it is
-complete: from then on the new files count, and what is left to do is to move them, in milliseconds. If the program is
-killed meanwhile, the next export into the folder, of any site, does the rest.
+A table is a folder, and a site a folder in it: ``trials/site=BERN``. What a site exported is
+described in ``_sites/site=BERN``. All of an export is written into a hidden folder first, which
+gets another name when it is complete: from then on the new files count, and what is left to do is
+to move them, in milliseconds. If the program is killed meanwhile, the next export into the folder,
+of any site, does the rest.
 """
 
 import shutil
@@ -22,7 +24,9 @@ from sar_tui.export.target import LOCK, MANIFEST, is_locked, sync_names
 
 SITE = "site="
 ABOUT = "_sites"
-"""The folder of what describes the exports. Programs that read data sets pass over names that begin like this."""
+"""The folder of what describes the exports. Programs that read data sets pass over names that begin
+like this.
+"""
 _COMPLETE = ".complete"
 """Ending of the hidden folder's name when all files are written."""
 _BEFORE = ".before"
@@ -36,7 +40,9 @@ class _File(msgspec.Struct):
 
 
 class Earlier(msgspec.Struct):
-    """The parts of a site's manifest that say what it holds, and which other site it takes the place of."""
+    """The parts of a site's manifest that say what it holds, and which other site it takes the
+    place of.
+    """
 
     files: list[_File]
     sessions: list[str] = []
@@ -58,7 +64,8 @@ def earlier(folder: Path, site: str) -> Earlier | None:
 
 @contextmanager
 def site_target(folder: Path, site: str) -> Iterator[Path]:
-    """Give a hidden folder to write a site's files into; they take the place of its earlier ones at the end.
+    """Give a hidden folder to write a site's files into; they take the place of its earlier ones at
+    the end.
 
     The block calls `target.sync` when all files are written.
 
@@ -91,18 +98,28 @@ def site_target(folder: Path, site: str) -> Iterator[Path]:
 
 
 def check_folder(folder: Path, site: str | None = None) -> None:
-    """Raise ExportError unless a folder is absent, or holds exports of sites only, and of this site no other files."""
+    """Raise ExportError unless a folder is absent, or holds exports of sites only, and of this site
+    no other files.
+    """
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise ExportError(f"{folder} is a file. Name a folder that does not exist yet, or is empty.", bad_input=True)
+        raise ExportError(
+            f"{folder} is a file. Name a folder that does not exist yet, or is empty.",
+            bad_input=True,
+        )
     for path in sorted(folder.iterdir()):
         if path.name.startswith("."):
             continue
-        other = next((each for each in path.iterdir() if not _is_sites(each)), None) if path.is_dir() else path
+        other = (
+            next((each for each in path.iterdir() if not _is_sites(each)), None)
+            if path.is_dir()
+            else path
+        )
         if other is not None:
             raise ExportError(
-                f"{folder} holds other files than exports of sites, such as {other.relative_to(folder)}. Name another "
+                f"{folder} holds other files than exports of sites, such as "
+                f"{other.relative_to(folder)}. Name another "
                 "folder.",
                 bad_input=True,
             )
@@ -115,7 +132,8 @@ def check_folder(folder: Path, site: str | None = None) -> None:
             name = path.relative_to(folder).as_posix()
             if path.is_file() and name not in known and path.name != MANIFEST:
                 raise ExportError(
-                    f"{folder} holds an earlier export of this site, and files that are not of it, such as {name}. "
+                    f"{folder} holds an earlier export of this site, and files that are not of "
+                    f"it, such as {name}. "
                     "Move them, or name another folder.",
                     bad_input=True,
                 )
@@ -131,20 +149,26 @@ def _prefix(site: str) -> str:
 
 @contextmanager
 def settled(folder: Path) -> Iterator[None]:
-    """Keep other exports from moving files while the block runs; what a killed one left to move is moved before."""
+    """Keep other exports from moving files while the block runs; what a killed one left to move is
+    moved before.
+    """
     with filelock.FileLock(folder / _MOVING, mode=0o666):
         _move_complete(folder)
         yield
 
 
 def _move_complete(folder: Path) -> None:
-    """Move the files of complete exports to their places; what another program began is done to its end."""
+    """Move the files of complete exports to their places; what another program began is done to its
+    end.
+    """
     for complete in sorted(folder.glob(f".{SITE}*{_COMPLETE}")):
         _move(complete, complete.name.removeprefix(f".{SITE}").removesuffix(_COMPLETE))
 
 
 def _move(complete: Path, site: str) -> None:
-    """Move a site's files from the hidden folder. Begins where a program that was killed has stopped."""
+    """Move a site's files from the hidden folder. Begins where a program that was killed has
+    stopped.
+    """
     folder = complete.parent
     made = earlier(complete, site)
     if made is not None:  # it is moved last
@@ -165,7 +189,9 @@ def _move(complete: Path, site: str) -> None:
 
 
 def _make_like(folder: Path, table: Path) -> None:
-    """Make the folder of a table, for those who may write into the folder: each site may have its own login."""
+    """Make the folder of a table, for those who may write into the folder: each site may have its
+    own login.
+    """
     if not table.exists():
         table.mkdir()
         table.chmod(folder.stat().st_mode & 0o777)

@@ -1,4 +1,6 @@
-"""Division of sessions by the site that recorded them, for a folder in which the exports of many sites are one."""
+"""Division of sessions by the site that recorded them, for a folder in which the exports of many
+sites are one.
+"""
 
 import sqlite3
 from contextlib import nullcontext
@@ -12,7 +14,9 @@ from sar_tui.store import sites
 from sar_tui.store.selection import Selection
 
 NAMELESS = "local"
-"""Stands for the site of a database that has no code. The codes of others are in capital letters."""
+"""Stands for the site of a database that has no code. The codes of others are in capital
+letters.
+"""
 
 
 class Part(NamedTuple):
@@ -36,7 +40,10 @@ class Part(NamedTuple):
 
 
 def parts(
-    database: sqlite3.Connection, selection: Selection, folder: Path, recoded: Recoding | None = None
+    database: sqlite3.Connection,
+    selection: Selection,
+    folder: Path,
+    recoded: Recoding | None = None,
 ) -> list[Part]:
     """Divide sessions by the site that recorded them.
 
@@ -44,7 +51,8 @@ def parts(
         recoded: how ids leave; None: as they are.
 
     Raises:
-        ExportError: the folder holds sessions of one of these sites that this database does not have, or other files.
+        ExportError: the folder holds sessions of one of these sites that this database does not
+            have, or other files.
     """
     here = sites.own(database) or NAMELESS
     known = {id for (id,) in database.execute("SELECT id FROM sessions")}
@@ -57,21 +65,34 @@ def parts(
         return _checked(found, folder, known, here)
 
 
-def _checked(found: dict[str, list[dict[str, Any]]], folder: Path, known: set[str], here: str) -> list[Part]:
-    """Return the parts of an export if each may replace what the folder holds of its site. Raises ExportError."""
+def _checked(
+    found: dict[str, list[dict[str, Any]]], folder: Path, known: set[str], here: str
+) -> list[Part]:
+    """Return the parts of an export if each may replace what the folder holds of its site. Raises
+    ExportError.
+    """
     made = []
     for site, rows in sorted(found.items()):
         check_folder(folder, site)
         if unknown := len(_sessions(folder, site) - known):
             raise ExportError(
-                f"{folder} holds {unknown} session{'' if unknown == 1 else 's'} of the site {site} that this database "
-                "does not have, so the site's data are not replaced. Is there another database of this site, or an "
-                "older copy? Give each a code (sar-tui site BERN), or merge them, or name another folder. Were they "
+                f"{folder} holds {unknown} session{'' if unknown == 1 else 's'} of the site "
+                f"{site} that this database "
+                "does not have, so the site's data are not replaced. Is there another database of "
+                "this site, or an "
+                "older copy? Give each a code (sar-tui site BERN), or merge them, or name another "
+                "folder. Were they "
                 "exported with --recode? Give the same map of codes.",
                 bad_input=True,
             )
-        is_renamed = site == here != NAMELESS and bool(old := _sessions(folder, NAMELESS)) and old <= known
-        made.append(Part(Selection(tuple(rows)), (site, here), about(site), (NAMELESS,) if is_renamed else ()))
+        is_renamed = (
+            site == here != NAMELESS and bool(old := _sessions(folder, NAMELESS)) and old <= known
+        )
+        made.append(
+            Part(
+                Selection(tuple(rows)), (site, here), about(site), (NAMELESS,) if is_renamed else ()
+            )
+        )
     return made
 
 

@@ -16,13 +16,17 @@ from sar_tui.export.errors import ExportError
 from sar_tui.export.place import made_beside
 
 MANIFEST = "sar-tui-export.json"
-"""The file in an export that says what it holds, and by which a later export knows its own folder."""
+"""The file in an export that says what it holds, and by which a later export knows its own
+folder.
+"""
 LOCK = ".sar-tui-lock"
 """Held in the hidden folder while it is written, so that one that was left behind is recognised."""
 _NO_TIME_NS = 946_684_800 * 10**9
 """The beginning of the year 2000, which every zip archive can hold."""
 _BEFORE = "-before"
-"""Ending of the hidden name under which an earlier export waits for a moment while the new one takes its place."""
+"""Ending of the hidden name under which an earlier export waits for a moment while the new one
+takes its place.
+"""
 
 
 class _Manifest(msgspec.Struct):
@@ -38,16 +42,17 @@ class _File(msgspec.Struct):
 
 @contextmanager
 def target(folder: Path, format: str) -> Iterator[Path]:
-    """Give a hidden folder beside the target to write into; it takes the target's place when the block is over.
+    """Give a hidden folder beside the target to write into; it takes the target's place when the
+    block is over.
 
     The block calls `sync` when all files are written.
 
-    If the block raises, or the program is killed, the target is as it was. What a killed program left is removed by the
-    next export to the same target.
+    If the block raises, or the program is killed, the target is as it was. What a killed program
+    left is removed by the next export to the same target.
 
     Raises:
-        ExportError: the target cannot be made, is a file or a disk, or holds other files than those of an export in
-            this format.
+        ExportError: the target cannot be made, is a file or a disk, or holds other files than those
+            of an export in this format.
     """
     folder = folder.resolve()
     _remove_left_behind(folder)
@@ -69,32 +74,47 @@ def target(folder: Path, format: str) -> Iterator[Path]:
 
 
 def check(folder: Path, format: str) -> None:
-    """Raise ExportError unless a folder is absent, empty, or holds an export in this format and nothing else."""
+    """Raise ExportError unless a folder is absent, empty, or holds an export in this format and
+    nothing else.
+    """
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise ExportError(f"{folder} is a file. Name a folder that does not exist yet, or is empty.", bad_input=True)
+        raise ExportError(
+            f"{folder} is a file. Name a folder that does not exist yet, or is empty.",
+            bad_input=True,
+        )
     if folder.is_mount():
-        raise ExportError(f"{folder} is a whole disk. Name a folder on it: {folder / 'export'}", bad_input=True)
+        raise ExportError(
+            f"{folder} is a whole disk. Name a folder on it: {folder / 'export'}", bad_input=True
+        )
     if folder == Path.cwd():
-        raise ExportError(f"{folder} is the folder you are in. Name another one: --to export", bad_input=True)
-    present = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()}
+        raise ExportError(
+            f"{folder} is the folder you are in. Name another one: --to export", bad_input=True
+        )
+    present = {
+        path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()
+    }
     if not present:
         return
     made = _manifest(folder / MANIFEST)
     if made is None:
         raise ExportError(
-            f"{folder} holds other files, and an export never mixes with them. Name a folder that is empty, or does "
+            f"{folder} holds other files, and an export never mixes with them. Name a folder that "
+            "is empty, or does "
             "not exist yet.",
             bad_input=True,
         )
     if made.format != format:
         raise ExportError(
-            f"{folder} holds an export in the format {made.format}. Name another folder for {format}.", bad_input=True
+            f"{folder} holds an export in the format {made.format}. Name another folder for "
+            f"{format}.",
+            bad_input=True,
         )
     if others := sorted(present - {file.path for file in made.files} - {MANIFEST}):
         raise ExportError(
-            f"{folder} holds an earlier export, and files that are not of it, such as {others[0]}. Move them, or name "
+            f"{folder} holds an earlier export, and files that are not of it, such as "
+            f"{others[0]}. Move them, or name "
             "another folder.",
             bad_input=True,
         )
@@ -123,14 +143,16 @@ def sync(folder: Path) -> None:
 
 
 def forget_times(folder: Path, *, files: bool = True) -> None:
-    """Give everything in a folder, and the folder, the same time of change: the order of files would tell an order.
+    """Give everything in a folder, and the folder, the same time of change: the order of files
+    would tell an order.
 
     Args:
         files: false for folders only.
     """
     for path in [*folder.rglob("*"), folder]:
         if files or path.is_dir():
-            with contextlib.suppress(PermissionError):  # a folder of another site may be of another login
+            # a folder of another site may be of another login
+            with contextlib.suppress(PermissionError):
                 os.utime(path, ns=(_NO_TIME_NS, _NO_TIME_NS))
 
 
@@ -161,8 +183,12 @@ def _put_in_place(hidden: Path, folder: Path) -> None:
 
 
 def _remove_left_behind(folder: Path) -> None:
-    """Remove hidden folders that a killed export left; put back the earlier export if it was just being replaced."""
-    for path in sorted(folder.parent.glob(f"{escape(_prefix(folder))}*")) if folder.parent.is_dir() else ():
+    """Remove hidden folders that a killed export left; put back the earlier export if it was just
+    being replaced.
+    """
+    for path in (
+        sorted(folder.parent.glob(f"{escape(_prefix(folder))}*")) if folder.parent.is_dir() else ()
+    ):
         if path.name.endswith(_BEFORE):
             if not folder.exists():
                 with contextlib.suppress(OSError):

@@ -1,1 +1,3 @@
-"""Sensor interfaces, one for each device. Each turns a device into messages, stamped at the source."""
+"""Sensor interfaces, one for each device. Each turns a device into messages, stamped at the
+source.
+"""

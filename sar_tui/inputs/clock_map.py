@@ -9,10 +9,11 @@ WINDOW_NS = 2_000_000_000
 class ClockMap:
     """Maps a sensor's clock to the host's: the sensor's time plus the smallest delay seen.
 
-    A sample may arrive late, because of the bus and the scheduler, but never early. So the smallest (host - device) is
-    the best estimate of the offset between the clocks, and removes the jitter of single samples. The minimum leaks
-    upwards by ``DRIFT_PPM`` to follow clocks that drift apart; a faster drift is corrected every two seconds. The
-    shortest transmission time cannot be observed and remains included.
+    A sample may arrive late, because of the bus and the scheduler, but never early. So the smallest
+    (host - device) is the best estimate of the offset between the clocks, and removes the jitter of
+    single samples. The minimum leaks upwards by ``DRIFT_PPM`` to follow clocks that drift apart; a
+    faster drift is corrected every two seconds. The shortest transmission time cannot be observed
+    and remains included.
     """
 
     def __init__(self) -> None:
@@ -27,10 +28,11 @@ class ClockMap:
         self._offset = None
 
     def at(self, device_ms: float, host_ns: int) -> int:
-        """Return when a sample was measured, in ns of the host's clock; strictly increasing from call to call.
+        """Return when a sample was measured, in ns of the host's clock; strictly increasing from
+        call to call.
 
-        When the minimum falls, at the start or after a delay, the results are at least half as far apart as the samples
-        are on the sensor's clock.
+        When the minimum falls, at the start or after a delay, the results are at least half as far
+        apart as the samples are on the sensor's clock.
 
         Args:
             device_ms: the sensor's clock. If it goes back, it restarted.

@@ -1,4 +1,6 @@
-"""A guard around a plug-in's sensor: errors and values of a wrong type are reported, and do not end the program."""
+"""A guard around a plug-in's sensor: errors and values of a wrong type are reported, and do not end
+the program.
+"""
 
 from collections.abc import Callable
 from math import isfinite, nan
@@ -14,7 +16,9 @@ from sar_tui.plugin_calls import PLUGIN_ERRORS
 _T = TypeVar("_T", bound=msgspec.Struct)
 _LAST_NS = 2**63 - 1
 _UNREADABLE = Sample(0, nan, (), (), ())  # type: ignore[arg-type]
-"""Stands for a sample of a wrong type: the feed leaves it out, and reports it, as any sample of a wrong length."""
+"""Stands for a sample of a wrong type: the feed leaves it out, and reports it, as any sample of a
+wrong length.
+"""
 
 
 class GuardedSource:
@@ -65,7 +69,9 @@ class GuardedSource:
             self._fail("cannot be zeroed", error)
 
     def _status(self, status: Any) -> None:
-        """Pass a status on if it can be read, and the description of a sensor that is attached, too."""
+        """Pass a status on if it can be read, and the description of a sensor that is attached,
+        too.
+        """
         try:
             read = _read_status(status)
             if read.state == "attached":
@@ -77,7 +83,9 @@ class GuardedSource:
 
     def _fail(self, what: str, error: BaseException) -> None:
         why = f"{type(error).__name__}: {error}"
-        self._report(Status(state="error", at=host_now(), detail=f"The sensor {self._name} {what} ({why})."))
+        self._report(
+            Status(state="error", at=host_now(), detail=f"The sensor {self._name} {what} ({why}).")
+        )
 
 
 def _read_info(info: Any) -> Info | None:
@@ -116,7 +124,11 @@ def _read_sample(sample: Any) -> Sample:
     """Return a sample of numbers of Python, or one that the feed leaves out."""
     try:
         host_ns, device_ms, acceleration, rate, field = sample
-        if isinstance(host_ns, Integral) and isinstance(device_ms, Real) and 0 <= int(host_ns) <= _LAST_NS:
+        if (
+            isinstance(host_ns, Integral)
+            and isinstance(device_ms, Real)
+            and 0 <= int(host_ns) <= _LAST_NS
+        ):
             vectors = _vector(acceleration), _vector(rate), _vector(field)
             return Sample(int(host_ns), float(device_ms), *vectors)
     except (TypeError, ValueError, OverflowError):

@@ -14,8 +14,8 @@ class Sample(NamedTuple):
     """One measurement, stamped on arrival.
 
     ``host_ns``: the host's monotonic clock (`loop.clock.host_now`), taken in the driver's callback.
-    ``device_ms``: the sensor's own clock. ``acceleration`` in m/s², ``rate`` (angular) in rad/s, ``field`` (magnetic)
-    in gauss; each along the sensor's x, y and z, or ``NOTHING``.
+    ``device_ms``: the sensor's own clock. ``acceleration`` in m/s², ``rate`` (angular) in rad/s,
+    ``field`` (magnetic) in gauss; each along the sensor's x, y and z, or ``NOTHING``.
     """
 
     host_ns: int
@@ -26,7 +26,9 @@ class Sample(NamedTuple):
 
 
 class Info(msgspec.Struct, frozen=True, kw_only=True):
-    """Description of a sensor. ``rate_hz``: samples per second. Ranges are the largest values, 0 if unknown."""
+    """Description of a sensor. ``rate_hz``: samples per second. Ranges are the largest values, 0 if
+    unknown.
+    """
 
     source: str
     model: str
@@ -41,12 +43,15 @@ class Info(msgspec.Struct, frozen=True, kw_only=True):
 class Status(msgspec.Struct, frozen=True, kw_only=True):
     """A change of the sensor's state at ``at`` (ns, host clock).
 
-    ``state``: ``attached`` (``info`` is available), ``detached``, ``error`` (``detail`` says what happened and what to
-    do), ``gap`` (``count`` samples missing over ``duration_ms``), ``saturated`` (``count`` samples beyond the range),
-    ``stalled`` (attached, but no samples), ``flowing`` (samples again), ``ended`` (the end of a recording).
+    ``state``: ``attached`` (``info`` is available), ``detached``, ``error`` (``detail`` says what
+    happened and what to do), ``gap`` (``count`` samples missing over ``duration_ms``),
+    ``saturated`` (``count`` samples beyond the range), ``stalled`` (attached, but no samples),
+    ``flowing`` (samples again), ``ended`` (the end of a recording).
     """
 
-    state: Literal["attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"]
+    state: Literal[
+        "attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"
+    ]
     at: int
     detail: str = ""
     count: int = 0
@@ -54,10 +59,12 @@ class Status(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class ImuSource(Protocol):
-    """A source of samples. It may call ``sink`` and ``on_status`` from its own thread, in the order of events.
+    """A source of samples. It may call ``sink`` and ``on_status`` from its own thread, in the order
+    of events.
 
-    ``start`` never waits for the sensor, and never raises if it is missing: that is a status. A source can be started
-    again after ``stop``. ``zero`` asks the sensor to measure its bias at rest, if it can.
+    ``start`` never waits for the sensor, and never raises if it is missing: that is a status. A
+    source can be started again after ``stop``. ``zero`` asks the sensor to measure its bias at
+    rest, if it can.
     """
 
     @property

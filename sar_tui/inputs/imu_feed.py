@@ -28,7 +28,10 @@ _TOO_LATE_MS = 1e12
 
 _NOT_RISING = "The sensor's time stamps do not increase; such samples are left out."
 _NO_NUMBER = "The sensor reports an angular rate that is not a number; such samples are left out."
-_NO_SAMPLE = "The sensor sends something other than three numbers for each of its axes; such samples are left out."
+_NO_SAMPLE = (
+    "The sensor sends something other than three numbers for each of its axes; such "
+    "samples are left out."
+)
 _RESTARTED = "The sensor's clock began anew; the number of missing samples is unknown."
 _BEYOND = "Faster or harder than the sensor can measure."
 
@@ -45,12 +48,13 @@ class Drained(NamedTuple):
 
 
 class ImuFeed:
-    """Owns a source. The source's thread only appends to a queue; everything else happens in ``drain``.
+    """Owns a source. The source's thread only appends to a queue; everything else happens in
+    ``drain``.
 
-    It adds these statuses: ``gap``, stamped like the first sample after it, or ``saturated`` if the sensor reported
-    that it left the samples out for that reason; ``saturated`` for samples at or beyond the sensor's range, which are
-    kept, once per drain and stamped like the first; ``error`` for each run of discarded samples, at its beginning;
-    ``stalled`` and ``flowing``.
+    It adds these statuses: ``gap``, stamped like the first sample after it, or ``saturated`` if the
+    sensor reported that it left the samples out for that reason; ``saturated`` for samples at or
+    beyond the sensor's range, which are kept, once per drain and stamped like the first; ``error``
+    for each run of discarded samples, at its beginning; ``stalled`` and ``flowing``.
 
     Args:
         source: the source of samples.
@@ -65,7 +69,9 @@ class ImuFeed:
         dropped: number of samples that arrived and were discarded.
     """
 
-    def __init__(self, source: ImuSource, now: Callable[[], int], seat: str = "A", part: BodyPart = "hand") -> None:
+    def __init__(
+        self, source: ImuSource, now: Callable[[], int], seat: str = "A", part: BodyPart = "hand"
+    ) -> None:
         self.source = source
         self.seat = seat
         self.part: BodyPart = part
@@ -132,7 +138,8 @@ class ImuFeed:
         self.source.stop()
 
     def drain(self) -> Drained:
-        """Return everything since the last call, up to a new attachment of the sensor; the rest comes next time.
+        """Return everything since the last call, up to a new attachment of the sensor; the rest
+        comes next time.
 
         Call it about every 10 ms, always from the same thread.
         """
@@ -148,7 +155,11 @@ class ImuFeed:
             else:
                 self._status(item, now, statuses)
         if self._beyond:
-            statuses.append(Status(state="saturated", at=self._beyond[0], detail=_BEYOND, count=len(self._beyond)))
+            statuses.append(
+                Status(
+                    state="saturated", at=self._beyond[0], detail=_BEYOND, count=len(self._beyond)
+                )
+            )
             self._beyond.clear()
         self._watch(now, statuses)
         return Drained(_packed(rows), statuses)
@@ -189,22 +200,34 @@ class ImuFeed:
             statuses.append(Status(state="error", at=host_ns, detail=why))
 
     def _hole(self, at: int, step: float, statuses: list[Status]) -> None:
-        """Report samples that are missing before ``at``, or the saturation that the sensor gave as the reason."""
-        missing = round(step / self._interval_ms) - 1 if GAP_STEPS * self._interval_ms < step < inf else 0
+        """Report samples that are missing before ``at``, or the saturation that the sensor gave as
+        the reason.
+        """
+        missing = (
+            round(step / self._interval_ms) - 1 if GAP_STEPS * self._interval_ms < step < inf else 0
+        )
         self.lost += max(0, missing - self._dropped_since)
         if self._saturations:
             self._flush(statuses, at, missing, step)
         else:
             statuses.append(Status(state="gap", at=at, count=missing, duration_ms=step))
 
-    def _flush(self, statuses: list[Status], at: int | None = None, missing: int = 0, step: float = 0.0) -> None:
+    def _flush(
+        self, statuses: list[Status], at: int | None = None, missing: int = 0, step: float = 0.0
+    ) -> None:
         """Report the saturations since the last sample as one status."""
         if self._saturations:
             first = self._saturations[0]
             count = missing or sum(saturation.count for saturation in self._saturations)
             duration_ms = step if missing else 0.0
             statuses.append(
-                Status(state="saturated", at=at or first.at, detail=first.detail, count=count, duration_ms=duration_ms)
+                Status(
+                    state="saturated",
+                    at=at or first.at,
+                    detail=first.detail,
+                    count=count,
+                    duration_ms=duration_ms,
+                )
             )
             self._saturations.clear()
 
@@ -237,7 +260,9 @@ class ImuFeed:
             self._has_arrived = self._stalled = False
         elif self._attached and not self._stalled and now - self._last_arrival >= STALL:
             self._stalled = True
-            statuses.append(Status(state="stalled", at=now, duration_ms=(now - self._last_arrival) / MS))
+            statuses.append(
+                Status(state="stalled", at=now, duration_ms=(now - self._last_arrival) / MS)
+            )
         if self._counts and self._counts[-1][0] >= now:
             self._counts.pop()
         self._counts.append((now, self.received))

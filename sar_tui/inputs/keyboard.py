@@ -1,4 +1,6 @@
-"""The keyboard as a sensor: keys, pastes and window focus become messages with the terminal's stamps."""
+"""The keyboard as a sensor: keys, pastes and window focus become messages with the terminal's
+stamps.
+"""
 
 from typing import TypeVar
 
@@ -15,7 +17,8 @@ _NAMED = {"return": "enter", " ": "space", "\r": "enter", "\t": "tab"}
 
 
 def key_name(key: str, character: str | None) -> str | None:
-    """Return a key's name in messages: the character it types, otherwise its name; None if it is no response key.
+    """Return a key's name in messages: the character it types, otherwise its name; None if it is no
+    response key.
 
     Escape, function keys and chords control the program; they are never a response.
 
@@ -33,8 +36,8 @@ def key_name(key: str, character: str | None) -> str | None:
 class Keyboard(Node):
     """Publishes keyboard events. A terminal reports presses only, never releases.
 
-    A stamp is the terminal library's time in seconds, on the session's clock. Events before the start of the session
-    are ignored.
+    A stamp is the terminal library's time in seconds, on the session's clock. Events before the
+    start of the session are ignored.
     """
 
     name = "keyboard"
@@ -50,11 +53,18 @@ class Keyboard(Node):
         self._attached = True
 
     def pressed(
-        self, key: str, character: str | None, seconds: float, loop_lag: int = 0, stalled: bool = False
+        self,
+        key: str,
+        character: str | None,
+        seconds: float,
+        loop_lag: int = 0,
+        stalled: bool = False,
     ) -> None:
         """Publish a key press. ``loop_lag`` (ns) and ``stalled`` as in `messages.KeyPressed`."""
         if name := key_name(key, character):
-            self._publish(KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag, stalled=stalled))
+            self._publish(
+                KEY, KeyPressed(key=name, at=_ns(seconds), loop_lag=loop_lag, stalled=stalled)
+            )
 
     def pasted(self, length: int, seconds: float) -> None:
         """Publish a paste."""

@@ -24,11 +24,13 @@ SERVER_PORT = 5661
 
 NO_PACKAGE = "The Python package Phidget22 is missing; install it with: " + pip_install("phidget22")
 NO_LIBRARY = (
-    f"The sensor's driver cannot be loaded ({{}}); install it with: {pip_install('phidget22', 'libusb-package')}"
+    "The sensor's driver cannot be loaded ({}); install it with: "
+    f"{pip_install('phidget22', 'libusb-package')}"
 )
 NO_PERMISSION = (
     "A sensor is plugged in, but this computer does not let you use it: write the line "
-    f"{UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug the sensor, and plug it in again."
+    f"{UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug the sensor, and plug "
+    "it in again."
 )
 
 _UNKNOWN = 1e299
@@ -54,9 +56,15 @@ class _Address(NamedTuple):
     def hint(self) -> str:
         """Describe what to do so that a sensor attaches."""
         if self.host:
-            return f"Waiting for a PhidgetSpatial of the Phidget network server at {self.host}, port {self.port}."
+            return (
+                f"Waiting for a PhidgetSpatial of the Phidget network server at {self.host}, "
+                f"port {self.port}."
+            )
         which = "" if self.serial is None else f" with the serial number {self.serial}"
-        return f"Waiting for a PhidgetSpatial{which}: plug it in, and close other programs that use it."
+        return (
+            f"Waiting for a PhidgetSpatial{which}: plug it in, and close other programs that "
+            "use it."
+        )
 
 
 def _parsed(address: str) -> _Address:
@@ -68,20 +76,24 @@ def _parsed(address: str) -> _Address:
         server = urlsplit(address)
         if server.hostname and not server.username and server.scheme in ("", "phidget"):
             return _Address(host=server.hostname, port=server.port or SERVER_PORT)
-    raise SourceError(f"There is no sensor phidget:{address}. Use phidget, phidget:SERIAL or phidget://HOST:PORT.")
+    raise SourceError(
+        f"There is no sensor phidget:{address}. Use phidget, phidget:SERIAL or phidget://HOST:PORT."
+    )
 
 
 class PhidgetSource:
-    """A PhidgetSpatial 3/3/3 as a source of samples: the 1044_1, and all related models with a gyroscope.
+    """A PhidgetSpatial 3/3/3 as a source of samples: the 1044_1, and all related models with a
+    gyroscope.
 
-    It may be plugged in and out at any time. It is set to its highest sample rate. A Phidget leaves out a sample with
-    any axis beyond its range and only reports it: ``saturated``.
+    It may be plugged in and out at any time. It is set to its highest sample rate. A Phidget leaves
+    out a sample with any axis beyond its range and only reports it: ``saturated``.
 
     Args:
-        address: empty for the first sensor on a USB port; a serial number; ``//HOST:PORT`` for a Phidget network
-            server without a password. Raises SourceError for anything else.
+        address: empty for the first sensor on a USB port; a serial number; ``//HOST:PORT`` for a
+            Phidget network server without a password. Raises SourceError for anything else.
         make: makes the channel; Phidget22's ``Spatial`` if None.
-        denied: returns True if a sensor is plugged in that this user may not open; looked up if None.
+        denied: returns True if a sensor is plugged in that this user may not open; looked up if
+            None.
     """
 
     def __init__(
@@ -113,10 +125,15 @@ class PhidgetSource:
             self._report_status("error", NO_LIBRARY.format(error))
         except Exception as error:
             denied = getattr(error, "code", None) in _DENIED_CODES
-            self._report_status("error", NO_PERMISSION if denied else f"The sensor cannot be opened: {describe(error)}")
+            self._report_status(
+                "error",
+                NO_PERMISSION if denied else f"The sensor cannot be opened: {describe(error)}",
+            )
         else:
             if not self._address.host:
-                threading.Thread(target=self._watch, args=(self._stopped,), name="phidget", daemon=True).start()
+                threading.Thread(
+                    target=self._watch, args=(self._stopped,), name="phidget", daemon=True
+                ).start()
 
     def stop(self) -> None:
         """Release the sensor. Takes at most two seconds if the driver hangs."""
@@ -145,11 +162,15 @@ class PhidgetSource:
         channel.open()
 
     def _close(self) -> threading.Thread | None:
-        """Close the channel on another thread: the driver may wait for its handlers, and this may be one of them."""
+        """Close the channel on another thread: the driver may wait for its handlers, and this may
+        be one of them.
+        """
         channel, self._channel, self.info = self._channel, None, None
         if channel is None:
             return None
-        closing = threading.Thread(target=self._closed, args=(channel,), name="phidget close", daemon=True)
+        closing = threading.Thread(
+            target=self._closed, args=(channel,), name="phidget close", daemon=True
+        )
         closing.start()
         return closing
 
@@ -218,11 +239,17 @@ class PhidgetSource:
                 self._last_error = what
                 self._report_status("error", what)
 
-    def _measured(self, _channel: Any, acceleration: Any, rate: Any, field: Any, timestamp: float) -> None:
-        self._sink(Sample(host_now(), timestamp, _in(G, acceleration), _in(DEGREE, rate), _in(1.0, field)))
+    def _measured(
+        self, _channel: Any, acceleration: Any, rate: Any, field: Any, timestamp: float
+    ) -> None:
+        self._sink(
+            Sample(host_now(), timestamp, _in(G, acceleration), _in(DEGREE, rate), _in(1.0, field))
+        )
 
     def _guarded(self, handle: Callable[..., None]) -> Callable[..., None]:
-        """Return a handler whose exceptions become a status, once: the driver would only print them."""
+        """Return a handler whose exceptions become a status, once: the driver would only print
+        them.
+        """
 
         def handler(*arguments: Any) -> None:
             try:
@@ -236,14 +263,18 @@ class PhidgetSource:
         return handler
 
     def _report_status(
-        self, state: Literal["attached", "detached", "error", "saturated"], detail: str = "", count: int = 0
+        self,
+        state: Literal["attached", "detached", "error", "saturated"],
+        detail: str = "",
+        count: int = 0,
     ) -> None:
         self._on_status(Status(state=state, at=host_now(), detail=detail, count=count))
 
     def _watch(self, stopped: threading.Event) -> None:
         """Report a sensor that this user may not open; the driver does not report it.
 
-        Checked twice in a row, since the system takes a moment to grant access to a sensor just plugged in.
+        Checked twice in a row, since the system takes a moment to grant access to a sensor just
+        plugged in.
         """
         seen = 0
         while seen < 2 and not stopped.wait(_LOOK_AGAIN_S):

@@ -18,7 +18,9 @@ _vector: Callable[[Any], Any] = tuple
 
 def as_sent(samples: Samples) -> Iterator[Sample]:
     """Yield samples one by one, as a sensor's driver delivers them."""
-    columns = (samples[name].tolist() for name in ("host", "device_ms", "acceleration", "rate", "field"))
+    columns = (
+        samples[name].tolist() for name in ("host", "device_ms", "acceleration", "rate", "field")
+    )
     for host_ns, device_ms, acceleration, rate, field in zip(*columns, strict=True):
         yield Sample(host_ns, device_ms, _vector(acceleration), _vector(rate), _vector(field))
 
@@ -46,9 +48,13 @@ class RecordedSource:
         name: str = "recorded",
     ) -> None:
         if len(samples) < 2:
-            raise SourceError(f"A recording needs at least two samples to be played; this one has {len(samples)}.")
+            raise SourceError(
+                f"A recording needs at least two samples to be played; this one has {len(samples)}."
+            )
         if loop and speed == "fast":
-            raise SourceError("A recording cannot be both played fast and repeated without end. Choose one.")
+            raise SourceError(
+                "A recording cannot be both played fast and repeated without end. Choose one."
+            )
         self.info: Info | None = None
         self._speed = speed
         self._loop = loop
@@ -98,7 +104,11 @@ class RecordedSource:
             self._next = 0
             return self._due_ns
         self._on_status(
-            Status(state="ended", at=self._begun_ns + self._elapsed[-1], detail="The recording is at its end.")
+            Status(
+                state="ended",
+                at=self._begun_ns + self._elapsed[-1],
+                detail="The recording is at its end.",
+            )
         )
         return None
 

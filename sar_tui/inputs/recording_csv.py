@@ -25,10 +25,14 @@ def csv_tables(path: Path) -> Iterator[Table]:
             try:
                 yield from _tables(path, reader)
             except csv.Error as error:
-                raise SourceError(f"{path}, line {reader.line_num}: this is not CSV: {error}.") from error
+                raise SourceError(
+                    f"{path}, line {reader.line_num}: this is not CSV: {error}."
+                ) from error
     except UnicodeDecodeError as error:
         line = _undecodable_line(path)
-        raise SourceError(f"{path}, line {line}: this is not UTF-8 text; save the file as CSV UTF-8.") from error
+        raise SourceError(
+            f"{path}, line {line}: this is not UTF-8 text; save the file as CSV UTF-8."
+        ) from error
 
 
 def _tables(path: Path, reader: "Reader") -> Iterator[Table]:
@@ -46,13 +50,17 @@ def _tables(path: Path, reader: "Reader") -> Iterator[Table]:
             continue
         if len(row) != len(header):
             raise SourceError(
-                f"{path}, line {reader.line_num}: {len(row)} values for {len(header)} columns; a line needs a "
+                f"{path}, line {reader.line_num}: {len(row)} values for {len(header)} columns; a "
+                "line needs a "
                 "value for each column, commas between them, and points in decimals."
             )
         try:
             rows.append([float(row[index]) for index in wanted.values()])
         except ValueError:
-            _refuse_row(f"{path}, line {reader.line_num}", {name: row[index] for name, index in wanted.items()})
+            _refuse_row(
+                f"{path}, line {reader.line_num}",
+                {name: row[index] for name, index in wanted.items()},
+            )
         lines.append(reader.line_num)
         if len(rows) == ROWS:
             yield _table(path, list(wanted), rows, lines)
@@ -74,7 +82,9 @@ def _refuse_row(where: str, cells: dict[str, str]) -> NoReturn:
         try:
             float(cell)
         except ValueError as error:
-            raise SourceError(f'{where}: "{cell.strip()}" in the column {name} is not a number.') from error
+            raise SourceError(
+                f'{where}: "{cell.strip()}" in the column {name} is not a number.'
+            ) from error
     raise AssertionError(where)
 
 

@@ -1,7 +1,7 @@
 """Recordings of motion sensors in files: CSV, and NPZ with arrays of the same names.
 
-``t`` in s; ``wx,wy,wz`` the angular rate; ``ax,ay,az`` the acceleration and ``mx,my,mz`` the magnetic field in gauss,
-both optional.
+``t`` in s; ``wx,wy,wz`` the angular rate; ``ax,ay,az`` the acceleration and ``mx,my,mz`` the
+magnetic field in gauss, both optional.
 """
 
 import math
@@ -46,7 +46,8 @@ SI = Units()
 
 
 def read_recording(path: Path, units: Units = SI) -> Samples:
-    """Read a file as samples, dtype SAMPLE, converted to m/s² and rad/s; ``at`` and ``host`` are its ``t`` in ns.
+    """Read a file as samples, dtype SAMPLE, converted to m/s² and rad/s; ``at`` and ``host`` are
+    its ``t`` in ns.
 
     Raises SourceError for any fault: one sentence with the file, the line, and what to do.
     """
@@ -79,17 +80,21 @@ def read_blocks(path: Path, units: Units = SI) -> Iterator[Samples]:
 
 
 def refuse_degrees(path: Path, samples: Samples) -> None:
-    """Raise SourceError for samples that are most likely in deg/s: faster or farther than any hand turns."""
+    """Raise SourceError for samples that are most likely in deg/s: faster or farther than any hand
+    turns.
+    """
     rate = samples["rate"].astype(float)
     fastest = float(np.abs(rate).max(initial=0.0))
     if fastest <= FASTEST_RAD_S and turns_too_far(samples["at"] / 1e9, rate):
         raise SourceError(
-            f"{path} turns by more than two whole turns within a few seconds, farther than any hand: it must be in "
+            f"{path} turns by more than two whole turns within a few seconds, farther than any "
+            "hand: it must be in "
             "deg/s. Set the unit (--rate deg/s, or recorded:FILE?rate=deg/s)."
         )
     if fastest > FASTEST_RAD_S:
         raise SourceError(
-            f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in deg/s. Set the unit "
+            f"{path} turns at up to {fastest:.0f} rad/s, faster than any hand: it must be in "
+            "deg/s. Set the unit "
             "(--rate deg/s, or recorded:FILE?rate=deg/s)."
         )
 
@@ -111,13 +116,16 @@ def _check_file(path: Path) -> None:
 
 
 def _check_amount(path: Path, first: Samples) -> None:
-    """Raise SourceError if the first block of a file shows that it holds too few samples, or too few a second."""
+    """Raise SourceError if the first block of a file shows that it holds too few samples, or too
+    few a second.
+    """
     if len(first) < FEWEST:
         raise _too_few(path, len(first))
     rate_hz = 1e9 / float(np.median(np.diff(first["at"])))
     if rate_hz < LOWEST_RATE_HZ:
         raise SourceError(
-            f"{path} holds {rate_hz:.3g} samples a second (t is in seconds); at least {LOWEST_RATE_HZ:g} are needed."
+            f"{path} holds {rate_hz:.3g} samples a second (t is in seconds); at least "
+            f"{LOWEST_RATE_HZ:g} are needed."
         )
 
 
@@ -126,7 +134,9 @@ def _too_few(path: Path, count: int) -> SourceError:
 
 
 def _samples(table: Table, units: Units, last: int | None) -> Samples:
-    """Return a table's samples, which follow one at ``last`` (ns). Raises SourceError if one is invalid."""
+    """Return a table's samples, which follow one at ``last`` (ns). Raises SourceError if one is
+    invalid.
+    """
     time_s = table.columns["t"]
     if (row := _first(~(np.abs(time_s) < _LATEST_S))) is not None:
         table.refuse(row, f"the time {time_s[row]:g} cannot be; t is in seconds.")
@@ -134,11 +144,17 @@ def _samples(table: Table, units: Units, last: int | None) -> Samples:
     steps = np.diff(at, prepend=at[0] - 1 if last is None else last)
     if (row := _first(steps <= 0)) is not None:
         what = "is before" if steps[row] else "is the same as"
-        table.refuse(row, f"the time {time_s[row]:.9g} {what} that of the sample above; it must be later.")
+        table.refuse(
+            row, f"the time {time_s[row]:.9g} {what} that of the sample above; it must be later."
+        )
     samples = np.zeros(len(at), dtype=SAMPLE)
     samples["at"] = samples["host"] = at
     samples["device_ms"] = time_s * 1e3
-    factors = {"rate": _RATE[units.rate], "acceleration": _ACCELERATION[units.acceleration], "field": 1.0}
+    factors = {
+        "rate": _RATE[units.rate],
+        "acceleration": _ACCELERATION[units.acceleration],
+        "field": 1.0,
+    }
     for field, names in VECTORS.items():
         if names[0] not in table.columns:
             samples[field] = np.nan
@@ -149,7 +165,11 @@ def _samples(table: Table, units: Units, last: int | None) -> Samples:
             if field != "rate":
                 wrong &= ~np.isnan(column)
             if (row := _first(wrong)) is not None:
-                table.refuse(row, f"{table.columns[name][row]:g} in the column {name} is no measurement; leave it out.")
+                table.refuse(
+                    row,
+                    f"{table.columns[name][row]:g} in the column {name} is no measurement; leave "
+                    "it out.",
+                )
             samples[field][:, axis] = column
     return samples
 

@@ -53,12 +53,18 @@ class _Column:
         self._member = member
         try:
             version = np.lib.format.read_magic(member)
-            read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            read = (
+                np.lib.format.read_array_header_1_0
+                if version == (1, 0)
+                else np.lib.format.read_array_header_2_0
+            )
             shape, _, self._dtype = read(member)
         except ValueError as error:
             raise SourceError(f"{path}: the array {name} cannot be read: {error}.") from error
         if self._dtype.hasobject:
-            raise SourceError(f"{path}: the array {name} cannot be read: Object arrays are not numbers.")
+            raise SourceError(
+                f"{path}: the array {name} cannot be read: Object arrays are not numbers."
+            )
         if len(shape) != 1 or self._dtype.kind not in "fiu":
             raise SourceError(f"{path}: the array {name} must be one row of numbers.")
         (self.length,) = shape

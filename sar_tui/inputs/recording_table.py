@@ -11,12 +11,18 @@ from sar_tui.motion.samples import Floats
 
 ROWS = 1 << 16
 """Number of rows in a block."""
-VECTORS = {"rate": ("wx", "wy", "wz"), "acceleration": ("ax", "ay", "az"), "field": ("mx", "my", "mz")}
+VECTORS = {
+    "rate": ("wx", "wy", "wz"),
+    "acceleration": ("ax", "ay", "az"),
+    "field": ("mx", "my", "mz"),
+}
 NAMES = ("t", *(name for vector in VECTORS.values() for name in vector))
 
 
 class Table(NamedTuple):
-    """Columns of one or more rows, shape (n,) each, and the numbers of the rows for error messages."""
+    """Columns of one or more rows, shape (n,) each, and the numbers of the rows for error
+    messages.
+    """
 
     path: Path
     columns: dict[str, Floats]
@@ -34,7 +40,11 @@ def check_names(path: Path, names: list[str]) -> None:
         raise SourceError(f"{path}: there are two columns {', '.join(twice)}; keep one of each.")
     needed = ["t", *VECTORS["rate"]]
     for vector in VECTORS.values():
-        needed += [name for name in vector if name not in needed and not set(vector).isdisjoint(names)]
+        needed += [
+            name for name in vector if name not in needed and not set(vector).isdisjoint(names)
+        ]
     if missing := [name for name in needed if name not in names]:
-        commas = " Separate columns by commas, not by semicolons or tabs." if len(names) == 1 else ""
+        commas = (
+            " Separate columns by commas, not by semicolons or tabs." if len(names) == 1 else ""
+        )
         raise SourceError(f"{path}: the columns {', '.join(missing)} are missing.{commas}")

@@ -25,11 +25,15 @@ _EXAMPLE = (
     "if you know how many samples come a second, ?rate=NUMBER"
 )
 _NO_RATE = (
-    "The sensor on {} reports that it does not measure angular rate (its covariance begins with -1), so it cannot show "
+    "The sensor on {} reports that it does not measure angular rate (its covariance begins with "
+    "-1), so it cannot show "
     "how a hand turns. Use one with a gyroscope."
 )
 _NO_SAMPLE = "The messages on {} are not sensor_msgs/Imu ({}); such messages are left out."
-_NOT_RISING = "The time stamps on {} do not increase, so the sample rate is unknown: set it with ?rate=NUMBER."
+_NOT_RISING = (
+    "The time stamps on {} do not increase, so the sample rate is unknown: set it with "
+    "?rate=NUMBER."
+)
 
 
 class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -83,13 +87,14 @@ class _Imu(msgspec.Struct, frozen=True):
 class RosImuSource:
     """A topic of ``sensor_msgs/Imu`` (rad/s, m/s²) as a source of samples.
 
-    The device's clock is the header's stamp, counted from the first sample of each connection; if a driver leaves it at
-    zero, this computer's clock is used. The sensor is attached when its rate is known: from the stamps of the first
-    samples, none of which is lost, or at once if the address gives it. A covariance that begins with -1 means that the
-    quantity is not measured.
+    The device's clock is the header's stamp, counted from the first sample of each connection; if a
+    driver leaves it at zero, this computer's clock is used. The sensor is attached when its rate is
+    known: from the stamps of the first samples, none of which is lost, or at once if the address
+    gives it. A covariance that begins with -1 means that the quantity is not measured.
 
     Args:
-        address: ``//HOST[:PORT]/TOPIC[?rate=HZ]``, with or without ``ros:``. Raises SourceError for anything else.
+        address: ``//HOST[:PORT]/TOPIC[?rate=HZ]``, with or without ``ros:``. Raises SourceError for
+            anything else.
     """
 
     def __init__(self, address: str) -> None:
@@ -101,7 +106,9 @@ class RosImuSource:
         except AddressError as error:
             raise SourceError(str(error)) from error
         except msgspec.ValidationError as error:
-            raise SourceError(f'The sensor "{address}" is not valid ({error}). Use {_EXAMPLE}.') from error
+            raise SourceError(
+                f'The sensor "{address}" is not valid ({error}). Use {_EXAMPLE}.'
+            ) from error
         self._bridge: Bridge | None = None
 
     def start(self, sink: Callable[[Sample], None], on_status: Callable[[Status], None]) -> None:
@@ -143,11 +150,13 @@ class RosImuSource:
             self._report_status("error", bridge.problem)
         elif bridge.is_connected:
             self._report_status(
-                "detached", f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}."
+                "detached",
+                f"Waiting for samples on {self._topic} of the ROS bridge at {self._address}.",
             )
         else:
             self._report_status(
-                "detached", f"The connection to the ROS bridge at {self._address} was lost. Waiting for it."
+                "detached",
+                f"The connection to the ROS bridge at {self._address} was lost. Waiting for it.",
             )
 
     def _received(self, bridge: Bridge, message: Any) -> None:
@@ -178,7 +187,9 @@ class RosImuSource:
         return Sample(
             host_ns,
             (device_ns - self._origin_ns) / 1e6,
-            imu.linear_acceleration.vector if _measures(imu.linear_acceleration_covariance) else NOTHING,
+            imu.linear_acceleration.vector
+            if _measures(imu.linear_acceleration_covariance)
+            else NOTHING,
             imu.angular_velocity.vector,
         )
 
@@ -214,7 +225,9 @@ class RosImuSource:
             self._last_error = what
             self._report_status("error", what)
 
-    def _report_status(self, state: Literal["attached", "detached", "error"], detail: str = "") -> None:
+    def _report_status(
+        self, state: Literal["attached", "detached", "error"], detail: str = ""
+    ) -> None:
         self._on_status(Status(state=state, at=host_now(), detail=detail))
 
 

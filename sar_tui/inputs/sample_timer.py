@@ -11,7 +11,8 @@ class Pace:
     """Calls a step at its times: by a clock's callbacks, or on a thread.
 
     Args:
-        step: does what is due at the given time (ns), and returns the time of its next call; None for never.
+        step: does what is due at the given time (ns), and returns the time of its next call; None
+            for never.
         clock: the clock whose callbacks to use; if None, a thread on the host's clock.
     """
 
@@ -29,7 +30,9 @@ class Pace:
         if self._clock:
             self._tick_at(self._clock, self._clock.now())
         else:
-            self._thread = threading.Thread(target=self._run, args=(self._stopped,), name="sensor", daemon=True)
+            self._thread = threading.Thread(
+                target=self._run, args=(self._stopped,), name="sensor", daemon=True
+            )
             self._thread.start()
 
     def stop(self) -> None:

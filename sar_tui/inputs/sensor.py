@@ -22,7 +22,8 @@ _BEFORE_SAMPLES = ("attached", "flowing")
 
 
 class SensorNode(Node):
-    """Base of nodes that publish the samples of one participant's sensor, from the beginning of the session to its end.
+    """Base of nodes that publish the samples of one participant's sensor, from the beginning of the
+    session to its end.
 
     Args:
         seat: the participant with the sensor.
@@ -104,7 +105,10 @@ class Imu(SensorNode):
         if self._stopped:
             return
         samples, statuses = self.feed.drain()
-        before = max((n for n, status in enumerate(statuses, 1) if status.state in _BEFORE_SAMPLES), default=0)
+        before = max(
+            (n for n, status in enumerate(statuses, 1) if status.state in _BEFORE_SAMPLES),
+            default=0,
+        )
         for status in statuses[:before]:
             self._publish(status)
         if len(samples):
@@ -135,5 +139,7 @@ def changed(status: Status, info: Info | None, seat: str = "A") -> SensorChanged
     facts = msgspec.structs.asdict(status)
     if status.state == "attached" and info:
         known = {field.name for field in msgspec.structs.fields(SensorChanged)}
-        facts |= {name: value for name, value in msgspec.structs.asdict(info).items() if name in known}
+        facts |= {
+            name: value for name, value in msgspec.structs.asdict(info).items() if name in known
+        }
     return SensorChanged(seat=seat, **facts)

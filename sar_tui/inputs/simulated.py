@@ -23,8 +23,8 @@ _SATURATION = "The simulated gyroscope was turned faster than it can measure."
 class SimulatedSource:
     """A simulated hand with a sensor, whose samples are delivered every 10 ms.
 
-    On a virtual clock the same movements give the same samples each time. A sensor that leaves out samples beyond its
-    range, and loses no others, reports them as a Phidget does.
+    On a virtual clock the same movements give the same samples each time. A sensor that leaves out
+    samples beyond its range, and loses no others, reports them as a Phidget does.
 
     Args:
         hand: the hand and its sensor.
@@ -32,7 +32,9 @@ class SimulatedSource:
         model: the sensor's description.
     """
 
-    def __init__(self, hand: SimulatedHand, clock: Clock | None = None, model: str = "Simulated hand") -> None:
+    def __init__(
+        self, hand: SimulatedHand, clock: Clock | None = None, model: str = "Simulated hand"
+    ) -> None:
         self.hand = hand
         self._model = model
         self.info: Info | None = None
@@ -56,7 +58,9 @@ class SimulatedSource:
         """Do nothing: a simulated sensor keeps its bias."""
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
-        """Make a reach with its onset at ``at_ns`` of the hand's clock. May be called from any thread."""
+        """Make a reach with its onset at ``at_ns`` of the hand's clock. May be called from any
+        thread.
+        """
         with self._moving:
             self.hand.move(at_ns, shape)
             self._forget_ahead()
@@ -78,7 +82,9 @@ class SimulatedSource:
             self._on_status(Status(state="attached", at=now))
         for sample in self._samples(now):
             if saturates and not profile.lost and sample.device_ms - self._last_ms > 1500 / rate_hz:
-                self._on_status(Status(state="saturated", at=sample.host_ns, count=1, detail=_SATURATION))
+                self._on_status(
+                    Status(state="saturated", at=sample.host_ns, count=1, detail=_SATURATION)
+                )
             self._last_ms = sample.device_ms
             self._sink(sample)
         return now + STEP

@@ -1,8 +1,10 @@
-"""A simulated sensor on the bus of a session on a virtual clock: all samples until something may happen as one block.
+"""A simulated sensor on the bus of a session on a virtual clock: all samples until something may
+happen as one block.
 
-`sensor.Imu` publishes what has arrived every 10 ms. On a virtual clock nothing else happens between two callbacks, so
-this node publishes the samples of many such intervals at once: up to the next callback, to a gap, or to the samples at
-which a node that watches the hand would react. All messages and their times are the same as those of `sensor.Imu`.
+`sensor.Imu` publishes what has arrived every 10 ms. On a virtual clock nothing else happens between
+two callbacks, so this node publishes the samples of many such intervals at once: up to the next
+callback, to a gap, or to the samples at which a node that watches the hand would react. All
+messages and their times are the same as those of `sensor.Imu`.
 """
 
 import math
@@ -27,7 +29,9 @@ from sar_tui.motion.synthesis import SimulatedHand
 AHEAD = 5 * SECOND
 """Time for which samples are calculated at once: about a reach, with the rest after it."""
 LATE = DRAIN
-"""Time from the end of an interval to the publication of its samples, as `sensor.Imu` drains at the end of the next."""
+"""Time from the end of an interval to the publication of its samples, as `sensor.Imu` drains at the
+end of the next.
+"""
 
 
 @runtime_checkable
@@ -40,7 +44,8 @@ class Foresight(Protocol):
         ...
 
     def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
-        """Return the first of ``ends`` at which the node reacts if nothing but samples comes; None if at none of them.
+        """Return the first of ``ends`` at which the node reacts if nothing but samples comes; None
+        if at none of them.
 
         The samples up to there must then come in blocks that end at some of ``ends``.
 
@@ -88,7 +93,9 @@ class SimulatedSensor(SensorNode):
         if self._stopped:
             return
         receivers = self.bus.receivers(IMU)
-        watchers = [node for node in receivers if isinstance(node, Foresight) and node.seat == self.seat]
+        watchers = [
+            node for node in receivers if isinstance(node, Foresight) and node.seat == self.seat
+        ]
         self._leaps = len(watchers) < 2 and all(isinstance(node, Foresight) for node in receivers)
         self._watcher = watchers[0] if watchers and self._leaps else None
         self._calculated = now = self._clock.now()
@@ -100,7 +107,8 @@ class SimulatedSensor(SensorNode):
         self._calculate()
         if count:
             if self._watcher:
-                self._watcher.foresee(self._ahead, [count])  # it may have begun to watch since this was scheduled
+                # it may have begun to watch since this was scheduled
+                self._watcher.foresee(self._ahead, [count])
             block, self._ahead = self._ahead[:count], self._ahead[count:]
             self._last_ms = float(block["device_ms"][-1])
             self.emit(IMU, ImuBlock(seat=self.seat, samples=pack(block)))
@@ -125,11 +133,14 @@ class SimulatedSensor(SensorNode):
             ends = ends[: np.searchsorted(ends, gaps[0].before, "right") + 1]
         count = int(ends[-1])
         statuses = [gap.status for gap in gaps if gap.before < count]
-        last = np.searchsorted(ends, count) if count else len(ends) - 1  # without intervals that bring no samples
+        # without intervals that bring no samples
+        last = np.searchsorted(ends, count) if count else len(ends) - 1
         self._next = self._clock.call_at(int(due[last]), lambda: self._publish(count, statuses))
 
     def _quiet_times(self) -> npt.NDArray[np.int64]:
-        """Return the times (ns) at which a block can end: the next, and those before the clock's next callback."""
+        """Return the times (ns) at which a block can end: the next, and those before the clock's
+        next callback.
+        """
         now, until = self._clock.now(), self._clock.next_at()
         last = self._calculated + LATE
         if until is not None:
@@ -138,7 +149,9 @@ class SimulatedSensor(SensorNode):
         return now + DRAIN * np.arange(1, count + 1)
 
     def _calculate(self) -> None:
-        """Calculate samples ahead if there are none, so that all of a reach can be foreseen at once."""
+        """Calculate samples ahead if there are none, so that all of a reach can be foreseen at
+        once.
+        """
         if self._calculated <= self._clock.now():
             until = self._clock.now() + AHEAD
             self._ahead = join((self._ahead, self._hand.samples(self._calculated, until)))

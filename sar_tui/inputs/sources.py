@@ -1,4 +1,6 @@
-"""Motion sensors by name: the included ones, and those of plug-ins (entry points of the group ``sar_tui.inputs``)."""
+"""Motion sensors by name: the included ones, and those of plug-ins (entry points of the group
+``sar_tui.inputs``).
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -27,12 +29,17 @@ def source_names() -> list[str]:
 
 
 def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuSource:
-    """Make a source of samples by name; it is not started. Raises SourceError, with the fault in the name.
+    """Make a source of samples by name; it is not started. Raises SourceError, with the fault in
+    the name.
 
-    - ``phidget``, ``phidget:SERIAL``, ``phidget://HOST:PORT``: a PhidgetSpatial, `phidget.PhidgetSource`;
-    - ``simulated``, ``simulated:PROFILE``: a simulated hand, with one of `motion.synthesis.PROFILES`;
-    - ``simulated:kind=KIND``: one whose reaches turn it about many axes, of one of `motion.reach_kinds.KINDS`;
-    - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a recording;
+    - ``phidget``, ``phidget:SERIAL``, ``phidget://HOST:PORT``: a PhidgetSpatial,
+      `phidget.PhidgetSource`;
+    - ``simulated``, ``simulated:PROFILE``: a simulated hand, with one of
+      `motion.synthesis.PROFILES`;
+    - ``simulated:kind=KIND``: one whose reaches turn it about many axes, of one of
+      `motion.reach_kinds.KINDS`;
+    - ``recorded:FILE``, ``recorded:FILE?rate=deg/s&acceleration=g&speed=fast&loop=yes``: a
+      recording;
     - ``ros://HOST[:PORT]/TOPIC[?rate=HZ]``: a sensor on a ROS system, over rosbridge;
     - any other: the entry point of that name, called with the text after the colon.
 
@@ -47,14 +54,21 @@ def open_source(name: str, *, seed: int = 0, clock: Clock | None = None) -> ImuS
         if entry.name == kind:
             try:
                 source: ImuSource = entry.load()(text)
-                missing = [part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)]
+                missing = [
+                    part for part in ("start", "stop", "zero", "info") if not hasattr(source, part)
+                ]
             except SourceError:
                 raise
             except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
-                raise SourceError(f"The sensor {kind} ({entry.value}) cannot be loaded: {why}.") from error
+                raise SourceError(
+                    f"The sensor {kind} ({entry.value}) cannot be loaded: {why}."
+                ) from error
             if missing:
-                raise SourceError(f"The sensor {kind} ({entry.value}) is not a source: it lacks {', '.join(missing)}.")
+                raise SourceError(
+                    f"The sensor {kind} ({entry.value}) is not a source: it lacks "
+                    f"{', '.join(missing)}."
+                )
             return GuardedSource(source, kind)
     raise SourceError(f'There is no sensor "{name}". Choose one of: {", ".join(source_names())}.')
 
@@ -75,7 +89,8 @@ def _phidget(address: str, _seed: int, _clock: Clock | None) -> ImuSource:
 
 
 def simulated_hand(profile: str, seed: int) -> "SimulatedHand":
-    """Make a simulated hand by the name of its profile, or by ``kind=`` and a kind of reach about many axes.
+    """Make a simulated hand by the name of its profile, or by ``kind=`` and a kind of reach about
+    many axes.
 
     Raises SourceError if there is none of that name.
     """
@@ -87,10 +102,14 @@ def simulated_hand(profile: str, seed: int) -> "SimulatedHand":
 
         kind = profile.removeprefix(_KIND)
         if kind not in KINDS:
-            raise SourceError(f'There is no kind of reach "{kind}". Choose one of: {", ".join(KINDS)}.')
+            raise SourceError(
+                f'There is no kind of reach "{kind}". Choose one of: {", ".join(KINDS)}.'
+            )
         return SimulatedArm(kind, PROFILES["steady"], SIMULATED_RATE_HZ, seed)
     if (profile or "clean") not in PROFILES:
-        raise SourceError(f'There is no simulated hand "{profile}". Choose one of: {", ".join(PROFILES)}.')
+        raise SourceError(
+            f'There is no simulated hand "{profile}". Choose one of: {", ".join(PROFILES)}.'
+        )
     return SimulatedHand(PROFILES[profile or "clean"], SIMULATED_RATE_HZ, seed)
 
 
@@ -108,17 +127,22 @@ def _recorded(text: str, _seed: int, clock: Clock | None) -> ImuSource:
     if not file:
         raise SourceError("Name a recording: recorded:FILE.csv or recorded:FILE.npz.")
     try:
-        options = dict(parse_qsl(query.replace("²", "2"), keep_blank_values=True, strict_parsing=bool(query)))
+        options = dict(
+            parse_qsl(query.replace("²", "2"), keep_blank_values=True, strict_parsing=bool(query))
+        )
         playing = msgspec.convert(options, _Playing)
     except (ValueError, msgspec.ValidationError) as error:
         raise SourceError(
             f'"?{query}" is not valid ({error}). Options after the file: '
-            "rate=rad/s or deg/s, acceleration=m/s2 or g, speed=real time or fast, loop=yes or no; with & between two."
+            "rate=rad/s or deg/s, acceleration=m/s2 or g, speed=real time or fast, loop=yes or "
+            "no; with & between two."
         ) from error
     path = Path(file)
     samples = read_recording(path, Units(acceleration=playing.acceleration, rate=playing.rate))
     refuse_degrees(path, samples)
-    return RecordedSource(samples, playing.speed, playing.loop == "yes", clock=clock, name=path.name)
+    return RecordedSource(
+        samples, playing.speed, playing.loop == "yes", clock=clock, name=path.name
+    )
 
 
 def _ros(text: str, _seed: int, _clock: Clock | None) -> ImuSource:

@@ -1,1 +1,3 @@
-"""The session's topics between processes and machines: discovery, certificates, admission and transport."""
+"""The session's topics between processes and machines: discovery, certificates, admission and
+transport.
+"""

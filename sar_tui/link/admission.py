@@ -1,4 +1,6 @@
-"""Admission of peers and their messages: who is admitted, what is forwarded, what is refused. No Zenoh, no pipes."""
+"""Admission of peers and their messages: who is admitted, what is forwarded, what is refused. No
+Zenoh, no pipes.
+"""
 
 import re
 import threading
@@ -57,7 +59,8 @@ def role_of(name: str) -> Role | None:
 class Admission:
     """Checks each message of a peer. Thread-safe.
 
-    A peer's name is the last part of the key it sent to; on the network, its certificate allows no other.
+    A peer's name is the last part of the key it sent to; on the network, its certificate allows no
+    other.
 
     Args:
         lost_after: silence (ns) after which a peer is lost.
@@ -96,12 +99,18 @@ class Admission:
                 self.refuse(name, "a heartbeat", str(error), now)
                 return
             if ping.is_leaving:
-                self._answer(name, Pong(ping.sent_at, now, self._clock_id, self.number, ping.client_id))
+                self._answer(
+                    name, Pong(ping.sent_at, now, self._clock_id, self.number, ping.client_id)
+                )
                 if self._presence.is_present(name, ping.client_id) and self._presence.leave(name):
                     self._notify(PeerLeft(name, "left"))
                 return
-            refusal = self._admit(name, ping.client_id, now, ping.silence, is_relayed=ping.is_relayed)
-            self._answer(name, Pong(ping.sent_at, now, self._clock_id, self.number, ping.client_id, refusal))
+            refusal = self._admit(
+                name, ping.client_id, now, ping.silence, is_relayed=ping.is_relayed
+            )
+            self._answer(
+                name, Pong(ping.sent_at, now, self._clock_id, self.number, ping.client_id, refusal)
+            )
             if ping.wants_snapshot and not refusal and self._bucket("snapshot", name).take(now):
                 self._notify(SnapshotRequested(name))
 
@@ -117,7 +126,9 @@ class Admission:
                 if act.topic in protocol.OPERATOR_TOPICS:
                     what = act.topic
                 takes_control = act.topic == protocol.TAKE_CONTROL
-                is_for_all = not takes_control and not needs_control(protocol.decode_act(act.topic, act.message))
+                is_for_all = not takes_control and not needs_control(
+                    protocol.decode_act(act.topic, act.message)
+                )
                 if role_of(name) == "observer" and not is_for_all:
                     raise ProtocolError(_OBSERVER)
                 if refusal := self._admit(name, act.client_id, now, act.silence):
@@ -130,23 +141,31 @@ class Admission:
     def disconnect(self, name: str, now: int) -> None:
         """Handle a connection that broke at ``now`` without a goodbye: its peer is lost at once.
 
-        If the peer was silent before, Zenoh gave up a connection that it may restore, so only ``tick`` counts it as
-        lost.
+        If the peer was silent before, Zenoh gave up a connection that it may restore, so only
+        ``tick`` counts it as lost.
         """
         with self._lock:
             if not self._presence.is_silent(name, now) and self._presence.leave(name):
                 self._notify(PeerLeft(name, "lost", "The connection broke."))
 
     def tick(self, now: int) -> None:
-        """Report peers that are lost or unproven, and requests that were refused, since the last tick."""
+        """Report peers that are lost or unproven, and requests that were refused, since the last
+        tick.
+        """
         ms = self._lost_after // 1_000_000
         with self._lock:
             for name, cause in self._presence.expire(now):
-                why = f"No heartbeat for {ms} ms." if cause == "silent" else f"Its terminal did not answer for {ms} ms."
+                why = (
+                    f"No heartbeat for {ms} ms."
+                    if cause == "silent"
+                    else f"Its terminal did not answer for {ms} ms."
+                )
                 self._notify(PeerLeft(name, "lost", why))
             for name, doubt in self._presence.unproven(now):
                 if role_of(name) == "operator":
-                    self._notify(PeerUnproven(name, _RELAYED if doubt == "relayed" else _NEVER_ANSWERED))
+                    self._notify(
+                        PeerUnproven(name, _RELAYED if doubt == "relayed" else _NEVER_ANSWERED)
+                    )
             for (name, what, why), count in self._refused.due(now):
                 self._notify(RequestRefused(name, what, why, count))
 
@@ -161,7 +180,13 @@ class Admission:
                 self._notify(RequestRefused(name, what, why, count))
 
     def _admit(
-        self, name: str, client_id: str, now: int, silence: int | None, *, is_relayed: bool | None = None
+        self,
+        name: str,
+        client_id: str,
+        now: int,
+        silence: int | None,
+        *,
+        is_relayed: bool | None = None,
     ) -> str:
         """Record a heartbeat; return why its sender is not admitted, or an empty string."""
         match self._presence.heartbeat(name, client_id, now, silence, is_relayed=is_relayed):
@@ -184,8 +209,15 @@ class Admission:
 
     def _bucket(self, what: Literal["act", "ping", "snapshot"], name: str) -> TokenBucket:
         """Return the bucket of a peer; beyond ``_MAX_BUCKETS``, peers share one."""
-        key = (what, name if (what, name) in self._buckets or len(self._buckets) < _MAX_BUCKETS else "")
+        key = (
+            what,
+            name if (what, name) in self._buckets or len(self._buckets) < _MAX_BUCKETS else "",
+        )
         if key not in self._buckets:
-            rate = (SNAPSHOTS_PER_S, SNAPSHOTS_BURST) if what == "snapshot" else (ACTS_PER_S, ACTS_BURST)
+            rate = (
+                (SNAPSHOTS_PER_S, SNAPSHOTS_BURST)
+                if what == "snapshot"
+                else (ACTS_PER_S, ACTS_BURST)
+            )
             self._buckets[key] = TokenBucket(*rate)
         return self._buckets[key]

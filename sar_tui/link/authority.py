@@ -1,7 +1,8 @@
-"""Certificate authority of a data folder: it issues the host's certificate and those of invited guests.
+"""Certificate authority of a data folder: it issues the host's certificate and those of invited
+guests.
 
-Its files are in ``<data folder>/link``, private to this user, and are created with the first invitation. Its key never
-leaves the folder. A guest's key is written to the invitation only.
+Its files are in ``<data folder>/link``, private to this user, and are created with the first
+invitation. Its key never leaves the folder. A guest's key is written to the invitation only.
 """
 
 import contextlib
@@ -35,7 +36,9 @@ _LOCAL_NAMES = ("localhost", "127.0.0.1", "::1")
 
 
 class IssuedInvitation(msgspec.Struct, frozen=True, kw_only=True):
-    """Register entry of an invitation; ``fingerprint``: SHA-256 of its certificate. Times are UTC."""
+    """Register entry of an invitation; ``fingerprint``: SHA-256 of its certificate. Times are
+    UTC.
+    """
 
     name: str
     role: Role
@@ -89,7 +92,9 @@ class Authority:
 
     @classmethod
     def open_or_create(cls, data: Path) -> "Authority":
-        """Open the authority, and create it if needed. Raises LinkError if it cannot be written or read."""
+        """Open the authority, and create it if needed. Raises LinkError if it cannot be written or
+        read.
+        """
         authority = cls(data / FOLDER)
         with authority._locked():
             if not authority._register.is_file():
@@ -112,15 +117,18 @@ class Authority:
         at = now or datetime.now(UTC)
         return tuple(issued.guest for issued in self.invitations if issued.state(at) == "good")
 
-    def invite(self, guest: Guest, where: Sequence[Endpoint], days: int, now: datetime | None = None) -> Invitation:
+    def invite(
+        self, guest: Guest, where: Sequence[Endpoint], days: int, now: datetime | None = None
+    ) -> Invitation:
         """Issue a certificate for a guest and register it.
 
         Args:
             days: its validity in days, 1 to 366.
 
         Raises:
-            LinkError: the name is invalid or taken, or an endpoint cannot be used. A revoked name stays taken until its
-                certificate expires, as the revoked certificate has the same name.
+            LinkError: the name is invalid or taken, or an endpoint cannot be used. A revoked name
+                stays taken until its certificate expires, as the revoked certificate has the same
+                name.
         """
         need_packages()
         from sar_tui.link import certificates
@@ -132,7 +140,8 @@ class Authority:
         for end in where:
             if ":" in end.host:
                 raise LinkError(
-                    f"Nobody can be invited to {end.host}: zenoh does not connect to an IPv6 address by certificate. "
+                    f"Nobody can be invited to {end.host}: zenoh does not connect to an IPv6 "
+                    "address by certificate. "
                     "Give this machine's name, or its IPv4 address."
                 )
         expires = at + timedelta(days=days)
@@ -162,14 +171,20 @@ class Authority:
         )
 
     def revoke(self, name: str, now: datetime | None = None) -> IssuedInvitation:
-        """Revoke an invitation from the next session on. Raises LinkError if there is no valid one of that name."""
+        """Revoke an invitation from the next session on. Raises LinkError if there is no valid one
+        of that name.
+        """
         at = (now or datetime.now(UTC)).replace(microsecond=0)
         with self._locked():
             register = self._load()
             for number, issued in enumerate(register.invitations):
                 if issued.name.casefold() == name.casefold() and issued.state(at) == "good":
                     revoked = msgspec.structs.replace(issued, revoked=at)
-                    changed = (*register.invitations[:number], revoked, *register.invitations[number + 1 :])
+                    changed = (
+                        *register.invitations[:number],
+                        revoked,
+                        *register.invitations[number + 1 :],
+                    )
                     self._save(_Register(register.link, changed))
                     return revoked
         names = ", ".join(guest.name for guest in self.guests(at))
@@ -177,7 +192,9 @@ class Authority:
         raise LinkError(f"There is no valid invitation for {name}. {known}")
 
     def forget(self, guest: Guest) -> None:
-        """Remove the latest invitation of a guest from the register, as its file could not be written."""
+        """Remove the latest invitation of a guest from the register, as its file could not be
+        written.
+        """
         with self._locked():
             register = self._load()
             invitations = list(register.invitations)
@@ -188,7 +205,8 @@ class Authority:
             self._save(_Register(register.link, tuple(invitations)))
 
     def host_files(self, listen: Iterable[Endpoint], now: datetime | None = None) -> TlsFiles:
-        """Return the host's certificate for all names in invitations and in ``listen``, renewed if needed.
+        """Return the host's certificate for all names in invitations and in ``listen``, renewed if
+        needed.
 
         Raises LinkError if it cannot be written.
         """
@@ -197,16 +215,22 @@ class Authority:
 
         at = (now or datetime.now(UTC)).replace(microsecond=0)
         files = TlsFiles(self._certificate, self._folder / "host.pem", self._folder / "host.key")
-        invited = (parse_endpoint(text).host for issued in self.invitations for text in issued.endpoints)
+        invited = (
+            parse_endpoint(text).host for issued in self.invitations for text in issued.endpoints
+        )
         names = list(dict.fromkeys([*_LOCAL_NAMES, *invited, *(end.host for end in listen)]))
         with self._locked():
             own = self._load_pair()
             try:
-                pair = certificates.CertificatePair(files.certificate.read_text(), files.key.read_text())
+                pair = certificates.CertificatePair(
+                    files.certificate.read_text(), files.key.read_text()
+                )
             except (OSError, ValueError):
                 pair = None
             soon = at + timedelta(days=_RENEW_DAYS)
-            if pair is None or not certificates.is_valid_for_host(pair, own.certificate, names, soon):
+            if pair is None or not certificates.is_valid_for_host(
+                pair, own.certificate, names, soon
+            ):
                 issued = certificates.issue_host(own, names, at, _HOST_DAYS)
                 self._write(files.key, issued.key)
                 self._write(files.certificate, issued.certificate)
@@ -241,13 +265,18 @@ class Authority:
             raise self._damaged() from None
 
     def _save(self, register: _Register) -> None:
-        self._write(self._register, msgspec.json.format(msgspec.json.encode(register), indent=1).decode() + "\n")
+        self._write(
+            self._register,
+            msgspec.json.format(msgspec.json.encode(register), indent=1).decode() + "\n",
+        )
 
     def _write(self, path: Path, text: str) -> None:
         """Write a file atomically, readable only by this user."""
         temporary = path.with_name(f"{path.name}.{secrets.token_hex(4)}")
         try:
-            with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            with os.fdopen(
+                os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w"
+            ) as file:
                 file.write(text)
                 file.flush()
                 os.fsync(file.fileno())
@@ -267,7 +296,9 @@ class Authority:
             lock = filelock.FileLock(self._folder / "lock", timeout=_LOCK_TIMEOUT_S, mode=0o600)
             lock.acquire()
         except filelock.Timeout:
-            raise LinkError(f"Another program is using {self._folder}. Try again in a moment.") from None
+            raise LinkError(
+                f"Another program is using {self._folder}. Try again in a moment."
+            ) from None
         except OSError as error:
             raise self._unwritable(error) from None
         try:
@@ -280,7 +311,8 @@ class Authority:
 
     def _damaged(self) -> LinkError:
         return LinkError(
-            f"The certificate authority in {self._folder} is damaged or cannot be read. Restore that folder from a "
+            f"The certificate authority in {self._folder} is damaged or cannot be read. Restore "
+            "that folder from a "
             "backup; or move it away, and make all invitations again."
         )
 
@@ -288,10 +320,12 @@ class Authority:
 def _taken(other: IssuedInvitation, at: datetime) -> str:
     if other.state(at) == "revoked":
         return (
-            f"The name {other.name} was revoked and stays taken until {other.expires:%Y-%m-%d}, as the revoked "
+            f"The name {other.name} was revoked and stays taken until {other.expires:%Y-%m-%d}, "
+            "as the revoked "
             f"invitation has the same name. Choose another, such as {other.name[:30]}-2."
         )
     return (
-        f"{other.name} already has an invitation, as {other.role}, valid until {other.expires:%Y-%m-%d}. Choose "
+        f"{other.name} already has an invitation, as {other.role}, valid until "
+        f"{other.expires:%Y-%m-%d}. Choose "
         f"another name, or revoke that one: sar-tui link revoke {other.name}"
     )

@@ -1,6 +1,8 @@
-"""The broker process: runs Zenoh for a session, so that peers cannot disturb the timing of the participant's program.
+"""The broker process: runs Zenoh for a session, so that peers cannot disturb the timing of the
+participant's program.
 
-It talks to the program through pipes (see ``protocol``), and exits when its input ends, even if the program was killed.
+It talks to the program through pipes (see ``protocol``), and exits when its input ends, even if the
+program was killed.
 """
 
 import contextlib
@@ -48,8 +50,8 @@ class _OutgoingMessage(NamedTuple):
 class Broker:
     """Runs Zenoh for a session.
 
-    One thread reads the program's commands, Zenoh's threads deliver what peers send, and one thread sends. Zenoh's
-    threads never send: they put messages on the outbox, or drop them if it is full.
+    One thread reads the program's commands, Zenoh's threads deliver what peers send, and one thread
+    sends. Zenoh's threads never send: they put messages on the outbox, or drop them if it is full.
     """
 
     def __init__(self, setup: Setup, events: int) -> None:
@@ -109,7 +111,9 @@ class Broker:
         """Execute a command of the program."""
         match command:
             case Publish():
-                self._outbox.put(_OutgoingMessage(self._keys.broadcast, command.payload, command.number))
+                self._outbox.put(
+                    _OutgoingMessage(self._keys.broadcast, command.payload, command.number)
+                )
             case SendTo():
                 self._outbox.put(_OutgoingMessage(self._keys.reply(command.name), command.payload))
             case SensorSamples():
@@ -121,7 +125,9 @@ class Broker:
                         self._downsampler.add(command.seat, command.samples)
 
     def close(self) -> None:
-        """Send what is queued and close Zenoh, so that peers see at once that the session is over."""
+        """Send what is queued and close Zenoh, so that peers see at once that the session is
+        over.
+        """
         with contextlib.suppress(queue.Full):
             self._outbox.put(None, timeout=_CLOSE_TIMEOUT_S)
         self._sender.join(_CLOSE_TIMEOUT_S)
@@ -131,7 +137,9 @@ class Broker:
 
     def _answer(self, name: str, message: SessionMessage) -> None:
         with contextlib.suppress(queue.Full):
-            self._outbox.put_nowait(_OutgoingMessage(self._keys.reply(name), protocol.encode(message)))
+            self._outbox.put_nowait(
+                _OutgoingMessage(self._keys.reply(name), protocol.encode(message))
+            )
 
     def _send(self) -> None:
         import zenoh
@@ -152,22 +160,30 @@ class Broker:
                 self.notify(protocol.Heartbeat())
 
     def _put(self, zenoh: Any, key: str, payload: bytes, number: int = 0) -> None:
-        """Send without waiting for slow peers: they notice a missing batch by its number and ask for a snapshot."""
+        """Send without waiting for slow peers: they notice a missing batch by its number and ask
+        for a snapshot.
+        """
         if number:
             self._admission.number = number
         with contextlib.suppress(zenoh.ZError):
-            self._zenoh.put(key, payload, congestion_control=zenoh.CongestionControl.DROP, express=True)
+            self._zenoh.put(
+                key, payload, congestion_control=zenoh.CongestionControl.DROP, express=True
+            )
 
     def _put_traces(self, zenoh: Any, now: int) -> None:
         if self._downsampler:
             with self._downsampler_lock:
                 traces = self._downsampler.due(now)
             if traces:
-                self._put(zenoh, self._keys.broadcast, protocol.encode(protocol.MotionTraces(traces)))
+                self._put(
+                    zenoh, self._keys.broadcast, protocol.encode(protocol.MotionTraces(traces))
+                )
 
 
 def _read_log(log: int, guests: tuple[str, ...], admission: Admission) -> None:
-    """Report what Zenoh refuses, which only its log contains; a flood of refusals stays in this process."""
+    """Report what Zenoh refuses, which only its log contains; a flood of refusals stays in this
+    process.
+    """
     from sar_tui.link.refusals import RefusalLog
 
     refusals = RefusalLog(guests)
@@ -188,7 +204,9 @@ def _start_log(guests: tuple[str, ...], admission: Admission) -> None:
     os.dup2(end, 1)
     os.close(end)
     os.environ |= log_environment(HOST_LOG)
-    threading.Thread(target=_read_log, args=(log, guests, admission), name="link log", daemon=True).start()
+    threading.Thread(
+        target=_read_log, args=(log, guests, admission), name="link log", daemon=True
+    ).start()
     zenoh.init_log_from_env_or(HOST_LOG)
 
 

@@ -13,14 +13,23 @@ from sar_tui.drivers import child_process
 from sar_tui.link import protocol
 from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing
 from sar_tui.link.errors import LinkError
-from sar_tui.link.protocol import BrokerCommand, BrokerEvent, BrokerStarted, Heartbeat, ProtocolError, Setup
+from sar_tui.link.protocol import (
+    BrokerCommand,
+    BrokerEvent,
+    BrokerStarted,
+    Heartbeat,
+    ProtocolError,
+    Setup,
+)
 from sar_tui.model.units import SECOND
 
 PROGRAM = child_process.python("sar_tui.link.broker")
 _MAX_QUEUED = 200
 _START_TIMEOUT_S = 20.0
 _SILENCE_TIMEOUT_S = 2.0
-"""A broker that is silent for longer is killed; the timeout is longer where peers may be silent for longer."""
+"""A broker that is silent for longer is killed; the timeout is longer where peers may be silent for
+longer.
+"""
 _STABLE_S = 30.0
 """The count of restarts begins again after a broker has run for this long."""
 _MAX_RESTARTS = 5
@@ -39,7 +48,10 @@ class _Child:
     """
 
     def __init__(
-        self, setup: Setup, on_event: "Callable[[_Child, BrokerEvent | None], object]", program: Sequence[str]
+        self,
+        setup: Setup,
+        on_event: "Callable[[_Child, BrokerEvent | None], object]",
+        program: Sequence[str],
     ) -> None:
         self._process: subprocess.Popen[bytes] = child_process.start(program)
         assert self._process.stdin
@@ -122,7 +134,9 @@ class BrokerProcess:
         try:
             self._start()
         except OSError as error:
-            raise LinkError(f"The link's process cannot be started: {error.strerror or error}.") from error
+            raise LinkError(
+                f"The link's process cannot be started: {error.strerror or error}."
+            ) from error
         if not self._opened.wait(_START_TIMEOUT_S):
             self._error = _SILENT.format(_START_TIMEOUT_S)
         if self._error:
@@ -155,7 +169,9 @@ class BrokerProcess:
             self._is_closed = True
             child, self._child = self._child, None
         if child:
-            if child.send(protocol.Publish(0, protocol.encode(protocol.LinkClosed()))) and child.send(None):
+            if child.send(
+                protocol.Publish(0, protocol.encode(protocol.LinkClosed()))
+            ) and child.send(None):
                 child.wait(_CLOSE_TIMEOUT_S)
             child.kill()
 
@@ -193,7 +209,9 @@ class BrokerProcess:
             self._error = self._error or "The link's process ended at once."
             self._opened.set()
             return
-        self._restarts = 0 if time.monotonic() - self._started_at > _STABLE_S else self._restarts + 1
+        self._restarts = (
+            0 if time.monotonic() - self._started_at > _STABLE_S else self._restarts + 1
+        )
         if self._restarts <= _MAX_RESTARTS:
             self._notify(BrokerEnded(_ENDED))
             time.sleep(_RESTART_DELAY_S * self._restarts)

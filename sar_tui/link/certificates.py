@@ -1,8 +1,9 @@
-"""Issues and checks certificates: elliptic-curve keys (P-256), all PEM. Nothing here touches a file.
+"""Issues and checks certificates: elliptic-curve keys (P-256), all PEM. Nothing here touches a
+file.
 
-An authority issues two kinds, and neither can pass for the other: a host's is for a server and contains its addresses,
-a guest's is for a client and contains the guest's name. This module needs the package cryptography: call
-``errors.need_packages`` before importing it.
+An authority issues two kinds, and neither can pass for the other: a host's is for a server and
+contains its addresses, a guest's is for a client and contains the guest's name. This module needs
+the package cryptography: call ``errors.need_packages`` before importing it.
 """
 
 import ipaddress
@@ -14,7 +15,12 @@ from cryptography import x509
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, load_pem_private_key
+from cryptography.hazmat.primitives.serialization import (
+    Encoding,
+    NoEncryption,
+    PrivateFormat,
+    load_pem_private_key,
+)
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from sar_tui.link.zenoh_settings import Credentials
@@ -33,7 +39,9 @@ class CertificatePair(NamedTuple):
 def create_authority(name: str, at: datetime, days: int) -> CertificatePair:
     """Create a certificate authority, which can only sign certificates."""
     key = ec.generate_private_key(ec.SECP256R1())
-    builder = _builder(name, x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, name)]), key, at)
+    builder = _builder(
+        name, x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, name)]), key, at
+    )
     builder = builder.not_valid_after(at + timedelta(days=days))
     builder = builder.add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
     signs = x509.KeyUsage(
@@ -50,16 +58,22 @@ def create_authority(name: str, at: datetime, days: int) -> CertificatePair:
     return _sign(builder.add_extension(signs, critical=True), key, key)
 
 
-def issue_host(by: CertificatePair, names: Sequence[str], at: datetime, days: int) -> CertificatePair:
+def issue_host(
+    by: CertificatePair, names: Sequence[str], at: datetime, days: int
+) -> CertificatePair:
     """Issue a host's certificate for its names and addresses."""
     key = ec.generate_private_key(ec.SECP256R1())
     issuer, signer = _load(by)
     builder = _builder("host", issuer.subject, key, at).not_valid_after(at + timedelta(days=days))
-    builder = builder.add_extension(x509.SubjectAlternativeName(_general_names(names)), critical=False)
+    builder = builder.add_extension(
+        x509.SubjectAlternativeName(_general_names(names)), critical=False
+    )
     return _sign(_leaf(builder, ExtendedKeyUsageOID.SERVER_AUTH), key, signer)
 
 
-def issue_guest(by: CertificatePair, common_name: str, at: datetime, expires: datetime) -> CertificatePair:
+def issue_guest(
+    by: CertificatePair, common_name: str, at: datetime, expires: datetime
+) -> CertificatePair:
     """Issue a guest's certificate."""
     key = ec.generate_private_key(ec.SECP256R1())
     issuer, signer = _load(by)
@@ -81,12 +95,18 @@ def is_pair(pair: CertificatePair) -> bool:
     return True
 
 
-def is_valid_for_host(pair: CertificatePair, by: str, names: Sequence[str], until: datetime) -> bool:
-    """Return whether a host's certificate was issued by ``by``, has all of these names and is valid until then."""
+def is_valid_for_host(
+    pair: CertificatePair, by: str, names: Sequence[str], until: datetime
+) -> bool:
+    """Return whether a host's certificate was issued by ``by``, has all of these names and is valid
+    until then.
+    """
     try:
         certificate, _ = _load(pair)
         certificate.verify_directly_issued_by(x509.load_pem_x509_certificate(by.encode()))
-        certified = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+        certified = certificate.extensions.get_extension_for_class(
+            x509.SubjectAlternativeName
+        ).value
     except (ValueError, TypeError, InvalidSignature, x509.ExtensionNotFound):
         return False
     return set(_general_names(names)) <= set(certified) and certificate.not_valid_after_utc > until
@@ -96,11 +116,14 @@ def expiry(credentials: Credentials, common_name: str) -> datetime:
     """Return when a guest's certificate expires.
 
     Raises:
-        ValueError: it was issued by another authority, for another name or key, or is not a certificate.
+        ValueError: it was issued by another authority, for another name or key, or is not a
+            certificate.
     """
     try:
         certificate, _ = _load(CertificatePair(credentials.certificate, credentials.key))
-        certificate.verify_directly_issued_by(x509.load_pem_x509_certificate(credentials.authority.encode()))
+        certificate.verify_directly_issued_by(
+            x509.load_pem_x509_certificate(credentials.authority.encode())
+        )
     except (TypeError, InvalidSignature) as error:
         raise ValueError("issued by another authority") from error
     names = certificate.subject.get_attributes_for_oid(x509.NameOID.COMMON_NAME)
@@ -113,7 +136,10 @@ def _load(pair: CertificatePair) -> tuple[x509.Certificate, ec.EllipticCurvePriv
     """Load a pair. Raises ValueError or TypeError if it is damaged or does not belong together."""
     certificate = x509.load_pem_x509_certificate(pair.certificate.encode())
     key = load_pem_private_key(pair.key.encode(), password=None)
-    if not isinstance(key, ec.EllipticCurvePrivateKey) or key.public_key() != certificate.public_key():
+    if (
+        not isinstance(key, ec.EllipticCurvePrivateKey)
+        or key.public_key() != certificate.public_key()
+    ):
         raise ValueError("the key belongs to another certificate")
     return certificate, key
 
@@ -131,13 +157,19 @@ def _builder(
     )
 
 
-def _leaf(builder: x509.CertificateBuilder, usage: x509.ObjectIdentifier) -> x509.CertificateBuilder:
-    builder = builder.add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+def _leaf(
+    builder: x509.CertificateBuilder, usage: x509.ObjectIdentifier
+) -> x509.CertificateBuilder:
+    builder = builder.add_extension(
+        x509.BasicConstraints(ca=False, path_length=None), critical=True
+    )
     return builder.add_extension(x509.ExtendedKeyUsage([usage]), critical=True)
 
 
 def _sign(
-    builder: x509.CertificateBuilder, key: ec.EllipticCurvePrivateKey, signer: ec.EllipticCurvePrivateKey
+    builder: x509.CertificateBuilder,
+    key: ec.EllipticCurvePrivateKey,
+    signer: ec.EllipticCurvePrivateKey,
 ) -> CertificatePair:
     certificate = builder.sign(signer, hashes.SHA256())
     secret = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())

@@ -34,7 +34,9 @@ class OutgoingSnapshot(NamedTuple):
 
     def to_command(self) -> BrokerCommand:
         """Encode it as a command to the broker."""
-        snapshot = protocol.Snapshot(self.number, self.welcome, protocol.encode_frames(self.records))
+        snapshot = protocol.Snapshot(
+            self.number, self.welcome, protocol.encode_frames(self.records)
+        )
         return protocol.SendTo(self.name, protocol.encode(snapshot))
 
 
@@ -64,7 +66,9 @@ class Channel(Protocol):
     """Connection of a node to the broker process."""
 
     def listen(self, listener: BrokerListener) -> None:
-        """Call ``listener`` on any thread with each event, and first with those that came before."""
+        """Call ``listener`` on any thread with each event, and first with those that came
+        before.
+        """
 
     def send(self, message: Outgoing) -> bool:
         """Queue a message without blocking; False, and it is dropped, if the queue is full."""

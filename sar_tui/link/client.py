@@ -1,4 +1,5 @@
-"""A panel's side of the link: receives the session's messages on the panel's event loop, and sends operators' acts.
+"""A panel's side of the link: receives the session's messages on the panel's event loop, and sends
+operators' acts.
 
 Everything that may block runs on other threads, so that the panel never freezes.
 """
@@ -28,8 +29,9 @@ from sar_tui.model.units import SECOND
 M = TypeVar("M", bound=Message)
 
 PING_INTERVAL_S = 0.15
-"""Several pings fit into the shortest ``operator_lost_ms``. They are sent from the panel's own loop, so that a panel
-that hangs is noticed."""
+"""Several pings fit into the shortest ``operator_lost_ms``. They are sent from the panel's own
+loop, so that a panel that hangs is noticed.
+"""
 SILENCE_TIMEOUT = 2 * SECOND
 """Silence (ns) after which a session, which answers every ping, is lost."""
 
@@ -39,13 +41,18 @@ _OVER = "The session is over."
 
 
 def connect(
-    where: JoinableSession | Invitation, name: str, role: Role, listener: PeerListener, loop: asyncio.AbstractEventLoop
+    where: JoinableSession | Invitation,
+    name: str,
+    role: Role,
+    listener: PeerListener,
+    loop: asyncio.AbstractEventLoop,
 ) -> Peer:
     """Join a session, on this machine (see ``discovery.live_sessions``) or by invitation.
 
     Args:
         where: the session.
-        name: the peer's name; characters that a key cannot hold are replaced. An invitation overrides name and role.
+        name: the peer's name; characters that a key cannot hold are replaced. An invitation
+            overrides name and role.
         role: operator or observer.
         listener: called on ``loop`` with each event, in order, first with the state ``connecting``.
         loop: the panel's event loop.
@@ -56,7 +63,14 @@ def connect(
     if isinstance(where, Invitation):
         name, role = where.name, where.role
     rejoins = isinstance(where, JoinableSession)
-    return _Client(connection_target(where), f"{role}.{to_key_part(name)}", role, listener, loop, rejoins=rejoins)
+    return _Client(
+        connection_target(where),
+        f"{role}.{to_key_part(name)}",
+        role,
+        listener,
+        loop,
+        rejoins=rejoins,
+    )
 
 
 def to_key_part(name: str) -> str:
@@ -65,10 +79,11 @@ def to_key_part(name: str) -> str:
 
 
 class _Client:
-    """Implements ``Peer``. Everything here runs on the panel's loop; the transport has threads of its own.
+    """Implements ``Peer``. Everything here runs on the panel's loop; the transport has threads of
+    its own.
 
-    ``rejoins``: rejoin the session if it is resumed. False for an invitation, which would join any session that runs
-    next, perhaps of another participant.
+    ``rejoins``: rejoin the session if it is resumed. False for an invitation, which would join any
+    session that runs next, perhaps of another participant.
     """
 
     def __init__(
@@ -97,7 +112,9 @@ class _Client:
         loop.call_soon(self._start)
 
     def send(self, topic: Topic[M], message: M) -> None:
-        """See `Peer`. Without a connection the act is dropped, so that nothing is done unexpectedly late."""
+        """See `Peer`. Without a connection the act is dropped, so that nothing is done unexpectedly
+        late.
+        """
         if topic.name not in protocol.OPERATOR_TOPICS:
             raise ValueError(f"An operator may not send {topic.name}.")
         self._send_act(topic.name, protocol.encode(message))
@@ -121,10 +138,13 @@ class _Client:
         self._is_closed = True
         if says_goodbye:
             self._goodbye_at = host_now()
-            self._transport.send_ping(protocol.encode(Ping(self._id, self._goodbye_at, is_leaving=True)))
+            self._transport.send_ping(
+                protocol.encode(Ping(self._id, self._goodbye_at, is_leaving=True))
+            )
         self._transport.close(awaits_answer=says_goodbye and self._connection.state == "connected")
 
-    # --- on the loop --------------------------------------------------------------------------------------------
+    # --- on the loop
+    # --------------------------------------------------------------------------------------------
 
     def _start(self) -> None:
         if self._is_closed:
@@ -135,20 +155,31 @@ class _Client:
 
     def _send_act(self, topic: str, message: bytes) -> None:
         if self._connection.state == "connected":
-            act = protocol.ActRequest(self._id, topic, msgspec.Raw(message), self._terminal().silence)
+            act = protocol.ActRequest(
+                self._id, topic, msgspec.Raw(message), self._terminal().silence
+            )
             self._transport.send_act(protocol.encode(act))
 
     def _tick(self) -> None:
         if self._is_closed:
             return
-        if self._connection.state == "connected" and host_now() - self._received_at > SILENCE_TIMEOUT:
+        if (
+            self._connection.state == "connected"
+            and host_now() - self._received_at > SILENCE_TIMEOUT
+        ):
             self._lost(_SILENT)
         self._ping()
         self._loop.call_later(PING_INTERVAL_S, self._tick)
 
     def _ping(self) -> None:
         silence, is_relayed = self._terminal()
-        ping = Ping(self._id, host_now(), wants_snapshot=self._number is None, silence=silence, is_relayed=is_relayed)
+        ping = Ping(
+            self._id,
+            host_now(),
+            wants_snapshot=self._number is None,
+            silence=silence,
+            is_relayed=is_relayed,
+        )
         self._transport.send_ping(protocol.encode(ping))
 
     def _lost(self, why: str) -> None:
@@ -200,12 +231,15 @@ class _Client:
     def _receive_message(self, message: Any) -> None:
         self._received_at = host_now()
         match message:
-            case Snapshot(number=number, welcome=welcome, frames=frames) if self._is_admitted:  # else another program's
+            # else another program's
+            case Snapshot(number=number, welcome=welcome, frames=frames) if self._is_admitted:
                 self._number = number
                 self._set_connection(Connection("connected"))
                 self._listener(welcome)
                 self._listener(protocol.decode_frames(frames, ALL))
-            case Batch(number=number, frames=frames) if self._number is not None and number > self._number:
+            case Batch(number=number, frames=frames) if (
+                self._number is not None and number > self._number
+            ):
                 if number != self._number + 1:
                     self._number = None  # one is missing: ignore batches until the snapshot
                     self._ping()

@@ -1,15 +1,20 @@
-"""Lock that decides which of several operators controls the session, and the one act that does without it."""
+"""Lock that decides which of several operators controls the session, and the one act that does
+without it.
+"""
 
 from sar_tui.model.messages import Message, Role, SessionCommand
 
 
 def needs_control(act: Message) -> bool:
-    """Return False for a stop of the agent: whoever sees that something goes wrong may stop it, observers too."""
+    """Return False for a stop of the agent: whoever sees that something goes wrong may stop it,
+    observers too.
+    """
     return not (isinstance(act, SessionCommand) and act.command == "stop")
 
 
 class ControlLock:
-    """Lock held by at most one operator: the first to join, and after its holder leaves, the next one present.
+    """Lock held by at most one operator: the first to join, and after its holder leaves, the next
+    one present.
 
     Attributes:
         peers: roles of the operators and observers present, in the order in which they joined.
@@ -33,7 +38,9 @@ class ControlLock:
             self._assign()
 
     def take(self, name: str) -> bool:
-        """Give control to an operator, even if another has it; False if no such operator is present."""
+        """Give control to an operator, even if another has it; False if no such operator is
+        present.
+        """
         if self.peers.get(name) != "operator":
             return False
         self.holder = name
@@ -41,4 +48,6 @@ class ControlLock:
 
     def _assign(self) -> None:
         if not self.holder:
-            self.holder = next((name for name, role in self.peers.items() if role == "operator"), "")
+            self.holder = next(
+                (name for name, role in self.peers.items() if role == "operator"), ""
+            )

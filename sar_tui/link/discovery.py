@@ -1,7 +1,7 @@
 """Discovery of sessions on the same machine, through a folder that is private to this user.
 
-Each session has three files there: ``ID.sock``, made by Zenoh; ``ID.json``, its description; and ``ID.live``, a lock
-held for as long as its program runs.
+Each session has three files there: ``ID.sock``, made by Zenoh; ``ID.json``, its description; and
+``ID.live``, a lock held for as long as its program runs.
 """
 
 import contextlib
@@ -21,9 +21,12 @@ from sar_tui.link.errors import LinkError
 MAX_PATH_BYTES = 100
 """For a socket's path, the system allows 108 bytes (Linux) or 104 (macOS)."""
 _RUNTIME_FOLDERS = "/run/user"
-"""Folder in which systemd makes each user's runtime folder, also if the variable is missing, as after ``su``."""
+"""Folder in which systemd makes each user's runtime folder, also if the variable is missing, as
+after ``su``.
+"""
 _ELSEWHERE = (
-    "Set XDG_RUNTIME_DIR to a folder that only you can use, with a short path, for the session and for its operators."
+    "Set XDG_RUNTIME_DIR to a folder that only you can use, with a short path, for the "
+    "session and for its operators."
 )
 _MAX_FILE_BYTES = 64 * 1024
 _LOCK_TIMEOUT_S = 0.5
@@ -33,8 +36,9 @@ _LOCK_TIMEOUT_S = 0.5
 class JoinableSession(msgspec.Struct, frozen=True):
     """Session that an operator can join.
 
-    ``link`` is the id of its link, ``pid`` that of its program, ``data`` the path of its data folder (see
-    `folder_name`). ``participants``: their codes. ``started``: when its program began it (UTC, ISO 8601).
+    ``link`` is the id of its link, ``pid`` that of its program, ``data`` the path of its data
+    folder (see `folder_name`). ``participants``: their codes. ``started``: when its program began
+    it (UTC, ISO 8601).
     """
 
     session: str
@@ -62,27 +66,35 @@ class JoinableSession(msgspec.Struct, frozen=True):
 
 
 def socket_folder() -> Path:
-    """Return the folder, created if needed: ``sar-tui`` in the user's runtime folder, else ``sar-tui-UID`` in the
-    temporary folder. The runtime folder is ``$XDG_RUNTIME_DIR``, else its usual place.
+    """Return the folder, created if needed: ``sar-tui`` in the user's runtime folder, else
+    ``sar-tui-UID`` in the temporary folder. The runtime folder is ``$XDG_RUNTIME_DIR``, else its
+    usual place.
 
     Raises:
         LinkError: this system has no Unix sockets, or the folder is not private to this user.
     """
     if os.name != "posix":
         raise LinkError(
-            "An operator on the same machine needs Unix sockets, which this system does not have. Invite them, and let "
-            "the session listen on the network instead: sar-tui link invite operator --name NAME --host 127.0.0.1"
+            "An operator on the same machine needs Unix sockets, which this system does not have. "
+            "Invite them, and let "
+            "the session listen on the network instead: sar-tui link invite operator --name NAME "
+            "--host 127.0.0.1"
         )
     places = os.environ.get("XDG_RUNTIME_DIR", ""), f"{_RUNTIME_FOLDERS}/{os.getuid()}"
     runtime = next(filter(_is_usable, places), "")
-    folder = Path(runtime) / "sar-tui" if runtime else Path(tempfile.gettempdir()) / f"sar-tui-{os.getuid()}"
+    folder = (
+        Path(runtime) / "sar-tui"
+        if runtime
+        else Path(tempfile.gettempdir()) / f"sar-tui-{os.getuid()}"
+    )
     try:
         with contextlib.suppress(FileExistsError):
             folder.mkdir(mode=0o700)
         found = folder.lstat()
     except OSError as error:
         raise LinkError(
-            f"{folder}, the folder for an operator's socket, cannot be created: {error.strerror}. {_ELSEWHERE}"
+            f"{folder}, the folder for an operator's socket, cannot be created: {error.strerror}. "
+            f"{_ELSEWHERE}"
         ) from None
     if reason := _why_unsafe(found):
         advice = "Remove it and try again." if found.st_uid == os.getuid() else _ELSEWHERE
@@ -96,13 +108,16 @@ def _is_usable(runtime: str) -> bool:
 
 
 def socket_path(session: str) -> Path:
-    """Return the path of a session's socket. Raises LinkError as ``socket_folder``, or if the path is too long."""
+    """Return the path of a session's socket. Raises LinkError as ``socket_folder``, or if the path
+    is too long.
+    """
     if not re.fullmatch(r"[A-Za-z0-9_-]+", session):
         raise LinkError(f"{session!r} is not a session's id.")
     path = socket_folder() / f"{session}.sock"
     if len(os.fsencode(path)) > MAX_PATH_BYTES:
         raise LinkError(
-            f"{path} is too long for a socket's path. Set XDG_RUNTIME_DIR to a folder of yours with a short path."
+            f"{path} is too long for a socket's path. Set XDG_RUNTIME_DIR to a folder of yours "
+            "with a short path."
         )
     return path
 
@@ -119,7 +134,9 @@ def announce(live: JoinableSession) -> Iterator[Path]:
     try:
         lock.acquire(timeout=_LOCK_TIMEOUT_S)
     except filelock.Timeout:
-        raise LinkError(f"Another program already runs the session {live.session} with an operator.") from None
+        raise LinkError(
+            f"Another program already runs the session {live.session} with an operator."
+        ) from None
     except OSError as error:
         raise LinkError(f"{path.parent} cannot be written to: {error.strerror}.") from None
     try:
@@ -137,18 +154,24 @@ def announce(live: JoinableSession) -> Iterator[Path]:
 
 
 def folder_name(data: Path) -> str:
-    """Return the name by which programs agree on a data folder: its path, with symbolic links resolved."""
+    """Return the name by which programs agree on a data folder: its path, with symbolic links
+    resolved.
+    """
     return os.path.realpath(data)
 
 
 def joinable_sessions(data: Path) -> list[JoinableSession]:
-    """Return the sessions of a data folder that can be joined, ordered by id. Raises LinkError as ``socket_folder``."""
+    """Return the sessions of a data folder that can be joined, ordered by id. Raises LinkError as
+    ``socket_folder``.
+    """
     name = folder_name(data)
     return [live for live in live_sessions() if live.data == name]
 
 
 def other_folders(data: Path) -> list[str]:
-    """Return the other data folders with sessions that can be joined. Raises LinkError as ``socket_folder``."""
+    """Return the other data folders with sessions that can be joined. Raises LinkError as
+    ``socket_folder``.
+    """
     return sorted({live.data for live in live_sessions()} - {folder_name(data), ""})
 
 
@@ -184,7 +207,9 @@ def _why_unsafe(found: os.stat_result) -> str:
 
 
 def _clear_if_over(socket: Path) -> bool:
-    """Remove the files of a session that no program announces any more, and return whether they were removed."""
+    """Remove the files of a session that no program announces any more, and return whether they
+    were removed.
+    """
     lock = filelock.FileLock(socket.with_suffix(".live"), mode=0o600)
     try:
         lock.acquire(blocking=False)

@@ -29,18 +29,24 @@ class Downsampler:
 
     def due(self, now: int) -> list[MotionTrace]:
         """Return the traces to send at ``now`` (ns)."""
-        seats = [seat for seat in self._pending if now - self._sent_at.get(seat, -INTERVAL) >= INTERVAL]
+        seats = [
+            seat for seat in self._pending if now - self._sent_at.get(seat, -INTERVAL) >= INTERVAL
+        ]
         self._sent_at |= dict.fromkeys(seats, now)
         return [_trace(seat, join(self._pending.pop(seat))) for seat in seats]
 
 
 def _trace(seat: str, samples: Samples) -> MotionTrace:
-    """Return the norm of the angular rate, averaged over as many samples as needed to keep to ``MAX_POINTS``."""
+    """Return the norm of the angular rate, averaged over as many samples as needed to keep to
+    ``MAX_POINTS``.
+    """
     speeds = np.linalg.norm(samples["rate"].astype(float), axis=1)
     seconds = float(samples["at"][-1] - samples["at"][0]) / SECOND
     rate_hz = (len(samples) - 1) / seconds if seconds > 0 else _POINTS_HZ
     stride = max(math.ceil(len(speeds) / MAX_POINTS), math.ceil(rate_hz / _POINTS_HZ))
-    points = [float(np.mean(speeds[start : start + stride])) for start in range(0, len(speeds), stride)]
+    points = [
+        float(np.mean(speeds[start : start + stride])) for start in range(0, len(speeds), stride)
+    ]
     return MotionTrace(
         seat=seat,
         at=int(samples["at"][-1]),

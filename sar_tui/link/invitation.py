@@ -1,7 +1,7 @@
 """Invitations: files that let a person on another machine watch or operate a session.
 
-The file contains the private key of the guest's certificate. Anyone who has the file can join as that operator or
-observer until it expires or is revoked.
+The file contains the private key of the guest's certificate. Anyone who has the file can join as
+that operator or observer until it expires or is revoked.
 """
 
 import re
@@ -28,8 +28,8 @@ NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}\Z"
 class Invitation(msgspec.Struct, frozen=True, kw_only=True):
     """Contents of an invitation.
 
-    ``link``: the id of the host's link; ``endpoints``: the host's addresses, to be tried in order; ``expires``: of the
-    certificate.
+    ``link``: the id of the host's link; ``endpoints``: the host's addresses, to be tried in order;
+    ``expires``: of the certificate.
     """
 
     role: Role
@@ -51,7 +51,10 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
 def check_name(name: str) -> None:
     """Raise LinkError if a guest cannot have this name."""
     if not re.fullmatch(NAME, name):
-        raise LinkError(f"{name!r} cannot be a guest's name. Use at most 32 letters, digits, - and _, as in lab-2.")
+        raise LinkError(
+            f"{name!r} cannot be a guest's name. Use at most 32 letters, digits, - and _, as in "
+            "lab-2."
+        )
 
 
 def file_name(guest: Guest) -> str:
@@ -79,8 +82,8 @@ def read(path: Path, now: datetime | None = None) -> Invitation:
     """Read an invitation and check that it is intact and has not expired.
 
     Raises:
-        LinkError: the file is missing, not an invitation, damaged, of a newer version, for an unknown role, or has
-            expired; or the link's packages are not installed.
+        LinkError: the file is missing, not an invitation, damaged, of a newer version, for an
+            unknown role, or has expired; or the link's packages are not installed.
     """
     invitation = _decoded(_content(path), path)
     need_packages()
@@ -92,7 +95,9 @@ def read(path: Path, now: datetime | None = None) -> Invitation:
     except (ValueError, LinkError):
         raise _damaged(path) from None
     if expires <= (now or datetime.now(UTC)):
-        raise LinkError(f"The invitation {path} expired on {expires:%Y-%m-%d at %H:%M} UTC. Ask for a new one.")
+        raise LinkError(
+            f"The invitation {path} expired on {expires:%Y-%m-%d at %H:%M} UTC. Ask for a new one."
+        )
     return msgspec.structs.replace(invitation, expires=expires)
 
 
@@ -106,7 +111,8 @@ def _content(path: Path) -> bytes:
         raise LinkError(f"{path} cannot be read: {error.strerror}.") from None
     if FORMAT.encode() not in content[:200] or len(content) > MAX_FILE_BYTES:
         raise LinkError(
-            f"{path} is not an invitation. Invitations are made by `sar-tui link invite`, and usually end in {SUFFIX}."
+            f"{path} is not an invitation. Invitations are made by `sar-tui link invite`, and "
+            f"usually end in {SUFFIX}."
         )
     return content
 
@@ -117,11 +123,14 @@ def _decoded(content: bytes, path: Path) -> Invitation:
         version = plain.pop("version")
         if isinstance(version, int) and version > VERSION:
             raise LinkError(
-                f"The invitation {path} was made by a newer sar-tui than this one. Update the one on this machine."
+                f"The invitation {path} was made by a newer sar-tui than this one. Update the one "
+                "on this machine."
             )
         role = plain.get("role")
         if isinstance(role, str) and role not in get_args(Role):
-            raise LinkError(f"The invitation {path} is for the role {role!r}, which this sar-tui does not know.")
+            raise LinkError(
+                f"The invitation {path} is for the role {role!r}, which this sar-tui does not know."
+            )
         return msgspec.convert(plain, Invitation)
     except (msgspec.MsgspecError, KeyError):
         raise _damaged(path) from None

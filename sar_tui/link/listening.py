@@ -17,7 +17,10 @@ from sar_tui.link.zenoh_settings import Endpoint, TlsFiles, host_settings, parse
 from sar_tui.model.units import MS
 
 _EXPLANATIONS = (
-    ("Address already in use", "Another program listens there already. Choose another port, such as {host}:7448."),
+    (
+        "Address already in use",
+        "Another program listens there already. Choose another port, such as {host}:7448.",
+    ),
     ("Permission denied", "That port is reserved. Choose one above 1023."),
     ("Cannot assign requested address", "This computer has no such address."),
     ("failed to lookup address", "This computer has no such address."),
@@ -33,21 +36,29 @@ class ListenOptions(NamedTuple):
 
     @classmethod
     def parse(cls, *, operator: bool, listen: str | None) -> "ListenOptions":
-        """Parse the options of the command line. Raises LinkError if ``listen`` is not an address."""
+        """Parse the options of the command line. Raises LinkError if ``listen`` is not an
+        address.
+        """
         return cls(operator, None if listen is None else parse_endpoint(listen))
 
 
 @contextlib.contextmanager
 def open_link(
-    data: Path, session: str, task: str, participants: Sequence[str], listening: ListenOptions, lost_ms: int
+    data: Path,
+    session: str,
+    task: str,
+    participants: Sequence[str],
+    listening: ListenOptions,
+    lost_ms: int,
 ) -> Iterator[BrokerProcess]:
     """Open the link of a session for the duration of the block.
 
     Args:
-        data: the data folder, whose certificate authority admits guests over the network, and whose operators find
-            the session on this machine.
+        data: the data folder, whose certificate authority admits guests over the network, and whose
+            operators find the session on this machine.
         session, task, participants: shown to operators on this machine.
-        listening: where to listen. The socket's folder is private to this user; the network requires certificates.
+        listening: where to listen. The socket's folder is private to this user; the network
+            requires certificates.
         lost_ms: silence after which an operator is lost (ms).
 
     Raises:
@@ -92,5 +103,8 @@ def _explain(error: str, ends: Sequence[Endpoint]) -> str:
     if ends:
         for part, explanation in _EXPLANATIONS:
             if re.search(part, error, re.IGNORECASE):
-                return f"The session cannot listen on {ends[0]}. {explanation.format(host=ends[0].host)}"
+                return (
+                    f"The session cannot listen on {ends[0]}. "
+                    f"{explanation.format(host=ends[0].host)}"
+                )
     return f"The link cannot be opened. {error}"

@@ -1,4 +1,6 @@
-"""Node that links the bus to the broker process: sends messages to peers, and publishes the operator's acts."""
+"""Node that links the bus to the broker process: sends messages to peers, and publishes the
+operator's acts.
+"""
 
 import functools
 from collections.abc import Callable
@@ -8,7 +10,13 @@ import msgspec
 
 from sar_tui.link import protocol
 from sar_tui.link.admission import role_of
-from sar_tui.link.channel import BrokerEnded, Channel, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
+from sar_tui.link.channel import (
+    BrokerEnded,
+    Channel,
+    OutgoingBatch,
+    OutgoingSamples,
+    OutgoingSnapshot,
+)
 from sar_tui.link.control_lock import ControlLock, needs_control
 from sar_tui.link.peer import Welcome
 from sar_tui.link.protocol import (
@@ -26,7 +34,16 @@ from sar_tui.link.session_feed import SENT, SessionFeed
 from sar_tui.loop.bus import Bus, Record, Topic
 from sar_tui.loop.marks import TrialMark
 from sar_tui.loop.node import Node
-from sar_tui.loop.topics import COMMAND, DECISION, MODE, NOTE_ADDED, PRESENCE, PROPOSAL_SEEN, REFUSED, REMARK
+from sar_tui.loop.topics import (
+    COMMAND,
+    DECISION,
+    MODE,
+    NOTE_ADDED,
+    PRESENCE,
+    PROPOSAL_SEEN,
+    REFUSED,
+    REMARK,
+)
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
 
@@ -49,7 +66,8 @@ class LinkNode(Node):
         channel: connection to the broker process.
 
     Attributes:
-        welcome: description of the session, to be set before it starts; each peer gets it with its own name and role.
+        welcome: description of the session, to be set before it starts; each peer gets it with its
+            own name and role.
         trial_mark: returns the trial that a mark is put on now, and the mark that is on it.
     """
 
@@ -95,7 +113,8 @@ class LinkNode(Node):
             self._send()
             self._is_detached = True
 
-    # --- from the broker process -------------------------------------------------------------------------------
+    # --- from the broker process
+    # -------------------------------------------------------------------------------
 
     def receive(self, event: BrokerEvent | BrokerEnded) -> None:
         """Handle an event of the broker process, on the bus' own thread."""
@@ -147,10 +166,14 @@ class LinkNode(Node):
         if self._control.take(name):
             self._report_holder(holder)
         else:
-            self._refuse(name, protocol.TAKE_CONTROL, "Only an operator who is connected can take it.")
+            self._refuse(
+                name, protocol.TAKE_CONTROL, "Only an operator who is connected can take it."
+            )
 
     def _act_received(self, received: ActReceived) -> None:
-        """Publish an act of the operator in control, or anybody's stop, with their name and a plausible stamp."""
+        """Publish an act of the operator in control, or anybody's stop, with their name and a
+        plausible stamp.
+        """
         try:
             act: Any = protocol.decode_act(received.topic, received.message)
         except ProtocolError as error:
@@ -163,12 +186,19 @@ class LinkNode(Node):
         if self.welcome.participants and act.seat not in self.welcome.participants:
             self._refuse(received.name, received.topic, _NO_SEAT)
             return
-        if isinstance(act, m.SessionCommand) and act.command == "mark" and not self._has_mark(act.reason):
+        if (
+            isinstance(act, m.SessionCommand)
+            and act.command == "mark"
+            and not self._has_mark(act.reason)
+        ):
             self._refuse(received.name, received.topic, _NO_MARK)
             return
         now = self.bus.clock.now()
         at = now if not act.at else min(now, max(act.at, now - MAX_ACT_AGE))
-        self.emit(protocol.OPERATOR_TOPICS[received.topic], msgspec.structs.replace(act, actor=received.name, at=at))
+        self.emit(
+            protocol.OPERATOR_TOPICS[received.topic],
+            msgspec.structs.replace(act, actor=received.name, at=at),
+        )
 
     def _has_mark(self, name: str) -> bool:
         return any(mark.name == name for mark in self.welcome.marks)
@@ -199,7 +229,8 @@ class LinkNode(Node):
         )
         self.emit(PRESENCE, changed)
 
-    # --- to the peers ------------------------------------------------------------------------------------------
+    # --- to the peers
+    # ------------------------------------------------------------------------------------------
 
     def _tapped(self, cascade: list[Record]) -> None:
         self._feed.add(cascade)
@@ -239,7 +270,9 @@ class LinkNode(Node):
         snapshot = self._feed.snapshot() if self._need_snapshot else []
         for name in list(self._need_snapshot):
             role = role_of(name) or "observer"
-            welcome = msgspec.structs.replace(self.welcome, name=name, role=role, trial_mark=self.trial_mark())
+            welcome = msgspec.structs.replace(
+                self.welcome, name=name, role=role, trial_mark=self.trial_mark()
+            )
             if self._channel.send(OutgoingSnapshot(name, self._number, welcome, snapshot)):
                 del self._need_snapshot[name]
         if self._need_snapshot:

@@ -1,4 +1,6 @@
-"""Interface between a panel and a session in another program: what a peer receives, and what it can send."""
+"""Interface between a panel and a session in another program: what a peer receives, and what it can
+send.
+"""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar
@@ -33,12 +35,14 @@ class MarkKey(msgspec.Struct, frozen=True):
 
 
 class Welcome(msgspec.Struct, frozen=True):
-    """Description of a session, sent to a peer that has just joined; the frames of its snapshot follow.
+    """Description of a session, sent to a peer that has just joined; the frames of its snapshot
+    follow.
 
-    ``link``: the link's id. ``name``, ``role``: the peer's, as the session knows it. ``unit``, ``decimals``: of the
-    metric; ``metric`` is not known of a session of an earlier version. ``spoken_names``: how the agent addresses
-    each of several participants, by seat. ``parameters``: of the task, as plain values. ``trial_mark``: the mark that
-    a key would remove or replace now, which may be of an earlier run.
+    ``link``: the link's id. ``name``, ``role``: the peer's, as the session knows it. ``unit``,
+    ``decimals``: of the metric; ``metric`` is not known of a session of an earlier version.
+    ``spoken_names``: how the agent addresses each of several participants, by seat. ``parameters``:
+    of the task, as plain values. ``trial_mark``: the mark that a key would remove or replace now,
+    which may be of an earlier run.
     """
 
     link: str
@@ -61,7 +65,8 @@ class Welcome(msgspec.Struct, frozen=True):
 
 
 def session_welcome(task: "Task", session: str, link: str, participants: dict[str, str]) -> Welcome:
-    """Return the welcome of a session, with ``name`` and ``role`` still to be filled in for each peer.
+    """Return the welcome of a session, with ``name`` and ``role`` still to be filled in for each
+    peer.
 
     Args:
         task: the task, with its parameters.
@@ -70,7 +75,11 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
         participants: their codes, by seat.
     """
     parameters = task.parameters
-    spoken = participants if task.address == "code" else {seat: task.seat_name(seat) for seat in participants}
+    spoken = (
+        participants
+        if task.address == "code"
+        else {seat: task.seat_name(seat) for seat in participants}
+    )
     return Welcome(
         link=link,
         session=session,
@@ -92,7 +101,9 @@ def session_welcome(task: "Task", session: str, link: str, participants: dict[st
 
 
 class MotionTrace(msgspec.Struct, frozen=True):
-    """Downsampled angular rate of a hand: ``rates`` in rad/s at ``hz`` Hz, the last of them at ``at`` (ns)."""
+    """Downsampled angular rate of a hand: ``rates`` in rad/s at ``hz`` Hz, the last of them at
+    ``at`` (ns).
+    """
 
     seat: str
     at: int
@@ -110,8 +121,8 @@ class Connection(NamedTuple):
 class TerminalState(NamedTuple):
     """Evidence that a person's terminal is at a peer's end of the link.
 
-    ``silence``: time since the terminal last answered (ns); None if it never has. ``is_relayed``: another program, such
-    as tmux, answers in its place.
+    ``silence``: time since the terminal last answered (ns); None if it never has. ``is_relayed``:
+    another program, such as tmux, answers in its place.
     """
 
     silence: int | None = None
@@ -123,7 +134,9 @@ PeerEvent = Welcome | list[Frame] | MotionTrace | Connection
 
 
 class Peer(Protocol):
-    """Link to a session in another program. It is made with a listener that receives each ``PeerEvent``."""
+    """Link to a session in another program. It is made with a listener that receives each
+    ``PeerEvent``.
+    """
 
     name: str
     role: Role
@@ -131,11 +144,14 @@ class Peer(Protocol):
     def send(self, topic: Topic[M], message: M) -> None:
         """Send an operator's act: a message of one of the ``operator/`` topics.
 
-        The session checks it and fills in who sent it. The message's ``at`` is on the session's clock, see ``now``.
+        The session checks it and fills in who sent it. The message's ``at`` is on the session's
+        clock, see ``now``.
         """
 
     def watch_terminal(self, state: Callable[[], TerminalState]) -> None:
-        """Send the state of the operator's terminal with every heartbeat, so that its loss is noticed."""
+        """Send the state of the operator's terminal with every heartbeat, so that its loss is
+        noticed.
+        """
 
     def take_control(self) -> None:
         """Take control of the session from whichever operator has it."""
@@ -144,7 +160,9 @@ class Peer(Protocol):
         """Return the session's time (ns): exact on the same machine, else estimated from pings."""
 
     def close(self, *, says_goodbye: bool = True) -> None:
-        """Leave the session and close the connection; without a goodbye, the session counts this peer as lost."""
+        """Leave the session and close the connection; without a goodbye, the session counts this
+        peer as lost.
+        """
 
 
 PeerListener = Callable[[PeerEvent], None]

@@ -7,7 +7,9 @@ import msgspec
 from sar_tui.model.units import MS, SECOND
 
 SILENT_AFTER = 500 * MS
-"""A peer without a heartbeat for this long is silent (ns). Below Zenoh's lease, above several ping intervals."""
+"""A peer without a heartbeat for this long is silent (ns). Below Zenoh's lease, above several ping
+intervals.
+"""
 FIRST_ANSWER_WITHIN = 5 * SECOND
 """A terminal that has not answered by then answers no queries (ns)."""
 HeartbeatResult = Literal["joined", "present", "taken", "full", "unattended"]
@@ -17,7 +19,9 @@ MAX_PEERS = 16
 
 
 class _Present(msgspec.Struct):
-    """Peer at the link. ``answered``: when its terminal last answered (ns), or None if it never has."""
+    """Peer at the link. ``answered``: when its terminal last answered (ns), or None if it never
+    has.
+    """
 
     client_id: str
     joined: int
@@ -30,11 +34,11 @@ class _Present(msgspec.Struct):
 class Presence:
     """Peers that sent a heartbeat lately, by name.
 
-    A name belongs to one program at a time, identified by a random id (``client_id``): a second program with the same
-    name is not admitted while the first is present.
+    A name belongs to one program at a time, identified by a random id (``client_id``): a second
+    program with the same name is not admitted while the first is present.
 
-    A heartbeat proves that the panel's program runs, an answer of its terminal that a person's terminal is connected
-    to it: ssh or a browser may be frozen while the program goes on.
+    A heartbeat proves that the panel's program runs, an answer of its terminal that a person's
+    terminal is connected to it: ssh or a browser may be frozen while the program goes on.
 
     Args:
         lost_after: silence (ns) after which a peer is lost.
@@ -52,7 +56,13 @@ class Presence:
         return name in self._peers and self._peers[name].client_id == client_id
 
     def heartbeat(
-        self, name: str, client_id: str, now: int, silence: int | None = None, *, is_relayed: bool | None = None
+        self,
+        name: str,
+        client_id: str,
+        now: int,
+        silence: int | None = None,
+        *,
+        is_relayed: bool | None = None,
     ) -> HeartbeatResult:
         """Record a heartbeat.
 
@@ -60,10 +70,12 @@ class Presence:
             name, client_id: of the peer.
             now: time of the heartbeat (ns).
             silence: time since the peer's terminal answered (ns); None if it never has.
-            is_relayed: another program answers in place of the terminal; None if this heartbeat does not say.
+            is_relayed: another program answers in place of the terminal; None if this heartbeat
+                does not say.
 
         Returns:
-            ``taken`` if another program has that name, ``full`` if there are too many peers, ``unattended`` if the
+            ``taken`` if another program has that name, ``full`` if there are too many peers,
+            ``unattended`` if the
             peer's terminal has been silent for too long to be admitted.
         """
         peer = self._peers.get(name)
@@ -83,7 +95,9 @@ class Presence:
         return "joined" if peer is None else "present"
 
     def is_silent(self, name: str, now: int) -> bool:
-        """Return True if a peer has stopped sending heartbeats, though not for long enough to be lost."""
+        """Return True if a peer has stopped sending heartbeats, though not for long enough to be
+        lost.
+        """
         return name in self._peers and now - self._peers[name].heard > SILENT_AFTER
 
     def leave(self, name: str) -> bool:
@@ -91,7 +105,9 @@ class Presence:
         return self._peers.pop(name, None) is not None
 
     def expire(self, now: int) -> list[tuple[str, LossCause]]:
-        """Remove the peers that have been silent for too long, or whose terminals have; return them with the cause."""
+        """Remove the peers that have been silent for too long, or whose terminals have; return them
+        with the cause.
+        """
         lost: list[tuple[str, LossCause]] = []
         for name, peer in self._peers.items():
             if now - peer.heard > self._lost_after:
@@ -103,7 +119,9 @@ class Presence:
         return lost
 
     def unproven(self, now: int) -> list[tuple[str, Doubt]]:
-        """Return the peers, once each, of whom nothing proves that a person's terminal is connected."""
+        """Return the peers, once each, of whom nothing proves that a person's terminal is
+        connected.
+        """
         found: list[tuple[str, Doubt]] = []
         for name, peer in self._peers.items():
             is_mute = peer.answered is None and now - peer.joined > FIRST_ANSWER_WITHIN

@@ -1,4 +1,6 @@
-"""Probes whether a session admits a guest, in a child process whose output contains Zenoh's log of a refusal."""
+"""Probes whether a session admits a guest, in a child process whose output contains Zenoh's log of
+a refusal.
+"""
 
 import os
 import subprocess
@@ -12,7 +14,8 @@ _TIMEOUT_S = 10.0
 _ANSWER_TIMEOUT_S = 2.0
 _CONNECTED, _ADMITTED = "connected", "admitted"
 NOT_ADMITTED = (
-    "The session there does not accept this invitation: it was revoked, or made after that session began. Ask for a "
+    "The session there does not accept this invitation: it was revoked, or made after that "
+    "session began. Ask for a "
     "new one, or have the session restarted."
 )
 
@@ -45,7 +48,9 @@ def probe(settings: str, link: str) -> None:
 
 
 def main() -> None:
-    """Run the child: reads the link's id and settings from standard input, prints Zenoh's log and the outcome."""
+    """Run the child: reads the link's id and settings from standard input, prints Zenoh's log and
+    the outcome.
+    """
     import zenoh
 
     from sar_tui.link.zenoh_settings import LinkKeys, config
@@ -58,7 +63,12 @@ def main() -> None:
         return
     with session:
         print(_CONNECTED, flush=True)
-        if any(reply.ok for reply in session.liveliness().get(LinkKeys(link).broadcast, timeout=_ANSWER_TIMEOUT_S)):
+        if any(
+            reply.ok
+            for reply in session.liveliness().get(
+                LinkKeys(link).broadcast, timeout=_ANSWER_TIMEOUT_S
+            )
+        ):
             print(_ADMITTED, flush=True)
 
 

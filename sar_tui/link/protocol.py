@@ -1,4 +1,5 @@
-"""Messages of the link: MessagePack over Zenoh, and length-prefixed frames over the pipes to the broker.
+"""Messages of the link: MessagePack over Zenoh, and length-prefixed frames over the pipes to the
+broker.
 
 Input is never trusted: a message is decoded into exactly its type, or refused with a reason.
 """
@@ -42,14 +43,17 @@ class _LinkMessage(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
     """Base of the messages of the link itself."""
 
 
-# --- from the session to its peers ---------------------------------------------------------------------------
+# --- from the session to its peers
+# ---------------------------------------------------------------------------
 
 EncodedFrame = tuple[int, int, str, msgspec.Raw]
 """Sequence number, time (ns), name of the topic, message."""
 
 
 class Batch(_LinkMessage, frozen=True):
-    """Messages of the bus, sent to all peers; ``number`` counts batches, so that a peer notices a missing one."""
+    """Messages of the bus, sent to all peers; ``number`` counts batches, so that a peer notices a
+    missing one.
+    """
 
     number: int
     frames: list[EncodedFrame]
@@ -72,9 +76,9 @@ class MotionTraces(_LinkMessage, frozen=True):
 class Pong(_LinkMessage, frozen=True):
     """Answer to a ``Ping``.
 
-    ``ping_sent_at``: the ping's ``sent_at``. ``session_time``: when it was answered (ns), on the clock named by
-    ``clock_id``. ``number``: of the last batch. ``client_id``: the program that is answered, as several may use one
-    name. ``refusal``: why that program is not admitted.
+    ``ping_sent_at``: the ping's ``sent_at``. ``session_time``: when it was answered (ns), on the
+    clock named by ``clock_id``. ``number``: of the last batch. ``client_id``: the program that is
+    answered, as several may use one name. ``refusal``: why that program is not admitted.
     """
 
     ping_sent_at: int
@@ -92,7 +96,8 @@ class LinkClosed(_LinkMessage, frozen=True):
 SessionMessage = Batch | Snapshot | MotionTraces | Pong | LinkClosed
 
 
-# --- from a peer to the session ------------------------------------------------------------------------------
+# --- from a peer to the session
+# ------------------------------------------------------------------------------
 
 
 Silence = Annotated[int, msgspec.Meta(ge=0)] | None
@@ -102,9 +107,9 @@ Silence = Annotated[int, msgspec.Meta(ge=0)] | None
 class Ping(_LinkMessage, frozen=True):
     """Heartbeat of a peer.
 
-    ``client_id``: a random id of the program. ``sent_at``: on its clock (ns). ``wants_snapshot``: the peer does not
-    know the state of the session. ``is_leaving``: the peer is about to close. ``silence``, ``is_relayed``: of its
-    terminal, see ``peer.TerminalState``.
+    ``client_id``: a random id of the program. ``sent_at``: on its clock (ns). ``wants_snapshot``:
+    the peer does not know the state of the session. ``is_leaving``: the peer is about to close.
+    ``silence``, ``is_relayed``: of its terminal, see ``peer.TerminalState``.
     """
 
     client_id: str
@@ -116,7 +121,9 @@ class Ping(_LinkMessage, frozen=True):
 
 
 class ActRequest(_LinkMessage, frozen=True):
-    """An operator's message for one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``; ``silence`` as in ``Ping``."""
+    """An operator's message for one of ``OPERATOR_TOPICS``, or ``TAKE_CONTROL``; ``silence`` as in
+    ``Ping``.
+    """
 
     client_id: str
     topic: str
@@ -124,14 +131,16 @@ class ActRequest(_LinkMessage, frozen=True):
     silence: Silence = None
 
 
-# --- from the program to its broker --------------------------------------------------------------------------
+# --- from the program to its broker
+# --------------------------------------------------------------------------
 
 
 class Setup(_LinkMessage, frozen=True):
     """First frame to the broker.
 
-    ``settings``: from ``zenoh_settings.host_settings``. ``link``: its id. ``lost_after``: silence (ns) after which a
-    peer is lost. ``guests``: those admitted over the network; None if it does not listen there.
+    ``settings``: from ``zenoh_settings.host_settings``. ``link``: its id. ``lost_after``: silence
+    (ns) after which a peer is lost. ``guests``: those admitted over the network; None if it does
+    not listen there.
     """
 
     settings: str
@@ -164,7 +173,8 @@ class SensorSamples(_LinkMessage, frozen=True):
 BrokerCommand = Setup | Publish | SendTo | SensorSamples
 
 
-# --- from the broker to its program --------------------------------------------------------------------------
+# --- from the broker to its program
+# --------------------------------------------------------------------------
 
 
 class BrokerStarted(_LinkMessage, frozen=True):
@@ -222,7 +232,14 @@ class RequestRefused(_LinkMessage, frozen=True):
 
 
 BrokerEvent = (
-    BrokerStarted | Heartbeat | PeerJoined | PeerLeft | PeerUnproven | SnapshotRequested | ActReceived | RequestRefused
+    BrokerStarted
+    | Heartbeat
+    | PeerJoined
+    | PeerLeft
+    | PeerUnproven
+    | SnapshotRequested
+    | ActReceived
+    | RequestRefused
 )
 
 encode = msgspec.msgpack.encode
@@ -241,11 +258,15 @@ def decode(data: bytes, kind: Any) -> Any:
 
 def encode_frames(records: Iterable[Record]) -> list[EncodedFrame]:
     """Encode messages of the bus."""
-    return [(each.seq, each.at, each.topic.name, msgspec.Raw(encode(each.message))) for each in records]
+    return [
+        (each.seq, each.at, each.topic.name, msgspec.Raw(encode(each.message))) for each in records
+    ]
 
 
 def decode_frames(encoded: Iterable[EncodedFrame], topics: dict[str, Topic[Any]]) -> list[Frame]:
-    """Decode messages of the bus; those that only another version of the program knows are skipped."""
+    """Decode messages of the bus; those that only another version of the program knows are
+    skipped.
+    """
     found = []
     for seq, at, name, raw in encoded:
         if topic := topics.get(name):
@@ -269,7 +290,11 @@ def decode_act(topic: str, raw: msgspec.Raw) -> Message:
                 raise ProtocolError(f"A text is longer than {longest} characters.")
             if obeyed(value, "\n\t" if is_note else ""):
                 raise ProtocolError("A text contains control characters.")
-    if isinstance(message, SessionCommand) and message.command == "pause" and message.reason not in _PAUSE_REASONS:
+    if (
+        isinstance(message, SessionCommand)
+        and message.command == "pause"
+        and message.reason not in _PAUSE_REASONS
+    ):
         raise ProtocolError("That is not a valid reason for a pause.")
     if isinstance(message, NoteAdded) and not (message.text.strip() or message.label.strip()):
         raise ProtocolError("A note is empty.")
@@ -277,7 +302,9 @@ def decode_act(topic: str, raw: msgspec.Raw) -> Message:
 
 
 _PAUSE_REASONS = ("", "tired", "pain", "finished")
-"""Reasons that an operator may give; the session acts on others, such as a lost sensor, by itself."""
+"""Reasons that an operator may give; the session acts on others, such as a lost sensor, by
+itself.
+"""
 
 _LENGTH = struct.Struct("<I")
 

@@ -1,4 +1,6 @@
-"""Rate limits: a token bucket for what peers send, and a throttle for reports of what was refused."""
+"""Rate limits: a token bucket for what peers send, and a throttle for reports of what was
+refused.
+"""
 
 from collections.abc import Hashable
 from typing import Generic, TypeVar
@@ -33,7 +35,8 @@ class TokenBucket:
 
 
 class ReportThrottle(Generic[K]):
-    """Limits reports of a repeated event: the first at once, then one per ``interval`` (ns) with a count.
+    """Limits reports of a repeated event: the first at once, then one per ``interval`` (ns) with a
+    count.
 
     It tracks at most ``max_keys`` events at a time and drops others until there is room.
     """
@@ -53,7 +56,11 @@ class ReportThrottle(Generic[K]):
     def due(self, now: int) -> list[tuple[K, int]]:
         """Return the events to report now, with their counts, and forget those that stopped."""
         found = [(key, count) for key in list(self._counts) if (count := self._take(key, now))]
-        over = [key for key, at in self._reported_at.items() if key not in self._counts and now - at >= self._interval]
+        over = [
+            key
+            for key, at in self._reported_at.items()
+            if key not in self._counts and now - at >= self._interval
+        ]
         for key in over:
             del self._reported_at[key]
         return found

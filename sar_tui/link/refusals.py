@@ -1,9 +1,11 @@
 """Refused connections and messages, parsed from Zenoh's log, the only place that reports them.
 
-Zenoh writes its log to *standard output*. To read it, start the process that runs Zenoh with the environment of
-``log_environment`` and a pipe as standard output, call ``zenoh.init_log_from_env_or`` there, and read the pipe until
-the process ends: a full pipe blocks Zenoh's network threads. A line may contain a secret, so only what is parsed here
-may leave this module. It may also contain text that a guest chose, with line breaks, so nothing may be decided by it.
+Zenoh writes its log to *standard output*. To read it, start the process that runs Zenoh with the
+environment of ``log_environment`` and a pipe as standard output, call
+``zenoh.init_log_from_env_or`` there, and read the pipe until the process ends: a full pipe blocks
+Zenoh's network threads. A line may contain a secret, so only what is parsed here may leave this
+module. It may also contain text that a guest chose, with line breaks, so nothing may be decided by
+it.
 """
 
 import re
@@ -40,15 +42,24 @@ def log_environment(levels: str) -> dict[str, str]:
     return {"RUST_LOG": levels, "NO_COLOR": "1"}
 
 
-_LINE = re.compile(r"^\S+ +(?P<level>[A-Z]+) +(?P<thread>\S.*?) (?P<target>zenoh\w*(?:::\w+)+): (?P<text>.*)$")
-_ACCEPTED = re.compile(r"Accepted TLS connection on \S+: (?P<address>\S+)\. Common Name: (?P<guest>.+)\.$")
-_TRANSPORT = re.compile(r"New transport link accepted from (?P<zid>[0-9a-f]+) to .* dst: tls/(?P<address>[^,\s]+),")
+_LINE = re.compile(
+    r"^\S+ +(?P<level>[A-Z]+) +(?P<thread>\S.*?) (?P<target>zenoh\w*(?:::\w+)+): (?P<text>.*)$"
+)
+_ACCEPTED = re.compile(
+    r"Accepted TLS connection on \S+: (?P<address>\S+)\. Common Name: (?P<guest>.+)\.$"
+)
+_TRANSPORT = re.compile(
+    r"New transport link accepted from (?P<zid>[0-9a-f]+) to .* dst: tls/(?P<address>[^,\s]+),"
+)
 _VERDICT = re.compile(
-    r"(?:Using cached result: )?(?P<zid>[0-9a-f]+) (?:on \S*?CertCommonName\((?P<guest>[^)]*)\)\S* )?(?:on \S+ )?"
+    r"(?:Using cached result: )?(?P<zid>[0-9a-f]+) (?:on "
+    r"\S*?CertCommonName\((?P<guest>[^)]*)\)\S* )?(?:on \S+ )?"
     r"is (?P<verdict>authorized|unauthorized) to (?P<act>[A-Za-z/ ]+) \(ingress\) on (?P<key>.*)$"
 )
 _CACHING = re.compile(r"ACL \(ingress\): caching permissions for `(?P<key>.*)` \.\.\.$")
-_EXPIRED = re.compile(r"Closing TLS link \S+ => (?P<address>\S+) : remote certificate chain expired")
+_EXPIRED = re.compile(
+    r"Closing TLS link \S+ => (?P<address>\S+) : remote certificate chain expired"
+)
 
 _ACTS = {
     "Put": "send among",
@@ -66,7 +77,10 @@ _ACTS = {
 _CERTIFICATE = (
     ("peer sent no certificates", "it has no certificate"),
     ("certificate expired", "its invitation has expired"),
-    ("certificate not valid yet", "its certificate is not valid yet: one of the two clocks is wrong"),
+    (
+        "certificate not valid yet",
+        "its certificate is not valid yet: one of the two clocks is wrong",
+    ),
     ("UnknownIssuer", "its certificate was made by another authority"),
     ("BadSignature", "its certificate was made by another authority"),
     ("invalid peer certificate", "its certificate is not one for a guest"),
@@ -79,15 +93,20 @@ _NOT_CONNECTED = (
     ("alert: CertificateExpired", "The invitation has expired. Ask for a new one."),
     (
         "alert: UnknownCA",
-        "The session there does not know this invitation: it was made for another data folder. Ask for a new one.",
+        "The session there does not know this invitation: it was made for another data folder. "
+        "Ask for a new one.",
     ),
     (
         "alert: DecryptError",
-        "The session there does not know this invitation: it was made for another data folder. Ask for a new one.",
+        "The session there does not know this invitation: it was made for another data folder. "
+        "Ask for a new one.",
     ),
     ("alert: ", "The session there refused the certificate of this invitation. Ask for a new one."),
     ("not valid for name", "The host there has another name. Ask for a new invitation."),
-    ("certificate expired", "The certificate of the session there has expired. Have the session restarted."),
+    (
+        "certificate expired",
+        "The certificate of the session there has expired. Have the session restarted.",
+    ),
     ("invalid peer certificate", "The host there is not the one that made this invitation."),
     (
         "Connection refused",
@@ -99,7 +118,8 @@ _UNREACHABLE = "The session there cannot be reached."
 
 
 class RefusalLog:
-    """Parser of a host's log. It remembers whose connection is whose, as some lines contain no name.
+    """Parser of a host's log. It remembers whose connection is whose, as some lines contain no
+    name.
 
     Args:
         guests: those admitted, such as ``operator.op1``.
@@ -122,22 +142,33 @@ class RefusalLog:
         if caching := _CACHING.match(text):
             _remember(self._caching, found["thread"], (caching["key"], set()))
         elif transport := _TRANSPORT.match(text):
-            _remember(self._guest_of, transport["zid"], self._guest_at.get(transport["address"], ""))
+            _remember(
+                self._guest_of, transport["zid"], self._guest_at.get(transport["address"], "")
+            )
         elif accepted := _ACCEPTED.match(text):
             _remember(self._guest_at, accepted["address"], accepted["guest"])
             if accepted["guest"] not in self._guests:
                 why = "its invitation was revoked, or is not known here"
                 return Refusal("connection", _printable(accepted["guest"]), why)
         elif expired := _EXPIRED.match(text):
-            return Refusal("connection", self._guest_at.get(expired["address"], ""), "its invitation has expired")
+            return Refusal(
+                "connection",
+                self._guest_at.get(expired["address"], ""),
+                "its invitation has expired",
+            )
         elif found["target"] == "zenoh_link_tls::unicast" and found["level"] == "WARN":
-            return Refusal("connection", "", _first(_CERTIFICATE, text) or "it could not identify itself")
+            return Refusal(
+                "connection", "", _first(_CERTIFICATE, text) or "it could not identify itself"
+            )
         return None
 
-    def _parse_verdict(self, thread: str, verdict: re.Match[str], *, cached: bool) -> Refusal | None:
+    def _parse_verdict(
+        self, thread: str, verdict: re.Match[str], *, cached: bool
+    ) -> Refusal | None:
         """Return the refusal of a verdict, unless Zenoh only caches permissions.
 
-        When a guest declares a key, Zenoh logs its verdict on each possible action there, as if it had been tried.
+        When a guest declares a key, Zenoh logs its verdict on each possible action there, as if it
+        had been tried.
         """
         act, key = verdict["act"], verdict["key"]
         cached_key, acts = self._caching.get(thread, ("", set()))
@@ -147,12 +178,20 @@ class RefusalLog:
         if verdict["verdict"] == "authorized":
             return None
         guest = verdict["guest"] or self._guest_of.get(verdict["zid"], "")
-        return Refusal("message", guest, f"it may not {_ACTS.get(act, act.lower())} {_describe(key)}")
+        return Refusal(
+            "message", guest, f"it may not {_ACTS.get(act, act.lower())} {_describe(key)}"
+        )
 
 
 def why_not_connected(log: str) -> str:
-    """Return why a guest could not connect, from the log of that attempt, in one or two sentences for the guest."""
-    attempts = [line for line in log.splitlines() if "Unable to connect to " in line and " any of " not in line]
+    """Return why a guest could not connect, from the log of that attempt, in one or two sentences
+    for the guest.
+    """
+    attempts = [
+        line
+        for line in log.splitlines()
+        if "Unable to connect to " in line and " any of " not in line
+    ]
     return _first(_NOT_CONNECTED, attempts[-1] if attempts else "") or _UNREACHABLE
 
 
@@ -160,7 +199,11 @@ def _describe(key: str) -> str:
     """Return a key in words, if it is one of the link's."""
     _, _, place = key.removeprefix("sar-tui/").partition("/")
     kind, _, whose = place.partition("/")
-    text = {"out": "the messages of the session", "act": "the acts of", "hello": "the heartbeats of"}.get(kind)
+    text = {
+        "out": "the messages of the session",
+        "act": "the acts of",
+        "hello": "the heartbeats of",
+    }.get(kind)
     if text is None or bool(whose) == (kind == "out"):
         return f"“{_printable(key)}”"
     whose = "anybody" if whose in ("*", "**") else _printable(whose)

@@ -30,7 +30,8 @@ def clock_id() -> str:
 
 
 class RemoteClock:
-    """The session's clock: this program's own on the same machine, else estimated from the fastest of recent pings.
+    """The session's clock: this program's own on the same machine, else estimated from the fastest
+    of recent pings.
 
     The error is at most half of that ping's round trip.
 
@@ -51,12 +52,16 @@ class RemoteClock:
         return self._own() + self._offset
 
     def update(self, pong: Pong, received_at: int | None = None) -> None:
-        """Add a ping's answer, received at ``received_at`` (default: now) on this program's clock (ns)."""
+        """Add a ping's answer, received at ``received_at`` (default: now) on this program's clock
+        (ns).
+        """
         at = self._own() if received_at is None else received_at
         if pong.clock_id != self._remote_id:  # the session's machine was restarted
             self._remote_id = pong.clock_id
             self._pings.clear()
         if at < pong.ping_sent_at:
             return
-        self._pings.append((at - pong.ping_sent_at, pong.session_time - (at + pong.ping_sent_at) // 2))
+        self._pings.append(
+            (at - pong.ping_sent_at, pong.session_time - (at + pong.ping_sent_at) // 2)
+        )
         self._offset = 0 if pong.clock_id == self._own_id else min(self._pings)[1]

@@ -21,7 +21,9 @@ SENT: tuple[Topic[Any], ...] = (
     # what operators did, so that each sees the outcome and what the others do
     t.COMMAND, t.SETTING, t.DECISION, t.REMARK, t.MODE, t.PROPOSAL_SEEN, t.NOTE_ADDED, t.PRESENCE, t.REFUSED,
 )  # fmt: skip
-"""Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a session is broken."""
+"""Faults are not sent: their tracebacks reveal details of the machine, and WAITING says that a
+session is broken.
+"""
 
 _LATEST: tuple[Topic[Any], ...] = (
     *(topic for topic in SENT if topic.keep),
@@ -54,7 +56,9 @@ class SessionFeed:
         self._pending: deque[Record] = deque()
         self._blocks: deque[ImuBlock] = deque(maxlen=_MAX_BLOCKS)
         self._last: dict[tuple[str, str, str], Record] = {}
-        self._history: dict[str, deque[Record]] = {topic.name: deque(maxlen=_HISTORY_LENGTH) for topic in _HISTORY}
+        self._history: dict[str, deque[Record]] = {
+            topic.name: deque(maxlen=_HISTORY_LENGTH) for topic in _HISTORY
+        }
         self.awaits_onset = False
         self.missed = False
 
@@ -109,8 +113,13 @@ class SessionFeed:
         return taken
 
     def snapshot(self) -> list[Record]:
-        """Return the state of the session and its recent history, for a peer that has just joined."""
-        records = [*self._last.values(), *(record for history in self._history.values() for record in history)]
+        """Return the state of the session and its recent history, for a peer that has just
+        joined.
+        """
+        records = [
+            *self._last.values(),
+            *(record for history in self._history.values() for record in history),
+        ]
         return sorted(records, key=lambda record: record.seq)
 
 

@@ -46,11 +46,15 @@ class ConnectionTarget(NamedTuple):
 
 
 def connection_target(where: JoinableSession | Invitation) -> ConnectionTarget:
-    """Return how to connect to a session. Raises LinkError if the link's packages are not installed."""
+    """Return how to connect to a session. Raises LinkError if the link's packages are not
+    installed.
+    """
     need_packages()
     if isinstance(where, JoinableSession):
         return ConnectionTarget(where.link, (socket_settings(where.socket),), where.socket)
-    return ConnectionTarget(where.link, tuple(network_settings(place, where.credentials) for place in where.where))
+    return ConnectionTarget(
+        where.link, tuple(network_settings(place, where.credentials) for place in where.where)
+    )
 
 
 class Transport:
@@ -62,7 +66,9 @@ class Transport:
         on_receive: called on any thread with what is received.
     """
 
-    def __init__(self, target: ConnectionTarget, name: str, on_receive: Callable[[Received], object]) -> None:
+    def __init__(
+        self, target: ConnectionTarget, name: str, on_receive: Callable[[Received], object]
+    ) -> None:
         self._target, self._on_receive = target, on_receive
         self._keys = LinkKeys(target.link)
         self._name = name
@@ -87,7 +93,8 @@ class Transport:
     def close(self, *, awaits_answer: bool) -> None:
         """Send what is queued and close the connection, within about a second.
 
-        ``awaits_answer``: wait for ``acknowledge``; otherwise closing may overtake the last message.
+        ``awaits_answer``: wait for ``acknowledge``; otherwise closing may overtake the last
+        message.
         """
         if not awaits_answer:
             self.acknowledge()
@@ -108,10 +115,12 @@ class Transport:
         with contextlib.suppress(queue.Full):
             self._outbox.put_nowait(message)
 
-    # --- on the transport's thread --------------------------------------------------------------------------------
+    # --- on the transport's thread
+    # --------------------------------------------------------------------------------
 
     def _run(self) -> None:
-        probed_at = time.monotonic() - _PROBE_INTERVAL_S + _RETRY_S / 2  # not at once: the session may be starting
+        # not at once: the session may be starting
+        probed_at = time.monotonic() - _PROBE_INTERVAL_S + _RETRY_S / 2
         for settings in itertools.cycle(self._target.settings):
             if self._closed.is_set():
                 return
@@ -148,7 +157,9 @@ class Transport:
         return ""
 
     def _serve(self, session: "zenoh.Session") -> None:
-        """Send what is queued until closed. Heartbeats are queued all the time, so this never blocks for long."""
+        """Send what is queued until closed. Heartbeats are queued all the time, so this never
+        blocks for long.
+        """
         import zenoh
 
         from sar_tui.link.probe import NOT_ADMITTED
@@ -160,22 +171,32 @@ class Transport:
         ]
         declared.append(session.liveliness().declare_token(keys.ping(name)))
         handler = zenoh.handlers.Callback(self._liveliness_changed, indirect=False)
-        declared.append(session.liveliness().declare_subscriber(keys.broadcast, handler, history=True))
+        declared.append(
+            session.liveliness().declare_subscriber(keys.broadcast, handler, history=True)
+        )
         report_at = time.monotonic() + _ADMISSION_TIMEOUT_S
         while (message := self._outbox.get()) is not None:
             if not self._is_admitted and time.monotonic() > report_at:
-                self._on_receive(Connection("connecting", _NO_SESSION if self._target.socket else NOT_ADMITTED))
+                self._on_receive(
+                    Connection("connecting", _NO_SESSION if self._target.socket else NOT_ADMITTED)
+                )
                 report_at += _PROBE_INTERVAL_S
             with contextlib.suppress(zenoh.ZError):
-                session.put(*message, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
-        self._acknowledged.wait(_GOODBYE_TIMEOUT_S)  # before the token is dropped, which looks like a lost connection
+                session.put(
+                    *message, congestion_control=zenoh.CongestionControl.BLOCK, express=True
+                )
+        # before the token is dropped, which looks like a lost connection
+        self._acknowledged.wait(_GOODBYE_TIMEOUT_S)
 
     def _received(self, sample: "zenoh.Sample") -> None:
-        with contextlib.suppress(ProtocolError):  # of a newer version, or damaged: batch numbers show what is missing
+        # of a newer version, or damaged: batch numbers show what is missing
+        with contextlib.suppress(ProtocolError):
             self._on_receive(protocol.decode(sample.payload.to_bytes(), SessionMessage))
 
     def _liveliness_changed(self, sample: "zenoh.Sample") -> None:
         """Handle that the session's end of the link appeared or disappeared."""
-        state: Literal["connected", "lost"] = "lost" if "DELETE" in str(sample.kind) else "connected"
+        state: Literal["connected", "lost"] = (
+            "lost" if "DELETE" in str(sample.kind) else "connected"
+        )
         self._is_admitted = self._is_admitted or state == "connected"
         self._on_receive(Connection(state, "" if state == "connected" else "The connection broke."))

@@ -1,7 +1,9 @@
-"""Zenoh's settings: where a session listens, whom it admits, and what each peer may send and receive.
+"""Zenoh's settings: where a session listens, whom it admits, and what each peer may send and
+receive.
 
-A host listens only at the given addresses and searches for nobody; a peer does not listen. Everything that is not
-explicitly allowed is denied, in both directions: Zenoh drops it in the host's network thread, before our code sees it.
+A host listens only at the given addresses and searches for nobody; a peer does not listen.
+Everything that is not explicitly allowed is denied, in both directions: Zenoh drops it in the
+host's network thread, before our code sees it.
 """
 
 import base64
@@ -22,7 +24,9 @@ if TYPE_CHECKING:
 PORT = 7447
 """Default port, the one registered for Zenoh."""
 LEASE_MS = 1000
-"""Silence after which Zenoh drops a connection, to open a new one. It does not decide that an operator is lost."""
+"""Silence after which Zenoh drops a connection, to open a new one. It does not decide that an
+operator is lost.
+"""
 RETRY_MS = (250, 1000)
 """Shortest and longest delay before a peer reconnects; it doubles each time."""
 MAX_MESSAGE_BYTES = 4 * 2**20
@@ -89,7 +93,9 @@ class Endpoint(NamedTuple):
 
 
 class TlsFiles(NamedTuple):
-    """Paths of a host's certificate and key, and of the certificate of the authority that it trusts."""
+    """Paths of a host's certificate and key, and of the certificate of the authority that it
+    trusts.
+    """
 
     authority: Path
     certificate: Path
@@ -97,7 +103,9 @@ class TlsFiles(NamedTuple):
 
 
 class Credentials(msgspec.Struct, frozen=True):
-    """Certificate and key of a peer, and the certificate of the authority that it trusts; all PEM."""
+    """Certificate and key of a peer, and the certificate of the authority that it trusts; all
+    PEM.
+    """
 
     authority: str
     certificate: str
@@ -108,12 +116,16 @@ class Credentials(msgspec.Struct, frozen=True):
 
 
 def parse_endpoint(text: str) -> Endpoint:
-    """Parse ``HOST``, ``HOST:PORT``, an address, or ``[IPv6]:PORT``, with or without a leading ``tls/``.
+    """Parse ``HOST``, ``HOST:PORT``, an address, or ``[IPv6]:PORT``, with or without a leading
+    ``tls/``.
 
     Raises LinkError.
     """
     plain = text.strip().removeprefix("tls/")
-    example = "Give a name or an address, and a port if it is not 7447: lab-pc.local or 192.168.1.20:7447."
+    example = (
+        "Give a name or an address, and a port if it is not 7447: lab-pc.local or "
+        "192.168.1.20:7447."
+    )
     if plain.startswith("["):
         host, closed, rest = plain[1:].partition("]")
         if not closed or (rest and not rest.startswith(":")):
@@ -147,15 +159,17 @@ def host_settings(
     files: TlsFiles | None = None,
     guests: Iterable[Guest] = (),
 ) -> str:
-    """Return a session's settings as JSON: it listens on a Unix socket, on the network, on both, or nowhere.
+    """Return a session's settings as JSON: it listens on a Unix socket, on the network, on both, or
+    nowhere.
 
-    The session is a router in Zenoh's terms, so that peers talk to it alone. The JSON contains paths but no private
-    key, so that no message of Zenoh's can reveal one.
+    The session is a router in Zenoh's terms, so that peers talk to it alone. The JSON contains
+    paths but no private key, so that no message of Zenoh's can reveal one.
 
     Args:
-        files: needed to listen on the network; a peer without a certificate of that authority is rejected.
-        guests: those admitted over the network. On the Unix socket, in a folder that only this user can enter,
-            everything is allowed.
+        files: needed to listen on the network; a peer without a certificate of that authority is
+            rejected.
+        guests: those admitted over the network. On the Unix socket, in a folder that only this user
+            can enter, everything is allowed.
     """
     locators = [end.locator for end in listen]
     if socket is not None:
@@ -183,10 +197,11 @@ def socket_settings(socket: Path) -> str:
 
 
 def network_settings(where: Endpoint, credentials: Credentials) -> str:
-    """Return the settings of a peer on another machine, as JSON. They contain its private key: keep them out of logs.
+    """Return the settings of a peer on another machine, as JSON. They contain its private key: keep
+    them out of logs.
 
-    The host's certificate must be issued by our authority for a host and name the host that was asked for, so that no
-    other peer can pose as the host.
+    The host's certificate must be issued by our authority for a host and name the host that was
+    asked for, so that no other peer can pose as the host.
     """
     return _client(
         where.locator,
@@ -211,7 +226,9 @@ def config(settings: str) -> "zenoh.Config":
 
 
 def _client(locator: str, tls: dict[str, Any]) -> str:
-    """Return settings that fail at once if the first attempt does, but reconnect for ever after that."""
+    """Return settings that fail at once if the first attempt does, but reconnect for ever after
+    that.
+    """
     settings = _common("client")
     first, longest = RETRY_MS
     settings["connect"] = {
@@ -254,18 +271,29 @@ _IN, _OUT = ["ingress"], ["egress"]
 
 
 def _access(keys: LinkKeys, guests: list[Guest]) -> dict[str, Any]:
-    """Return Zenoh's access control. Everything that no rule allows is denied: deletions, queries, others' acts.
+    """Return Zenoh's access control. Everything that no rule allows is denied: deletions, queries,
+    others' acts.
 
-    Everyone has acts, as everyone may stop the agent; `admission` refuses the other acts of observers.
+    Everyone has acts, as everyone may stop the agent; `admission` refuses the other acts of
+    observers.
 
-    A key expression must lie completely within a rule's keys: a wildcard that reaches further is denied.
+    A key expression must lie completely within a rule's keys: a wildcard that reaches further is
+    denied.
     """
     rules: list[dict[str, Any]] = []
     subjects: list[dict[str, Any]] = []
     policies: list[dict[str, Any]] = []
 
     def allow(rule: str, messages: list[str], flows: list[str], where: list[str]) -> str:
-        rules.append({"id": rule, "permission": "allow", "messages": messages, "flows": flows, "key_exprs": where})
+        rules.append(
+            {
+                "id": rule,
+                "permission": "allow",
+                "messages": messages,
+                "flows": flows,
+                "key_exprs": where,
+            }
+        )
         return rule
 
     def policy(subject: dict[str, Any], allowed: list[str]) -> None:

@@ -1,1 +1,3 @@
-"""The closed loop: sense, judge, adapt, answer. Pure Python: no screen, no device, no SQL, no network."""
+"""The closed loop: sense, judge, adapt, answer. Pure Python: no screen, no device, no SQL, no
+network.
+"""

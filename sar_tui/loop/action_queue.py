@@ -5,14 +5,16 @@ from collections.abc import Callable, Collection, Iterable
 from sar_tui.model.messages import Action, ActionPart, Kind
 
 LASTING: tuple[ActionPart, ...] = ("say", "gesture", "gaze", "tone")
-"""Parts that take time. Text on the screen stays until other text replaces it, so nothing waits for it."""
+"""Parts that take time. Text on the screen stays until other text replaces it, so nothing waits for
+it.
+"""
 
 
 class ActionQueue:
     """The actions that wait, and the one under way.
 
-    The policy of an action: ``queue`` waits; ``interrupt`` replaces the current action unless that has a higher
-    priority; ``drop`` is left out if the session continues before its turn.
+    The policy of an action: ``queue`` waits; ``interrupt`` replaces the current action unless that
+    has a higher priority; ``drop`` is left out if the session continues before its turn.
     """
 
     def __init__(self) -> None:
@@ -44,22 +46,37 @@ class ActionQueue:
         return next(iter(self.remove(lambda action: action.id == id)), None)
 
     def next(self, now: int, held: Collection[Kind] = ()) -> Action | None:
-        """Return the action whose turn it is, if it may begin. Actions of the kinds ``held`` are passed over."""
-        ready = next((action for action in self.waiting if action.due <= now and action.kind not in held), None)
+        """Return the action whose turn it is, if it may begin. Actions of the kinds ``held`` are
+        passed over.
+        """
+        ready = next(
+            (action for action in self.waiting if action.due <= now and action.kind not in held),
+            None,
+        )
         return ready if ready and (self.current is None or self.interrupts(ready)) else None
 
     def interrupts(self, action: Action) -> bool:
-        """Return True if an action replaces the current one. Feedback never interrupts feedback for another seat."""
-        if self.current is None or action.policy != "interrupt" or action.priority < self.current.priority:
+        """Return True if an action replaces the current one. Feedback never interrupts feedback for
+        another seat.
+        """
+        if (
+            self.current is None
+            or action.policy != "interrupt"
+            or action.priority < self.current.priority
+        ):
             return False
-        return not (action.kind == self.current.kind == "feedback" and action.seat != self.current.seat)
+        return not (
+            action.kind == self.current.kind == "feedback" and action.seat != self.current.seat
+        )
 
     def next_due(self, now: int) -> int | None:
         """Return when the next action that is not due yet becomes due (ns), if there is one."""
         return min((action.due for action in self._waiting if action.due > now), default=None)
 
     def begin(self, action: Action, open_parts: Iterable[tuple[str, ActionPart]]) -> None:
-        """Begin an action. ``open_parts``: the parts to wait for, by output; without any it is over at once."""
+        """Begin an action. ``open_parts``: the parts to wait for, by output; without any it is over
+        at once.
+        """
         self._waiting.remove(action)
         self._open = set(open_parts)
         self.current = action if self._open else None

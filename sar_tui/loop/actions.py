@@ -23,11 +23,18 @@ def accepted(
 
 
 def edited(action: Action, decision: Decision, theme: Theme, at: int) -> Action:
-    """Return an action as an operator edited it at ``at`` (ns); an edit without a change keeps its ``decision``."""
+    """Return an action as an operator edited it at ``at`` (ns); an edit without a change keeps its
+    ``decision``.
+    """
     changes: dict[str, object] = {}
     if decision.valence is not None and decision.valence != action.valence:
         manner = theme.manner(decision.valence)
-        changes |= {"valence": decision.valence, "face": manner.face, "tone": manner.tone, "degree": "clear"}
+        changes |= {
+            "valence": decision.valence,
+            "face": manner.face,
+            "tone": manner.tone,
+            "degree": "clear",
+        }
         if action.gesture:
             changes["gesture"] = manner.gesture
     if decision.text is not None and decision.text != action.text:
@@ -35,7 +42,9 @@ def edited(action: Action, decision: Decision, theme: Theme, at: int) -> Action:
     if decision.gesture is not None and decision.gesture != action.gesture:
         changes["gesture"] = decision.gesture
     how = "edited" if changes else action.decision
-    return replace(action, **changes, decision=how, actor=decision.actor, ground="operator", decided=at)
+    return replace(
+        action, **changes, decision=how, actor=decision.actor, ground="operator", decided=at
+    )
 
 
 def initiated(remark: Remark, id: str, theme: Theme, at: int) -> Action:

@@ -1,18 +1,33 @@
-"""State of the agent: words, expression, gesture, gaze and mouth, derived from a session's messages.
+"""State of the agent: words, expression, gesture, gaze and mouth, derived from a session's
+messages.
 
-Pure and immutable. Used by the participant's screen, the agent in its own window and the operator's panel.
+Pure and immutable. Used by the participant's screen, the agent in its own window and the operator's
+panel.
 """
 
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.model.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, Waiting
+from sar_tui.model.messages import (
+    Action,
+    AgentActing,
+    CueGiven,
+    Halt,
+    Message,
+    OutputReport,
+    Waiting,
+)
 
 AWAITED = ("foreperiod", "storage", "response", "result")
 """Waits of a trial during which nothing on a screen may move, and the agent begins nothing."""
 
 
-PAUSED_FACES = {"": "encouraging", "tired": "sleeping", "pain": "encouraging", "finished": "encouraging"}
+PAUSED_FACES = {
+    "": "encouraging",
+    "tired": "sleeping",
+    "pain": "encouraging",
+    "finished": "encouraging",
+}
 """Expressions in a person's pauses, by their reasons."""
 _CLEARING_PAUSES = ("tired", "pain")
 """Reasons of pauses in which what the agent said before would not fit."""
@@ -21,10 +36,11 @@ _CLEARING_PAUSES = ("tired", "pain")
 class AgentState(msgspec.Struct, frozen=True):
     """The agent as a screen shows it.
 
-    ``words``: the text on the screen, until it is replaced or cleared; ``more``: text added below it. ``kind``: of the
-    latest text. ``valence``: of ``words``; it sets their colour. ``moves``: the last action, with its gesture and gaze.
-    ``cue``: the side to look or point to until the response. ``halts``: number of halts so far. ``sounding``: the
-    voices that are audible, as (output, action). ``acting``: from the last `AgentActing`; None before the first.
+    ``words``: the text on the screen, until it is replaced or cleared; ``more``: text added below
+    it. ``kind``: of the latest text. ``valence``: of ``words``; it sets their colour. ``moves``:
+    the last action, with its gesture and gaze. ``cue``: the side to look or point to until the
+    response. ``halts``: number of halts so far. ``sounding``: the voices that are audible, as
+    (output, action). ``acting``: from the last `AgentActing`; None before the first.
     ``paused_from``: the expression before a pause; empty if there is none.
     """
 
@@ -64,7 +80,11 @@ def step(state: AgentState, message: Message) -> AgentState:  # noqa: PLR0911
         case Halt():
             return replace(state, halts=state.halts + 1)
         case AgentActing():
-            return replace(state, acting=message.acting, sounding=state.sounding if message.acting else frozenset())
+            return replace(
+                state,
+                acting=message.acting,
+                sounding=state.sounding if message.acting else frozenset(),
+            )
     return state
 
 
@@ -81,7 +101,9 @@ def _waited(state: AgentState, waiting: Waiting) -> AgentState:
     if not (waiting.stage == "trial" and waiting.what in AWAITED):
         state = replace(state, cue=None)
     if waiting.stage == "paused" and waiting.reason in PAUSED_FACES:
-        state = replace(state, face=PAUSED_FACES[waiting.reason], paused_from=state.paused_from or state.face)
+        state = replace(
+            state, face=PAUSED_FACES[waiting.reason], paused_from=state.paused_from or state.face
+        )
         return replace(state, words="", more="", kind="") if clears_words(state, waiting) else state
     if state.paused_from:
         face = state.face if state.face not in PAUSED_FACES.values() else state.paused_from

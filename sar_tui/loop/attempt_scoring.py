@@ -14,7 +14,15 @@ from sar_tui.model.trial_types import DOUBTFUL, PastAttempt, Result, Score, Targ
 from sar_tui.model.units import MS
 from sar_tui.rules import feedback_choice
 from sar_tui.rules.feedback.policy import History
-from sar_tui.rules.judgement import RACED, JudgedAttempt, Judgement, degree, judge, judge_race, judge_summary
+from sar_tui.rules.judgement import (
+    RACED,
+    JudgedAttempt,
+    Judgement,
+    degree,
+    judge,
+    judge_race,
+    judge_summary,
+)
 
 _T = TypeVar("_T", bound=msgspec.Struct)
 Histories = Mapping[str, History]
@@ -36,7 +44,8 @@ class AttemptFacts(msgspec.Struct, frozen=True):
 class SeatScore(msgspec.Struct, frozen=True):
     """An attempt's row and feedback for one seat.
 
-    The feedback is built whether or not it is due, because the participant may request it; None without a goal.
+    The feedback is built whether or not it is due, because the participant may request it; None
+    without a goal.
     """
 
     ended: AttemptEnded
@@ -55,7 +64,8 @@ class ScoredSeats(msgspec.Struct, frozen=True):
         seats, histories: by seat.
         outcome: a success if every seat reached the goal.
         result: the worst of the results; None if a seat has none, or too few right responses.
-        reached: prompts answered right and better than the goal, of the seat with the smallest share.
+        reached: prompts answered right and better than the goal, of the seat with the smallest
+            share.
         prompts: all prompts of that seat.
         past: the attempt as a later one sees it, by seat.
     """
@@ -78,8 +88,9 @@ def score_seats(
 ) -> ScoredSeats:
     """Score an attempt for each seat that has results.
 
-    The level is shared: the attempt counts as a success only if every seat reached the goal. In a race the feedback
-    says who won; this does not affect the outcome. ``scored``: the earlier attempts, by seat, oldest first.
+    The level is shared: the attempt counts as a success only if every seat reached the goal. In a
+    race the feedback says who won; this does not affect the outcome. ``scored``: the earlier
+    attempts, by seat, oldest first.
     """
     scores = {seat: _score(task, results[seat]) for seat in task.seats if results.get(seat)}
     declared = None if task.metric.is_none else task.target(attempt.level)
@@ -95,10 +106,21 @@ def score_seats(
         earlier = [each[seat] for each in scored if seat in each]
         past[seat] = _past(task, attempt, score, results[seat], earlier)
         seats[seat], updated[seat] = _score_seat(
-            task, attempt, seat, results[seat], judged, reported[seat], histories[seat], past[seat].measures
+            task,
+            attempt,
+            seat,
+            results[seat],
+            judged,
+            reported[seat],
+            histories[seat],
+            past[seat].measures,
         )
-    outcome = min((judgement.outcome for judgement in judgements.values()), key=_FAILURE_FIRST.index)
-    judged_seats = [JudgedAttempt(score, target, judgements[seat]) for seat, score in scores.items()]
+    outcome = min(
+        (judgement.outcome for judgement in judgements.values()), key=_FAILURE_FIRST.index
+    )
+    judged_seats = [
+        JudgedAttempt(score, target, judgements[seat]) for seat, score in scores.items()
+    ]
     reached, prompts = min((_reached(task, target, results[seat]) for seat in scores), key=_share)
     return ScoredSeats(seats, updated, outcome, _worst(task, judged_seats), reached, prompts, past)
 
@@ -111,10 +133,14 @@ def _without_goal(
     histories: Histories,
     scored: Sequence[Mapping[str, PastAttempt]],
 ) -> ScoredSeats:
-    """Score an attempt that is not judged: it gets no feedback, and the level does not follow from it."""
+    """Score an attempt that is not judged: it gets no feedback, and the level does not follow from
+    it.
+    """
     seats, past = {}, {}
     for seat, score in scores.items():
-        past[seat] = _past(task, attempt, score, results[seat], [each[seat] for each in scored if seat in each])
+        past[seat] = _past(
+            task, attempt, score, results[seat], [each[seat] for each in scored if seat in each]
+        )
         ended = AttemptEnded(
             seat=seat,
             attempt=attempt.attempt,
@@ -139,21 +165,37 @@ def _without_goal(
 
 
 def _past(
-    task: Task, attempt: AttemptFacts, score: Score, results: Sequence[Result], earlier: Sequence[PastAttempt]
+    task: Task,
+    attempt: AttemptFacts,
+    score: Score,
+    results: Sequence[Result],
+    earlier: Sequence[PastAttempt],
 ) -> PastAttempt:
-    """Return the attempt as later ones see it, with the measures of the task and those that compare it with them."""
-    measures = _mean_qualities(task, results) | _checked_measures(task.measures(list(results)), "measures")
-    past = PastAttempt(attempt.attempt, attempt.practice, attempt.level, score, measures, attempt.condition)
-    return replace(past, measures=measures | _checked_measures(task.learning(past, earlier), "learning"))
+    """Return the attempt as later ones see it, with the measures of the task and those that compare
+    it with them.
+    """
+    measures = _mean_qualities(task, results) | _checked_measures(
+        task.measures(list(results)), "measures"
+    )
+    past = PastAttempt(
+        attempt.attempt, attempt.practice, attempt.level, score, measures, attempt.condition
+    )
+    return replace(
+        past, measures=measures | _checked_measures(task.learning(past, earlier), "learning")
+    )
 
 
 def _checked_measures(measures: object, method: str) -> dict[str, float]:
-    """Return what a method of a task measured. Raises TypeError if it is not finite numbers by name."""
+    """Return what a method of a task measured. Raises TypeError if it is not finite numbers by
+    name.
+    """
     if not isinstance(measures, dict) or not all(isinstance(name, str) for name in measures):
         raise TypeError(f"{method}() returned {measures!r:.60}, not numbers by name")
     for name, value in measures.items():
         if not (isinstance(value, int | float) and math.isfinite(value)):
-            raise TypeError(f"{method}() returned {value!r:.60} for {name}, not a finite number: leave it out")
+            raise TypeError(
+                f"{method}() returned {value!r:.60} for {name}, not a finite number: leave it out"
+            )
     return measures
 
 
@@ -167,9 +209,13 @@ def _worst(task: Task, attempts: Sequence[JudgedAttempt]) -> float | None:
 
 
 def _reached(task: Task, target: Target, results: Sequence[Result]) -> tuple[int, int]:
-    """Return how many prompts were answered right and better than the goal, and the number of all."""
+    """Return how many prompts were answered right and better than the goal, and the number of
+    all.
+    """
     reached = [
-        result.counts and result.value is not None and task.metric.is_better(result.value, target.threshold)
+        result.counts
+        and result.value is not None
+        and task.metric.is_better(result.value, target.threshold)
         for result in results
     ]
     return sum(reached), len(reached)
@@ -185,14 +231,20 @@ def _score(task: Task, results: Sequence[Result]) -> Score:
     if task.metric.is_none:
         score = replace(score, metric=None)
     if not 0 <= score.correct <= score.trials:
-        raise ValueError(f"the score of an attempt has {score.correct} right responses of {score.trials}")
+        raise ValueError(
+            f"the score of an attempt has {score.correct} right responses of {score.trials}"
+        )
     if score.accuracy is not None and not 0 <= score.accuracy <= 1:
-        raise ValueError(f"the score of an attempt has an accuracy of {score.accuracy:g}; it goes from 0 to 1")
+        raise ValueError(
+            f"the score of an attempt has an accuracy of {score.accuracy:g}; it goes from 0 to 1"
+        )
     return score
 
 
 def _checked(value: _T, kind: type[_T]) -> _T:
-    """Return a value of a task if it has the types that are declared, and finite numbers. Raises TypeError if not."""
+    """Return a value of a task if it has the types that are declared, and finite numbers. Raises
+    TypeError if not.
+    """
     if not isinstance(value, kind):
         raise TypeError(f"{value!r:.60} is not a {kind.__name__}")
     fields = msgspec.structs.asdict(value)
@@ -201,7 +253,9 @@ def _checked(value: _T, kind: type[_T]) -> _T:
     except msgspec.ValidationError as error:
         raise TypeError(f"the {kind.__name__} of an attempt cannot be stored: {error}") from error
     if not all(math.isfinite(number) for number in fields.values() if isinstance(number, float)):
-        raise TypeError(f"the {kind.__name__} of an attempt cannot be stored: a number in it is not finite")
+        raise TypeError(
+            f"the {kind.__name__} of an attempt cannot be stored: a number in it is not finite"
+        )
     return value
 
 
@@ -218,10 +272,23 @@ def _score_seat(
     """Score an attempt for one seat. Returns the score and the seat's new history."""
     if not attempt.practice:
         history = feedback_choice.remember(history, judged, task.parameters)
-    choice = feedback_choice.choose(history, judged, task.parameters, task.feedback_on, practice=attempt.practice)
+    choice = feedback_choice.choose(
+        history, judged, task.parameters, task.feedback_on, practice=attempt.practice
+    )
     if judgement.reason in RACED:
         choice = replace(choice, degree="clear")
-    message = _feedback(task, attempt, seat, results, judged.score, judgement, judged.target, choice, history, measures)
+    message = _feedback(
+        task,
+        attempt,
+        seat,
+        results,
+        judged.score,
+        judgement,
+        judged.target,
+        choice,
+        history,
+        measures,
+    )
     ended = AttemptEnded(
         seat=seat,
         attempt=attempt.attempt,
@@ -284,16 +351,24 @@ def _feedback(
         due=attempt.ended + choice.delay_ms * MS if choice.due else 0,
         choice=choice,
         advice=task.when_to_respond() if _is_unanswered(judgement, results) else "",
-        correction=task.tr(next((result.correction for result in reversed(results) if result.correction), "")),
+        correction=task.tr(
+            next((result.correction for result in reversed(results) if result.correction), "")
+        ),
         condition=attempt.condition,
     )
 
 
 def _is_unanswered(judgement: Judgement, results: Sequence[Result]) -> bool:
-    """Return True if an attempt has no result because prompts stayed unanswered, rather than by wrong responses."""
+    """Return True if an attempt has no result because prompts stayed unanswered, rather than by
+    wrong responses.
+    """
     wrong = [result for result in results if not result.correct and "skipped" not in result.flags]
     unanswered = sum(not result.response for result in wrong)
-    return judgement.reason in ("accuracy", "empty") and unanswered > 0 and 2 * unanswered >= len(wrong)
+    return (
+        judgement.reason in ("accuracy", "empty")
+        and unanswered > 0
+        and 2 * unanswered >= len(wrong)
+    )
 
 
 def _mean_qualities(task: Task, results: Sequence[Result]) -> dict[str, float]:
@@ -302,7 +377,9 @@ def _mean_qualities(task: Task, results: Sequence[Result]) -> dict[str, float]:
 
 
 def _qualities(task: Task, results: Sequence[Result]) -> dict[str, list[float]]:
-    """Return the values of each of the task's qualities in the correct trials; only those that were measured."""
+    """Return the values of each of the task's qualities in the correct trials; only those that were
+    measured.
+    """
     measured = {}
     sound = [result for result in results if task.rules < 5 or DOUBTFUL not in result.flags]
     for quality in task.qualities:
@@ -313,7 +390,9 @@ def _qualities(task: Task, results: Sequence[Result]) -> dict[str, list[float]]:
 
 
 def _spreads(task: Task, score: Score, results: Sequence[Result]) -> dict[str, Spread]:
-    """Return the spread of the trials behind the metric, if it is their mean, and behind each quality."""
+    """Return the spread of the trials behind the metric, if it is their mean, and behind each
+    quality.
+    """
     if task.rules < 5:
         return {}
     spreads = {name: _spread(values) for name, values in _qualities(task, results).items()}

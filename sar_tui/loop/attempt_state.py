@@ -1,4 +1,6 @@
-"""State of a session's attempts, and the pure steps that change it: ``step(task, state, …) -> (state, decision)``."""
+"""State of a session's attempts, and the pure steps that change it: ``step(task, state, …) ->
+(state, decision)``.
+"""
 
 from collections.abc import Collection, Mapping
 
@@ -7,7 +9,13 @@ from msgspec.structs import replace
 
 from sar_tui.loop.attempt_scoring import AttemptFacts, Histories, SeatScore, score_seats
 from sar_tui.loop.task import Task
-from sar_tui.model.messages import AttemptStarted, FeedbackChoice, GoalChanged, LevelChanged, Outcome
+from sar_tui.model.messages import (
+    AttemptStarted,
+    FeedbackChoice,
+    GoalChanged,
+    LevelChanged,
+    Outcome,
+)
 from sar_tui.model.trial_types import PastAttempt, Result, Results
 from sar_tui.rules import feedback_choice, level_choice
 from sar_tui.rules.difficulty.policy import MOST_RESULTS, Difficulty, Goal, ScoredAttempt
@@ -17,7 +25,9 @@ _BY_HAND = "Set by hand."
 
 
 class AttemptScore(msgspec.Struct, frozen=True):
-    """A scored attempt: the score of each seat that took part, and the changes of level and goal, if there are any."""
+    """A scored attempt: the score of each seat that took part, and the changes of level and goal,
+    if there are any.
+    """
 
     seats: tuple[SeatScore, ...]
     level: LevelChanged | None = None
@@ -54,17 +64,21 @@ class AttemptState(msgspec.Struct, frozen=True):
         level: its level.
         difficulty: the level of the attempt after it, and the difficulty policy's state.
         histories: the feedback history of each seat.
-        is_overridden: True if an operator set the level during the attempt; its outcome then leaves the level alone.
+        is_overridden: True if an operator set the level during the attempt; its outcome then leaves
+            the level alone.
         started: when it began (ns).
         results: of its trials so far.
-        ended: the attempt before it, as long as that one can be amended or feedback on it requested.
+        ended: the attempt before it, as long as that one can be amended or feedback on it
+            requested.
         held: a change of level that waits for an operator.
         is_level_held: True if a therapist holds the level: attempts leave it as it is.
         proposed: the difficulty after that change, if the operator accepts it.
         goal: its goal, if the difficulty policy made one; None: the task's own.
-        past: results at each level so far, oldest first, if the difficulty policy makes goals from them.
+        past: results at each level so far, oldest first, if the difficulty policy makes goals from
+            them.
         scored: the attempts before it, by seat, oldest first.
-        restarts: number of attempts so far that were interrupted and began again under the next number.
+        restarts: number of attempts so far that were interrupted and began again under the next
+            number.
         condition: of the attempt, from its beginning on.
     """
 
@@ -98,7 +112,9 @@ def aimed(task: Task, state: AttemptState) -> Task:
 
 
 def is_practice(task: Task, state: AttemptState) -> bool:
-    """Return True if the attempt is for practice: it always gets feedback, and leaves the level alone."""
+    """Return True if the attempt is for practice: it always gets feedback, and leaves the level
+    alone.
+    """
     return state.attempt - state.restarts <= task.parameters.practice_attempts
 
 
@@ -114,7 +130,9 @@ def number(task: Task, state: AttemptState) -> int:
     return state.attempt - state.restarts - task.parameters.practice_attempts
 
 
-def begin(task: Task, state: AttemptState, now: int, condition: str = "") -> tuple[AttemptState, AttemptStarted]:
+def begin(
+    task: Task, state: AttemptState, now: int, condition: str = ""
+) -> tuple[AttemptState, AttemptStarted]:
     """Begin the attempt at ``now`` (ns), in a condition."""
     started = AttemptStarted(
         attempt=state.attempt,
@@ -123,7 +141,9 @@ def begin(task: Task, state: AttemptState, now: int, condition: str = "") -> tup
         trials=task.trials_at(state.level),
         condition=condition,
     )
-    return replace(state, results=(), ended=None, is_overridden=False, started=now, condition=condition), started
+    return replace(
+        state, results=(), ended=None, is_overridden=False, started=now, condition=condition
+    ), started
 
 
 def add(state: AttemptState, results: Results) -> AttemptState:
@@ -135,15 +155,23 @@ def score(task: Task, state: AttemptState, now: int) -> tuple[AttemptState, Atte
     """Score the attempt, which ended at ``now`` (ns), and set the level of the next."""
     practice = is_practice(task, state)
     facts = AttemptFacts(state.attempt, practice, state.level, state.started, now, state.condition)
-    scored = score_seats(aimed(task, state), facts, _by_seat(task, state), state.histories, state.scored)
+    scored = score_seats(
+        aimed(task, state), facts, _by_seat(task, state), state.histories, state.scored
+    )
     following, change = state.difficulty, None
     follows = scored.outcome != "none" or not level_choice.moves_level(task.parameters)
     if follows and not (practice or state.is_overridden or state.is_level_held):
-        attempt = ScoredAttempt(number(task, state), scored.outcome, scored.result, scored.reached, scored.prompts)
+        attempt = ScoredAttempt(
+            number(task, state), scored.outcome, scored.result, scored.reached, scored.prompts
+        )
         following = level_choice.step(following, attempt, task.parameters, task.levels)
         reason = level_choice.reason(task.parameters, scored.outcome)
         change = _change(state.level, following.level, reason, following.why)
-    past = state.past if practice or scored.outcome == "none" else _with_result(task, state, scored.result)
+    past = (
+        state.past
+        if practice or scored.outcome == "none"
+        else _with_result(task, state, scored.result)
+    )
     after = replace(
         state,
         level=following.level,
@@ -173,7 +201,8 @@ def skip(task: Task, state: AttemptState) -> tuple[AttemptState, bool]:
 
 
 def restart(task: Task, state: AttemptState) -> AttemptState:
-    """Begin the attempt again under the next number, at the level that an operator may have set meanwhile.
+    """Begin the attempt again under the next number, at the level that an operator may have set
+    meanwhile.
 
     What was done of it stays, and is not scored.
     """
@@ -197,12 +226,17 @@ def requestable(state: AttemptState) -> tuple[SeatScore, ...]:
 
 
 def request_feedback(state: AttemptState, now: int) -> tuple[AttemptState, AttemptScore | None]:
-    """Return the feedback on the last attempt that was requested at ``now`` (ns); None if there is none."""
+    """Return the feedback on the last attempt that was requested at ``now`` (ns); None if there is
+    none.
+    """
     open_seats = requestable(state)
     if state.ended is None or not open_seats:
         return state, None
     requested = {one.ended.seat: _requested(one, now) for one in open_seats}
-    histories = {**state.histories, **{seat: feedback_choice.given(state.histories[seat]) for seat in requested}}
+    histories = {
+        **state.histories,
+        **{seat: feedback_choice.given(state.histories[seat]) for seat in requested},
+    }
     ended = replace(state.ended, seats={**state.ended.seats, **requested})
     return replace(state, histories=histories, ended=ended), AttemptScore(tuple(requested.values()))
 
@@ -212,9 +246,9 @@ def amend(
 ) -> tuple[AttemptState, AttemptScore | None]:
     """Replace the results of the last trial; if its attempt has ended, score that again.
 
-    Possible until the next attempt begins or the level is set by hand. Feedback that was given stands; the seats in
-    ``unsaid`` get new feedback instead. If an operator has decided on the level, it stands too, unless the outcome of
-    the attempt has changed.
+    Possible until the next attempt begins or the level is set by hand. Feedback that was given
+    stands; the seats in ``unsaid`` get new feedback instead. If an operator has decided on the
+    level, it stands too, unless the outcome of the attempt has changed.
     """
     if state.ended is None:
         return replace(state, results=(*state.results[:-1], results)), None
@@ -232,7 +266,10 @@ def amend(
     after = replace(after, histories=histories, ended=replace(after.ended, seats=seats))
     if after.ended and after.ended.outcome == was.outcome and state.difficulty != was.following:
         after = replace(
-            after, level=state.level, difficulty=state.difficulty, goal=_goal(task, after.past, state.level)
+            after,
+            level=state.level,
+            difficulty=state.difficulty,
+            goal=_goal(task, after.past, state.level),
         )
     after, _ = advance(task, after)
     change = _change(state.level, after.level, "mark", "A mark changed the attempt.")
@@ -242,13 +279,17 @@ def amend(
 def set_level(
     task: Task, state: AttemptState, level: int, *, under_way: bool
 ) -> tuple[AttemptState, LevelChanged | None]:
-    """Set the level of the next attempt by hand. An attempt under way keeps its own, and does not change the next."""
+    """Set the level of the next attempt by hand. An attempt under way keeps its own, and does not
+    change the next.
+    """
     overridden = replace(state, ended=None, is_overridden=True)
     return _put_level(task, overridden, level, "operator", _BY_HAND, under_way=under_way)
 
 
 def hold(task: Task, state: AttemptState, change: LevelChanged) -> AttemptState:
-    """Take back the change of level that followed from the last attempt: it waits for an operator, or is refused."""
+    """Take back the change of level that followed from the last attempt: it waits for an operator,
+    or is refused.
+    """
     level = change.previous
     return replace(
         state,
@@ -260,16 +301,24 @@ def hold(task: Task, state: AttemptState, change: LevelChanged) -> AttemptState:
     )
 
 
-def settle(task: Task, state: AttemptState, level: int, *, under_way: bool) -> tuple[AttemptState, LevelChanged | None]:
-    """Apply a change of level that was held, as decided: to ``level``. An attempt under way keeps its own."""
+def settle(
+    task: Task, state: AttemptState, level: int, *, under_way: bool
+) -> tuple[AttemptState, LevelChanged | None]:
+    """Apply a change of level that was held, as decided: to ``level``. An attempt under way keeps
+    its own.
+    """
     if not (state.held and state.held.level == level):
         return _put_level(task, state, level, "operator", _BY_HAND, under_way=under_way)
-    after, change = _put_level(task, state, level, state.held.reason, state.held.why, under_way=under_way)
+    after, change = _put_level(
+        task, state, level, state.held.reason, state.held.why, under_way=under_way
+    )
     return replace(after, difficulty=state.proposed or after.difficulty), change
 
 
 def goal_change(task: Task, before: AttemptState, after: AttemptState) -> GoalChanged | None:
-    """Return the change of goal between two states, if the difficulty policy made the goal before or after it."""
+    """Return the change of goal between two states, if the difficulty policy made the goal before
+    or after it.
+    """
     was, now = (before.goal and before.goal.value, after.goal and after.goal.value)
     if was == now:
         return None
@@ -295,10 +344,16 @@ def _put_level(
 
 
 def _change(before: int, after: int, reason: str, why: str) -> LevelChanged | None:
-    return LevelChanged(previous=before, level=after, reason=reason, why=why) if after != before else None
+    return (
+        LevelChanged(previous=before, level=after, reason=reason, why=why)
+        if after != before
+        else None
+    )
 
 
-def _with_result(task: Task, state: AttemptState, result: float | None) -> Mapping[int, tuple[float | None, ...]]:
+def _with_result(
+    task: Task, state: AttemptState, result: float | None
+) -> Mapping[int, tuple[float | None, ...]]:
     """Return the past with the result of the attempt, if the difficulty policy needs it."""
     if not level_choice.moves_goal(task.parameters):
         return state.past
@@ -313,7 +368,9 @@ def _goal(task: Task, past: Mapping[int, tuple[float | None, ...]], level: int) 
 
 def _by_seat(task: Task, state: AttemptState) -> dict[str, list[Result]]:
     """Return the results of each seat, in the order of the trials."""
-    return {seat: [results[seat] for results in state.results if seat in results] for seat in task.seats}
+    return {
+        seat: [results[seat] for results in state.results if seat in results] for seat in task.seats
+    }
 
 
 def _requested(score: SeatScore, now: int) -> SeatScore:

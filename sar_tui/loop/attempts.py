@@ -30,7 +30,8 @@ class NextAttempt(NamedTuple):
 
 
 class Attempts:
-    """The attempts of a session: practice first, then those that count. Scores and adapts; publishes nothing.
+    """The attempts of a session: practice first, then those that count. Scores and adapts;
+    publishes nothing.
 
     Args:
         task: built with its parameters.
@@ -84,7 +85,9 @@ class Attempts:
         parameters, tr = self._task.parameters, self._task.tr
         number = steps.number(self._task, self.state)
         if steps.is_practice(self._task, self.state):
-            return tr("practice {number} of {total}", number=number, total=parameters.practice_attempts)
+            return tr(
+                "practice {number} of {total}", number=number, total=parameters.practice_attempts
+            )
         return tr("attempt {number} of {total}", number=number, total=parameters.attempts)
 
     @property
@@ -105,13 +108,19 @@ class Attempts:
         level = ended.before.level if ended and is_over else self.level
         trials = self._task.trials_at(level)
         if type(trials) is not int or trials < 1:
-            raise TypeError(f"an attempt at level {level} has {trials!r:.60} trials, not a whole number from 1 on")
+            raise TypeError(
+                f"an attempt at level {level} has {trials!r:.60} trials, not a whole number from "
+                "1 on"
+            )
         return trials
 
     @property
     def is_first_after_practice(self) -> bool:
         """True if the attempt is the first that counts, and practice came before it."""
-        is_first = not steps.is_practice(self._task, self.state) and steps.number(self._task, self.state) == 1
+        is_first = (
+            not steps.is_practice(self._task, self.state)
+            and steps.number(self._task, self.state) == 1
+        )
         return self._task.parameters.practice_attempts > 0 and is_first
 
     @property
@@ -162,7 +171,9 @@ class Attempts:
         return scored
 
     def advance(self) -> bool:
-        """Move to the next attempt, with the settings changed since the last began; False if there is none."""
+        """Move to the next attempt, with the settings changed since the last began; False if there
+        is none.
+        """
         return self._go_on(steps.advance(self._task, self.state))
 
     def skip(self) -> bool:
@@ -180,12 +191,15 @@ class Attempts:
         return is_next
 
     def request_feedback(self, now: int) -> AttemptScore | None:
-        """Return the feedback on the last attempt that was requested at ``now`` (ns); None if there is none."""
+        """Return the feedback on the last attempt that was requested at ``now`` (ns); None if there
+        is none.
+        """
         self.state, requested = steps.request_feedback(self.state, now)
         return requested
 
     def amend(self, results: Results, unsaid: Collection[str] = ()) -> AttemptScore | None:
-        """Replace the results of the last trial; score its attempt again if that has ended (`attempt_state.amend`).
+        """Replace the results of the last trial; score its attempt again if that has ended
+        (`attempt_state.amend`).
 
         It is scored by the goal that it had, even if another is set for the next.
         """
@@ -218,7 +232,8 @@ class Attempts:
         self.state = replace(self.state, is_level_held=held)
 
     def change_setting(self, name: str, value: int | float, *, under_way: bool) -> None:
-        """Change a setting of the task from the next attempt on. An attempt under way keeps its own.
+        """Change a setting of the task from the next attempt on. An attempt under way keeps its
+        own.
 
         Raises:
             ParameterError: it cannot be changed, or to this value.
@@ -253,7 +268,9 @@ class Attempts:
 
 
 def _checked(condition: object) -> str:
-    """Return a condition if it can be stored. Raises TypeError if it is not one line of plain text."""
+    """Return a condition if it can be stored. Raises TypeError if it is not one line of plain
+    text.
+    """
     if not (isinstance(condition, str) and (condition == "" or condition.isprintable())):
         raise TypeError(f"condition() returned {condition!r:.60}, not a line of plain text")
     return condition

@@ -31,7 +31,9 @@ class Blockers:
 
     @property
     def is_recording_over(self) -> bool:
-        """True if a recording that replaces a sensor is at its end: it sends no more data in this run."""
+        """True if a recording that replaces a sensor is at its end: it sends no more data in this
+        run.
+        """
         return bool(self._over)
 
     @property
@@ -51,7 +53,9 @@ class Blockers:
         self._disk_error = storage.reason
 
     def update_sensor(self, sensor: SensorChanged) -> bool:
-        """Apply a report about a sensor; False if it does not affect the session, such as a lost sample."""
+        """Apply a report about a sensor; False if it does not affect the session, such as a lost
+        sample.
+        """
         if sensor.seat not in self._sensor_seats:
             return False
         if sensor.state == "ended":
@@ -72,7 +76,11 @@ class Blockers:
         return error.detail if error and lost.at - error.at < _RECENT else ""
 
     def detail(self, reason: str) -> str:
-        """Return the message for the experimenter; empty if ``reason`` concerns neither the disk nor a sensor."""
+        """Return the message for the experimenter; empty if ``reason`` concerns neither the disk
+        nor a sensor.
+        """
         if reason in ("storage", "restored"):
             return self._disk_error
-        return " ".join(dict.fromkeys(filter(None, self._lost.values()))) if reason == "sensor" else ""
+        return (
+            " ".join(dict.fromkeys(filter(None, self._lost.values()))) if reason == "sensor" else ""
+        )

@@ -1,8 +1,9 @@
 """The message bus: typed topics and services, on one thread.
 
-A message of an *input* topic (a key, a timer, an operator's act) begins a cascade. Handlers publish *derived* messages,
-which are queued and delivered in order; the next input is delivered when the queue is empty. So causes come before
-effects, and replaying the recorded inputs derives the same messages.
+A message of an *input* topic (a key, a timer, an operator's act) begins a cascade. Handlers publish
+*derived* messages, which are queued and delivered in order; the next input is delivered when the
+queue is empty. So causes come before effects, and replaying the recorded inputs derives the same
+messages.
 """
 
 import threading
@@ -29,10 +30,12 @@ class Topic(Generic[M]):
     Args:
         name: as stored in the database and shown on graphs, e.g. ``input/key``.
         type: the message class; other classes are refused.
-        origin: ``input`` for messages from outside the nodes, ``derived`` for messages that follow from them, ``later``
-            for those that are added to a record after the session, and never published.
+        origin: ``input`` for messages from outside the nodes, ``derived`` for messages that follow
+            from them, ``later`` for those that are added to a record after the session, and never
+            published.
         keep: new subscribers receive the last message.
-        stream: high-rate data (sensor samples): its messages are not numbered, and not stored in ``events``.
+        stream: high-rate data (sensor samples): its messages are not numbered, and not stored in
+            ``events``.
     """
 
     def __init__(
@@ -83,7 +86,9 @@ class Record(NamedTuple):
 
 
 class Tap(Protocol):
-    """Listener to all messages, such as the recorder. It receives whole cascades, so that none is stored in part."""
+    """Listener to all messages, such as the recorder. It receives whole cascades, so that none is
+    stored in part.
+    """
 
     def __call__(self, cascade: list[Record]) -> None: ...
 
@@ -92,7 +97,8 @@ class Bus:
     """Carries messages between nodes on one thread.
 
     Args:
-        clock: gives the time of each cascade. May be replaced between cascades, as at the end of a replay.
+        clock: gives the time of each cascade. May be replaced between cascades, as at the end of a
+            replay.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -111,7 +117,9 @@ class Bus:
 
     @property
     def now(self) -> int:
-        """Time at which the current cascade began, in ns: the same for all its messages, and in a replay."""
+        """Time at which the current cascade began, in ns: the same for all its messages, and in a
+        replay.
+        """
         return self._now
 
     def count_from(self, seq: int) -> None:
@@ -123,15 +131,22 @@ class Bus:
         return self._kept.get(topic.name)  # type: ignore[return-value]
 
     def subscribe(self, topic: Topic[M], handler: Callable[[M], None], owner: str = "") -> None:
-        """Deliver ``topic`` to ``handler``, after earlier subscribers. ``owner`` is named in a Fault."""
+        """Deliver ``topic`` to ``handler``, after earlier subscribers. ``owner`` is named in a
+        Fault.
+        """
         handler = inherited(handler)
         self._handlers.setdefault(topic.name, []).append((owner, handler))
         if topic.keep and topic.name in self._kept:
             handler(self._kept[topic.name])  # type: ignore[arg-type]
 
     def receivers(self, topic: Topic[Any]) -> list[object]:
-        """Return the objects whose methods handle a topic, or the functions that do, in the order of delivery."""
-        return [getattr(handler, "__self__", handler) for _, handler in self._handlers.get(topic.name, ())]
+        """Return the objects whose methods handle a topic, or the functions that do, in the order
+        of delivery.
+        """
+        return [
+            getattr(handler, "__self__", handler)
+            for _, handler in self._handlers.get(topic.name, ())
+        ]
 
     def serve(self, service: Service[Q, A], handler: Callable[[Q], A]) -> None:
         """Answer ``service`` with ``handler``. Raises ValueError if it is served already."""
@@ -155,7 +170,9 @@ class Bus:
             KeyError: no node serves it.
         """
         if type(request) is not service.request:
-            raise TypeError(f"{service.name} takes {service.request.__name__}, not {type(request).__name__}")
+            raise TypeError(
+                f"{service.name} takes {service.request.__name__}, not {type(request).__name__}"
+            )
         answer: A = self._services[service.name](request)
         return answer
 
@@ -169,17 +186,23 @@ class Bus:
         if threading.get_ident() != self._owner:
             raise RuntimeError(f"{topic.name} published from another thread; use post()")
         if type(message) is not topic.type:
-            raise TypeError(f"{topic.name} carries {topic.type.__name__}, not {type(message).__name__}")
+            raise TypeError(
+                f"{topic.name} carries {topic.type.__name__}, not {type(message).__name__}"
+            )
         if topic.origin == "derived":
             if not self._running:
-                raise RuntimeError(f"{topic.name} is derived: it can only be published while an input is handled")
+                raise RuntimeError(
+                    f"{topic.name} is derived: it can only be published while an input is handled"
+                )
             self._derived.append((topic, message))
         else:
             self._inputs.append((topic, message))
             self.drain()
 
     def report(self, owner: str, place: str, error: BaseException) -> None:
-        """Publish a Fault for an exception that was caught elsewhere, in this cascade or the next."""
+        """Publish a Fault for an exception that was caught elsewhere, in this cascade or the
+        next.
+        """
         self._derived.append((FAULT, _fault(owner, place, error)))
 
     def post(self, topic: Topic[M], message: M) -> None:
@@ -194,7 +217,9 @@ class Bus:
         self.clock.call_soon(self.drain)
 
     def drain(self) -> None:
-        """Deliver the inputs that wait, one cascade after the other, and then faults that were reported outside one."""
+        """Deliver the inputs that wait, one cascade after the other, and then faults that were
+        reported outside one.
+        """
         if self._running:
             return
         self._running = True

@@ -15,8 +15,8 @@ _EASIER = {
 def level_change_text(reason: str, *, harder: bool, tr: Language) -> str:
     """Return why the level changed, by the reason in `messages.LevelChanged`.
 
-    Empty under the default difficulty policy, as the feedback has just said whether the goal was reached, and empty
-    if somebody changed the level by hand.
+    Empty under the default difficulty policy, as the feedback has just said whether the goal was
+    reached, and empty if somebody changed the level by hand.
     """
     text = (_HARDER if harder else _EASIER).get(reason, "")
     return tr(text) if text else ""

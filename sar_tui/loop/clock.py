@@ -1,7 +1,7 @@
 """Clocks: integer nanoseconds, live or virtual.
 
-A session takes all times from one clock, so the same nodes run live and, thousands of times faster, in a simulation, a
-replay or a test.
+A session takes all times from one clock, so the same nodes run live and, thousands of times faster,
+in a simulation, a replay or a test.
 """
 
 import contextlib
@@ -23,7 +23,9 @@ STALLED = 250 * MS
 
 
 def host_now() -> int:
-    """Return the host's monotonic clock in ns, the one Textual uses for key events (``perf_counter`` on Windows)."""
+    """Return the host's monotonic clock in ns, the one Textual uses for key events
+    (``perf_counter`` on Windows).
+    """
     return time.perf_counter_ns() if sys.platform == "win32" else time.monotonic_ns()
 
 
@@ -45,12 +47,16 @@ class Clock(Protocol):
         ...
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        """Call ``callback`` as soon as the owning thread is free. The only method that other threads may call."""
+        """Call ``callback`` as soon as the owning thread is free. The only method that other
+        threads may call.
+        """
         ...
 
 
 class LiveClock:
-    """The host's monotonic clock. Callbacks run inside ``run``; the task that awaits it owns the session."""
+    """The host's monotonic clock. Callbacks run inside ``run``; the task that awaits it owns the
+    session.
+    """
 
     def __init__(self, loop: "asyncio.AbstractEventLoop") -> None:
         import asyncio  # a program without a live session does not need it
@@ -62,7 +68,9 @@ class LiveClock:
         return host_now()
 
     def call_at(self, when: int, callback: Callable[[], object]) -> Handle:
-        return self._loop.call_later(max(0, when - host_now()) / SECOND, self._due.put_nowait, inherited(callback))
+        return self._loop.call_later(
+            max(0, when - host_now()) / SECOND, self._due.put_nowait, inherited(callback)
+        )
 
     def call_soon(self, callback: Callable[[], object]) -> None:
         with contextlib.suppress(RuntimeError):  # the loop is closed: the session is over
@@ -89,9 +97,10 @@ class _Due:
 class VirtualClock:
     """A clock that moves only when it is stepped, from one callback to the next.
 
-    Twenty minutes of a session take milliseconds, and are the same each time: callbacks run in the order of their time,
-    and those of the same time in the order of their request. ``set`` moves the clock without running callbacks, for a
-    replay, in which recorded timer messages replace the timers.
+    Twenty minutes of a session take milliseconds, and are the same each time: callbacks run in the
+    order of their time, and those of the same time in the order of their request. ``set`` moves the
+    clock without running callbacks, for a replay, in which recorded timer messages replace the
+    timers.
     """
 
     def __init__(self, start: int = 0) -> None:

@@ -9,7 +9,9 @@ if TYPE_CHECKING:
 
 
 def entry_points(group: str) -> "tuple[EntryPoint, ...]":
-    """Return the entry points of a group. They are looked for once, as that takes some milliseconds."""
+    """Return the entry points of a group. They are looked for once, as that takes some
+    milliseconds.
+    """
     return _found(group, tuple(sys.path))
 
 

@@ -1,4 +1,6 @@
-"""An attempt compared with earlier ones, for the feedback on it: which, and what of the change is real. Pure."""
+"""An attempt compared with earlier ones, for the feedback on it: which, and what of the change is
+real. Pure.
+"""
 
 import math
 from typing import Literal, NamedTuple
@@ -19,8 +21,9 @@ _ONE = Spread(1, 0.0)
 class QualityChange(NamedTuple):
     """The change of a quality since an earlier attempt.
 
-    ``size``: the improvement in margins, or in MDC95 from rules 5 on; negative if it is worse. ``is_real``: it is large
-    enough to be said. ``judged``: against the person's noise; None before rules 5.
+    ``size``: the improvement in margins, or in MDC95 from rules 5 on; negative if it is worse.
+    ``is_real``: it is large enough to be said. ``judged``: against the person's noise; None before
+    rules 5.
     """
 
     quality: Quality
@@ -47,11 +50,14 @@ def comparable_attempts(feedback: Feedback, recalled: RecalledAttempts) -> list[
     return [
         attempt
         for attempt in attempts_before(feedback, recalled)
-        if attempt.metric is not None and abs(attempt.metric - (feedback.metric or 0.0)) <= tolerance
+        if attempt.metric is not None
+        and abs(attempt.metric - (feedback.metric or 0.0)) <= tolerance
     ]
 
 
-def judge_result(task: Task, feedback: Feedback, recalled: RecalledAttempts, before: float) -> Change | None:
+def judge_result(
+    task: Task, feedback: Feedback, recalled: RecalledAttempts, before: float
+) -> Change | None:
     """Judge the change of the result from a reference; None if the earlier attempts are too few.
 
     Args:
@@ -80,13 +86,18 @@ def judge_result(task: Task, feedback: Feedback, recalled: RecalledAttempts, bef
 
 def measured_qualities(task: Task, feedback: Feedback) -> list[Quality]:
     """Return the qualities that feedback on an attempt can be about."""
-    return [each for each in task.qualities if each.field in feedback.qualities and each.is_praised(task.rules)]
+    return [
+        each
+        for each in task.qualities
+        if each.field in feedback.qualities and each.is_praised(task.rules)
+    ]
 
 
 def quality_changes(
     task: Task, feedback: Feedback, recalled: RecalledAttempts, before: AttemptEnded
 ) -> list[QualityChange]:
-    """Return the changes of the qualities that were measured in two attempts; none if they cannot be told from noise.
+    """Return the changes of the qualities that were measured in two attempts; none if they cannot
+    be told from noise.
 
     Args:
         task: has the qualities.
@@ -96,8 +107,14 @@ def quality_changes(
     """
     both = [each for each in measured_qualities(task, feedback) if each.field in before.qualities]
     if task.rules < 5:
-        sizes = [each.change(feedback.qualities[each.field], before.qualities[each.field]) for each in both]
-        return [QualityChange(each, size, abs(size) >= 1) for each, size in zip(both, sizes, strict=True)]
+        sizes = [
+            each.change(feedback.qualities[each.field], before.qualities[each.field])
+            for each in both
+        ]
+        return [
+            QualityChange(each, size, abs(size) >= 1)
+            for each, size in zip(both, sizes, strict=True)
+        ]
     judged = [(each, _judge_quality(each, feedback, recalled, before, len(both))) for each in both]
     return [
         QualityChange(each, _size(change, each.better), change.verdict != "chance", change)
@@ -106,7 +123,9 @@ def quality_changes(
     ]
 
 
-def worst_decline(task: Task, feedback: Feedback, recalled: RecalledAttempts) -> QualityDecline | None:
+def worst_decline(
+    task: Task, feedback: Feedback, recalled: RecalledAttempts
+) -> QualityDecline | None:
     """Return the quality that got worse by most, beyond this person's own noise; None if none did.
 
     Attempts of which a quality is doubtful do not count for it.
@@ -139,7 +158,11 @@ def _size(change: Change, better: Literal["lower", "higher"]) -> float:
 
 
 def _judge_quality(
-    quality: Quality, feedback: Feedback, recalled: RecalledAttempts, before: AttemptEnded, measures: int
+    quality: Quality,
+    feedback: Feedback,
+    recalled: RecalledAttempts,
+    before: AttemptEnded,
+    measures: int,
 ) -> Change | None:
     name, present = quality.field, _present(feedback, recalled)
     if present is None:
@@ -161,7 +184,9 @@ def _judge_quality(
 
 def _present(feedback: Feedback, recalled: RecalledAttempts) -> AttemptEnded | None:
     """Return the attempt that the feedback is on; None for practice, which is not recalled."""
-    return next((attempt for attempt in recalled.attempts if attempt.attempt == feedback.attempt), None)
+    return next(
+        (attempt for attempt in recalled.attempts if attempt.attempt == feedback.attempt), None
+    )
 
 
 def _sample(attempt: AttemptEnded, name: str, mean: float) -> Sample:
@@ -170,7 +195,8 @@ def _sample(attempt: AttemptEnded, name: str, mean: float) -> Sample:
 
 
 def result_evidence(metric: Metric, change: Change) -> str:
-    """Return a change of the result beside its MDC95, for the therapist: "reach time -0.421 s (MDC95 0.380 s)".
+    """Return a change of the result beside its MDC95, for the therapist: "reach time -0.421 s
+    (MDC95 0.380 s)".
 
     A time has one decimal more than a result, so that the two don't look equal.
     """
@@ -182,5 +208,7 @@ def result_evidence(metric: Metric, change: Change) -> str:
 
 
 def quality_evidence(quality: Quality, change: Change | Decline) -> str:
-    """Return a change of a quality beside its MDC95, for the therapist: "sparc +0.31 (MDC95 0.22)"."""
+    """Return a change of a quality beside its MDC95, for the therapist: "sparc +0.31 (MDC95
+    0.22)".
+    """
     return f"{quality.field.replace('_', ' ')} {change.by:+.2g} (MDC95 {change.mdc95:.2g})"

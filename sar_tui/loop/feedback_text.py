@@ -35,7 +35,9 @@ class Wordings(Protocol):
     def __call__(self, situation: str, **slots: str) -> str: ...
 
     def beside(self, text: str, situation: str, **slots: str) -> str:
-        """Return a wording for a situation that repeats little of ``text``, which is said with it."""
+        """Return a wording for a situation that repeats little of ``text``, which is said with
+        it.
+        """
         ...
 
     def choose(self, choices: Sequence[str]) -> str:
@@ -67,7 +69,9 @@ class _Pair(NamedTuple):
 
 
 class _PerformanceText(NamedTuple):
-    """Knowledge of performance in words and in figures, its valence, and the change that it reports."""
+    """Knowledge of performance in words and in figures, its valence, and the change that it
+    reports.
+    """
 
     words: str
     figures: str
@@ -92,10 +96,14 @@ class FeedbackText:
         self._word = word
 
     def write(self, feedback: Feedback, recalled: RecalledAttempts) -> WrittenFeedback:
-        """Return the text of feedback, with the form and content of its choice, and the task's correction after it."""
+        """Return the text of feedback, with the form and content of its choice, and the task's
+        correction after it.
+        """
         written = self._written(feedback, recalled)
         is_said = not feedback.correction or feedback.correction in written.text
-        return written if is_said else written._replace(text=f"{written.text} {feedback.correction}")
+        return (
+            written if is_said else written._replace(text=f"{written.text} {feedback.correction}")
+        )
 
     def _written(self, feedback: Feedback, recalled: RecalledAttempts) -> WrittenFeedback:
         choice = feedback.choice
@@ -103,26 +111,43 @@ class FeedbackText:
             summary = self._in_form(self._summary(feedback), choice.form)
             return WrittenFeedback(summary, feedback.valence, choice.degree)
         failed = feedback.reason in ("accuracy", "empty")
-        performance = self._performance(feedback, recalled) if choice.content != "results" and not failed else None
+        performance = (
+            self._performance(feedback, recalled)
+            if choice.content != "results" and not failed
+            else None
+        )
         if performance and choice.content == "performance":
             degree: Degree = "clear" if performance.valence == "positive" else "slight"
-            return WrittenFeedback(performance.text(choice.form), performance.valence, degree, performance.evidence)
+            return WrittenFeedback(
+                performance.text(choice.form), performance.valence, degree, performance.evidence
+            )
         results = self._results(feedback, recalled)
         if failed and feedback.remark:
             results = _Pair(feedback.remark, results.figures)
         elif failed and feedback.advice:
             results = _Pair(self._word("unanswered", advice=feedback.advice), results.figures)
         is_advice = failed and feedback.advice and not feedback.remark and choice.form == "both"
-        form: Form = "qualitative" if is_advice else choice.form  # a count of misses would sound like a reproach
-        texts = [self._in_form(results, form), *([performance.text(choice.form)] if performance else [])]
+        # a count of misses would sound like a reproach
+        form: Form = "qualitative" if is_advice else choice.form
+        texts = [
+            self._in_form(results, form),
+            *([performance.text(choice.form)] if performance else []),
+        ]
         evidence = [self._evidence(feedback, recalled), performance.evidence if performance else ""]
-        return WrittenFeedback(" ".join(texts), feedback.valence, choice.degree, "; ".join(filter(None, evidence)))
+        return WrittenFeedback(
+            " ".join(texts), feedback.valence, choice.degree, "; ".join(filter(None, evidence))
+        )
 
     def _in_form(self, pair: "_Pair", form: Form) -> str:
         """Return the words, the figures or both."""
-        return {"qualitative": pair.words, "quantitative": pair.figures, "both": f"{pair.words} {pair.figures}"}[form]
+        return {
+            "qualitative": pair.words,
+            "quantitative": pair.figures,
+            "both": f"{pair.words} {pair.figures}",
+        }[form]
 
-    # --- knowledge of results ------------------------------------------------------------------------------
+    # --- knowledge of results
+    # ------------------------------------------------------------------------------
 
     def _results(self, feedback: Feedback, recalled: RecalledAttempts) -> "_Pair":
         is_reason = feedback.reason in ("accuracy", "empty", *RACED)
@@ -132,22 +157,33 @@ class FeedbackText:
         return _Pair(self._word.beside(beside, situation), figures)
 
     def _figures(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
-        """Compare with the chosen reference; without one, or if the change may be chance, give result and goal."""
+        """Compare with the chosen reference; without one, or if the change may be chance, give
+        result and goal.
+        """
         if feedback.reason in RACED:
-            return self._word("race_figures", reached=str(feedback.won), trials=str(feedback.trials))
+            return self._word(
+                "race_figures", reached=str(feedback.won), trials=str(feedback.trials)
+            )
         if feedback.reason in ("accuracy", "empty") or feedback.metric is None:
             situation = "empty" if feedback.reason == "empty" else "accuracy"
-            return self._word(f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials))
+            return self._word(
+                f"{situation}_figures", correct=str(feedback.correct), trials=str(feedback.trials)
+            )
         tr, metric = self._task.tr, self._task.metric
         decimals = decimals_for(metric, feedback.metric, feedback.goal)
-        value, goal = result_text(metric, feedback.metric, tr, decimals), goal_text(metric, feedback.goal, tr)
+        value, goal = (
+            result_text(metric, feedback.metric, tr, decimals),
+            goal_text(metric, feedback.goal, tr),
+        )
         before = self._reference(feedback, recalled)
         if before is None:
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         reference = self._reference_name(feedback, recalled)
         difference = difference_text(metric, feedback.metric, before, tr, decimals)
         if not difference:
-            return self._word(f"{feedback.valence}_same", value=value, goal=goal, reference=reference)
+            return self._word(
+                f"{feedback.valence}_same", value=value, goal=goal, reference=reference
+            )
         if not self._is_real(feedback, recalled, before):
             return self._word(f"{feedback.valence}_first", value=value, goal=goal)
         improved = metric.is_better(feedback.metric, before)
@@ -161,7 +197,9 @@ class FeedbackText:
         )
 
     def _is_real(self, feedback: Feedback, recalled: RecalledAttempts, before: float) -> bool:
-        """Return True if a difference may be reported: from the goal always, from other attempts if it is no chance."""
+        """Return True if a difference may be reported: from the goal always, from other attempts if
+        it is no chance.
+        """
         if self._task.rules < 5 or feedback.choice.compared_with == "goal":
             return True
         change = judge_result(self._task, feedback, recalled, before)
@@ -175,10 +213,16 @@ class FeedbackText:
         if self._task.rules < 5 or not is_told or before is None:
             return ""
         change = judge_result(self._task, feedback, recalled, before)
-        return result_evidence(self._task.metric, change) if change and change.verdict != "chance" else ""
+        return (
+            result_evidence(self._task.metric, change)
+            if change and change.verdict != "chance"
+            else ""
+        )
 
     def _reference_name(self, feedback: Feedback, recalled: RecalledAttempts) -> str:
-        """Return the name of the reference: "last at this level" if the last attempt was at another level."""
+        """Return the name of the reference: "last at this level" if the last attempt was at another
+        level.
+        """
         name = _VOCABULARY[feedback.choice.compared_with]
         if name == "last_attempt" and feedback.attempt - 1 not in {
             attempt.attempt for attempt in recalled.attempts if attempt.metric is not None
@@ -190,14 +234,21 @@ class FeedbackText:
         """Return the value that the result is compared with: from the same level, or the goal."""
         if feedback.choice.compared_with == "goal":
             return feedback.goal
-        earlier = [attempt for attempt in attempts_before(feedback, recalled) if attempt.metric is not None]
+        earlier = [
+            attempt for attempt in attempts_before(feedback, recalled) if attempt.metric is not None
+        ]
         before = [attempt.metric for attempt in earlier if attempt.metric is not None]
         if feedback.choice.compared_with == "best attempt":
             enough = self._task.parameters.min_accuracy
             accurate = [
-                a.metric for a in earlier if a.metric is not None and (a.accuracy is None or a.accuracy >= enough)
+                a.metric
+                for a in earlier
+                if a.metric is not None and (a.accuracy is None or a.accuracy >= enough)
             ]
-            known = [*accurate, *([recalled.earlier_best] if recalled.earlier_best is not None else [])]
+            known = [
+                *accurate,
+                *([recalled.earlier_best] if recalled.earlier_best is not None else []),
+            ]
             best = min if self._task.metric.better == "lower" else max
             return best(known) if known else None
         if feedback.choice.compared_with == "last attempt":
@@ -209,7 +260,9 @@ class FeedbackText:
         if feedback.metric is None:
             figures = self._word("summary_empty_figures", **counts)
         else:
-            figures = self._word("summary_figures", **counts, **self._value_and_goal(feedback.metric, feedback.goal))
+            figures = self._word(
+                "summary_figures", **counts, **self._value_and_goal(feedback.metric, feedback.goal)
+            )
         beside = figures if feedback.choice.form == "both" else ""
         return _Pair(self._word.beside(beside, f"summary_{feedback.valence}"), figures)
 
@@ -218,13 +271,17 @@ class FeedbackText:
         shown = result_text(metric, value, tr, decimals_for(metric, value, goal))
         return {"value": shown, "goal": goal_text(metric, goal, tr)}
 
-    # --- knowledge of performance --------------------------------------------------------------------------
+    # --- knowledge of performance
+    # --------------------------------------------------------------------------
 
-    def _performance(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
-        """Return what got worse beyond the person's noise, else what improved since the last comparable attempt.
+    def _performance(
+        self, feedback: Feedback, recalled: RecalledAttempts
+    ) -> "_PerformanceText | None":
+        """Return what got worse beyond the person's noise, else what improved since the last
+        comparable attempt.
 
-        The task's own correction takes the place of what got worse. None if nothing changed: feedback is then on the
-        result.
+        The task's own correction takes the place of what got worse. None if nothing changed:
+        feedback is then on the result.
         """
         find = self._change if self._task.rules >= 6 else self._change_or_cue
         found = find(feedback, recalled)
@@ -235,25 +292,35 @@ class FeedbackText:
     def _change(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
         """Return what got worse or improved, if it is more than the person's noise.
 
-        Comparable attempts have the same level and nearly the same result: the qualities depend on speed.
+        Comparable attempts have the same level and nearly the same result: the qualities depend on
+        speed.
         """
         if feedback.metric is None:
             return None
         tr = self._task.tr
         worst = worst_decline(self._task, feedback, recalled)
         if worst:
-            words = {"aim": tr(worst.quality.aim), "reference": self._word.vocabulary("session_mean")}
+            words = {
+                "aim": tr(worst.quality.aim),
+                "reference": self._word.vocabulary("session_mean"),
+            }
             share = abs(worst.decline.by / worst.decline.usual) if worst.decline.usual else None
-            text = self._performance_text(feedback, recalled, "negative", "performance_worsened", words, share)
+            text = self._performance_text(
+                feedback, recalled, "negative", "performance_worsened", words, share
+            )
             return text._replace(evidence=quality_evidence(*worst))
         before = next(reversed(comparable_attempts(feedback, recalled)), None)
         changes = quality_changes(self._task, feedback, recalled, before) if before else []
-        best = max((each for each in changes if each.is_real), key=lambda change: change.size, default=None)
+        best = max(
+            (each for each in changes if each.is_real), key=lambda change: change.size, default=None
+        )
         if before is None or best is None or best.size <= 0:
             return None
         words = {"change": tr(best.quality.improved), "reference": self._last(feedback, before)}
         share = _share(best.quality, feedback, before)
-        text = self._performance_text(feedback, recalled, "positive", "performance_improved", words, share)
+        text = self._performance_text(
+            feedback, recalled, "positive", "performance_improved", words, share
+        )
         return text._replace(evidence=_evidence_of(best))
 
     def _last(self, feedback: Feedback, before: AttemptEnded) -> str:
@@ -261,8 +328,11 @@ class FeedbackText:
         latest = before.attempt == feedback.attempt - 1
         return self._word.vocabulary("last_attempt" if latest else "last_at_level")
 
-    def _change_or_cue(self, feedback: Feedback, recalled: RecalledAttempts) -> "_PerformanceText | None":
-        """Return what improved since the last comparable attempt, else advice, as sessions of rules 1 to 5 did.
+    def _change_or_cue(
+        self, feedback: Feedback, recalled: RecalledAttempts
+    ) -> "_PerformanceText | None":
+        """Return what improved since the last comparable attempt, else advice, as sessions of rules
+        1 to 5 did.
 
         None if nothing was measured.
         """
@@ -273,7 +343,9 @@ class FeedbackText:
         before = next(reversed(comparable_attempts(feedback, recalled)), None)
         changes = quality_changes(self._task, feedback, recalled, before) if before else []
         if not changes or before is None:
-            return self._performance_text(feedback, recalled, "neutral", "performance_first", {"aim": tr(aim)})
+            return self._performance_text(
+                feedback, recalled, "neutral", "performance_first", {"aim": tr(aim)}
+            )
         reference = {"reference": self._last(feedback, before)}
         real = [change for change in changes if change.is_real]
         best = max(real, key=lambda change: change.size, default=None)
@@ -288,7 +360,9 @@ class FeedbackText:
         if worst.is_real:
             words = {"aim": tr(worst.quality.aim), **reference}
             share = _share(worst.quality, feedback, before)
-            text = self._performance_text(feedback, recalled, "negative", "performance_worsened", words, share)
+            text = self._performance_text(
+                feedback, recalled, "negative", "performance_worsened", words, share
+            )
             return text._replace(evidence=_evidence_of(worst))
         words = {"aim": tr(aim), **reference}
         share = _share(worst.quality, feedback, before)
@@ -311,7 +385,9 @@ class FeedbackText:
         share: float | None = None,
         aim: str = "",
     ) -> "_PerformanceText":
-        """Return the text in words and in figures: the change as a percentage up to 100 %, else the result."""
+        """Return the text in words and in figures: the change as a percentage up to 100 %, else the
+        result.
+        """
         said = self._word(situation, **words)
         if share is not None and share <= 1:
             figures = self._word(f"{situation}_figures", **words, percent=f"{100 * share:.0f} %")
@@ -329,7 +405,11 @@ class FeedbackText:
 def _graded(feedback: Feedback) -> str:
     """Return the situation of a result, by its distance from the goal."""
     degree = feedback.choice.degree
-    return feedback.valence if feedback.valence == "neutral" or degree == "clear" else f"{feedback.valence}_{degree}"
+    return (
+        feedback.valence
+        if feedback.valence == "neutral" or degree == "clear"
+        else f"{feedback.valence}_{degree}"
+    )
 
 
 def _evidence_of(change: QualityChange) -> str:

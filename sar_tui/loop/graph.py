@@ -23,8 +23,8 @@ class Listener(Protocol):
 class Part(msgspec.Struct, frozen=True, rename={"receives": "hears"}):
     """A node of the graph, with the names of its topics and services.
 
-    ``kind``: ``input`` (receives nothing), ``output`` (emits only reports, or nothing), ``node`` (in between), ``tap``
-    (receives everything), ``outside`` (the program around them).
+    ``kind``: ``input`` (receives nothing), ``output`` (emits only reports, or nothing), ``node``
+    (in between), ``tap`` (receives everything), ``outside`` (the program around them).
     """
 
     name: str
@@ -36,7 +36,9 @@ class Part(msgspec.Struct, frozen=True, rename={"receives": "hears"}):
 
 
 class Edge(msgspec.Struct, frozen=True):
-    """A ``topic`` from the node that emits it to one that receives it, or a ``service`` from caller to server."""
+    """A ``topic`` from the node that emits it to one that receives it, or a ``service`` from caller
+    to server.
+    """
 
     source: str = msgspec.field(name="from")
     target: str = msgspec.field(name="to")
@@ -70,7 +72,8 @@ def graph(nodes: Sequence[type[Node]], taps: Sequence[type[Listener]] = ()) -> G
         for source in parts
         for name in source.emits
         for target in parts
-        if target is not source and (name in target.receives or (target.kind == "tap" and name not in received))
+        if target is not source
+        and (name in target.receives or (target.kind == "tap" and name not in received))
     ]
     service_edges = [
         Edge(source.name, target.name, name, "service")
@@ -110,8 +113,14 @@ def longest_path(whole: Graph) -> list[str]:
             targets.setdefault(edge.source, []).append(edge.target)
 
     def longest(path: list[str]) -> list[str]:
-        ways = [longest([*path, name]) for name in dict.fromkeys(targets.get(path[-1], ())) if name not in path]
+        ways = [
+            longest([*path, name])
+            for name in dict.fromkeys(targets.get(path[-1], ()))
+            if name not in path
+        ]
         return max(ways, key=len, default=path)
 
-    starts = [part.name for part in whole.nodes if part.kind == "input"] or [part.name for part in whole.nodes]
+    starts = [part.name for part in whole.nodes if part.kind == "input"] or [
+        part.name for part in whole.nodes
+    ]
     return max((longest([name]) for name in starts), key=len, default=[])

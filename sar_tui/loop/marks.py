@@ -1,20 +1,32 @@
-"""Marks that a therapist puts on a trial: missed, compensated, assisted. Pure (see `trial_types.Mark`)."""
+"""Marks that a therapist puts on a trial: missed, compensated, assisted. Pure (see
+`trial_types.Mark`).
+"""
 
 from collections.abc import Iterable, Mapping
 
 import msgspec
 from msgspec.structs import replace
 
-from sar_tui.model.messages import AttemptStarted, Message, PromptVoided, TrialEnded, TrialMarked, Waiting
+from sar_tui.model.messages import (
+    AttemptStarted,
+    Message,
+    PromptVoided,
+    TrialEnded,
+    TrialMarked,
+    Waiting,
+)
 from sar_tui.model.trial_types import Mark, Results
 
 _OPEN = ("quiet", "foreperiod", "storage", "response")
-"""Waits of a trial in which a mark is put on that trial; at all other times it is put on the last one."""
+"""Waits of a trial in which a mark is put on that trial; at all other times it is put on the last
+one.
+"""
 _NONE = (0, 0)
 
 
 class TrialMark(msgspec.Struct, frozen=True):
-    """The trial that a mark is put on now, and the mark that is on it. Followed by programs that offer marks.
+    """The trial that a mark is put on now, and the mark that is on it. Followed by programs that
+    offer marks.
 
     Attributes:
         done: attempt and number of the last trial that was done; zeros if there is none to mark.
@@ -48,7 +60,9 @@ class TrialMark(msgspec.Struct, frozen=True):
             case AttemptStarted():  # the last attempt's trial cannot be marked any more
                 return TrialMark()
             case TrialMarked():
-                return replace(self, marks=self.marks | {(message.attempt, message.trial): message.mark})
+                return replace(
+                    self, marks=self.marks | {(message.attempt, message.trial): message.mark}
+                )
         return self
 
 
@@ -66,7 +80,9 @@ class MarkedResults(msgspec.Struct, frozen=True):
         return {seat: self.mark.applied(result) for seat, result in self.measured.items()}
 
     def toggled(self, mark: Mark) -> "MarkedResults":
-        """Return the results with ``mark`` instead of the present one, or without it if that is the present one."""
+        """Return the results with ``mark`` instead of the present one, or without it if that is the
+        present one.
+        """
         return MarkedResults(self.measured, toggled(self.mark, mark))
 
 
@@ -76,12 +92,18 @@ def find(marks: Iterable[Mark], name: str) -> Mark | None:
 
 
 def toggled(present: Mark | None, mark: Mark) -> Mark | None:
-    """Return the mark of a trial after ``mark`` was chosen: choosing the present one again removes it."""
+    """Return the mark of a trial after ``mark`` was chosen: choosing the present one again removes
+    it.
+    """
     return None if present == mark else mark
 
 
-def messages(attempt: int, trial: int, mark: Mark | None, correct: Mapping[str, bool]) -> list[TrialMarked]:
-    """Return a message per seat that reports the trial's mark, and whether its result is correct with it."""
+def messages(
+    attempt: int, trial: int, mark: Mark | None, correct: Mapping[str, bool]
+) -> list[TrialMarked]:
+    """Return a message per seat that reports the trial's mark, and whether its result is correct
+    with it.
+    """
     name = mark.name if mark else ""
     return [
         TrialMarked(seat=seat, attempt=attempt, trial=trial, mark=name, correct=is_correct)

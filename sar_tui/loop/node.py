@@ -38,8 +38,9 @@ def serves(service: Service[Any, Any]) -> Callable[[F], F]:
 class Node:
     """Base of all nodes.
 
-    A subclass has a name, declares what it ``emits`` and ``asks``, and marks its handlers with ``on`` and ``serves``.
-    `sar-tui graph` draws the system from these declarations, and ``emit`` and ``ask`` enforce them.
+    A subclass has a name, declares what it ``emits`` and ``asks``, and marks its handlers with
+    ``on`` and ``serves``. `sar-tui graph` draws the system from these declarations, and ``emit``
+    and ``ask`` enforce them.
     """
 
     name: str
@@ -90,7 +91,9 @@ class Node:
 
 
 class TimedNode(Node):
-    """A node with timers. A timer publishes an input message when it fires, so a replay needs no timers."""
+    """A node with timers. A timer publishes an input message when it fires, so a replay needs no
+    timers.
+    """
 
     emits: ClassVar[tuple[Topic[Any], ...]] = (TIMER,)
 
@@ -133,7 +136,9 @@ class TimedNode(Node):
 
 
 def _marked(cls: type, mark: str) -> list[Any]:
-    """Return the methods of a class and its bases that carry ``mark``, in source order, bases first."""
+    """Return the methods of a class and its bases that carry ``mark``, in source order, bases
+    first.
+    """
     methods: dict[str, Any] = {}
     for base in reversed(cls.__mro__):
         methods.update({name: value for name, value in vars(base).items() if hasattr(value, mark)})

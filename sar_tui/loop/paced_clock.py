@@ -11,11 +11,12 @@ from sar_tui.model.units import SECOND
 class PacedClock(VirtualClock):
     """A virtual clock for simulations with outputs that work on a thread of their own.
 
-    It jumps from one callback to the next, except while work goes on: then it takes as long as the host's clock, or
-    until another thread hands over a callback.
+    It jumps from one callback to the next, except while work goes on: then it takes as long as the
+    host's clock, or until another thread hands over a callback.
 
     Attributes:
-        timers: number of callbacks requested for a later time so far. Code that requested one follows this clock.
+        timers: number of callbacks requested for a later time so far. Code that requested one
+            follows this clock.
     """
 
     def __init__(self, start: int = 0) -> None:

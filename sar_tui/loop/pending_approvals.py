@@ -24,7 +24,10 @@ class PendingApprovals:
     @property
     def next_deadline(self) -> int | None:
         """The earliest deadline (ns), if there is one."""
-        return min((one.deadline for one in self._waiting.values() if one.deadline is not None), default=None)
+        return min(
+            (one.deadline for one in self._waiting.values() if one.deadline is not None),
+            default=None,
+        )
 
     def add(self, pending: PendingApproval) -> None:
         """Add a proposal; it replaces one with the same id."""
@@ -38,7 +41,9 @@ class PendingApprovals:
         """Remove and return the proposals whose deadline has passed."""
         return self.remove(lambda pending: pending.deadline is not None and pending.deadline <= now)
 
-    def remove(self, which: Callable[[PendingApproval], bool] = lambda _: True) -> tuple[PendingApproval, ...]:
+    def remove(
+        self, which: Callable[[PendingApproval], bool] = lambda _: True
+    ) -> tuple[PendingApproval, ...]:
         """Remove and return the proposals for which ``which`` is true."""
         gone = tuple(filter(which, self._waiting.values()))
         for pending in gone:

@@ -1,4 +1,6 @@
-"""The phrases of a theme: their keys, the slots each may use, and the rule that phrases in words hold no number."""
+"""The phrases of a theme: their keys, the slots each may use, and the rule that phrases in words
+hold no number.
+"""
 
 import re
 import string
@@ -6,7 +8,9 @@ import unicodedata
 
 from sar_tui.model.visible_text import control_problem
 
-FIGURES = frozenset({"value", "goal", "difference", "percent", "correct", "trials", "reached", "attempts"})
+FIGURES = frozenset(
+    {"value", "goal", "difference", "percent", "correct", "trials", "reached", "attempts"}
+)
 """Slots that hold a number."""
 _VALENCES = ("positive", "neutral", "negative")
 
@@ -73,7 +77,9 @@ SPOKEN_BY = {
     "encouragement_new_level": "encouragement",
     "encouragement_new_level_both": "encouragement_both",
 }
-"""Situations for which a theme need not have its own wordings, with those whose wordings are used then."""
+"""Situations for which a theme need not have its own wordings, with those whose wordings are used
+then.
+"""
 
 PERFORMANCE = tuple(name for name in PHRASE_KEYS if name.startswith("performance_"))
 QUANTITATIVE = tuple(name for name, slots in PHRASE_KEYS.items() if slots & FIGURES)
@@ -83,7 +89,8 @@ VOCABULARY = ("last_attempt", "last_at_level", "best_attempt", "session_mean", "
 """Words for the slot ``reference``."""
 
 
-# --- numbers in a text ----------------------------------------------------------------------------------------
+# --- numbers in a text
+# ----------------------------------------------------------------------------------------
 
 _SPELLED = {
     "en": """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen
@@ -108,7 +115,9 @@ def _folded(text: str) -> str:
     return "".join(character for character in parts if not unicodedata.combining(character))
 
 
-_NUMBER_WORDS = {language: frozenset(_folded(words).split()) for language, words in _SPELLED.items()}
+_NUMBER_WORDS = {
+    language: frozenset(_folded(words).split()) for language, words in _SPELLED.items()
+}
 """Number words by language, in the form that `holds_number` compares."""
 
 
@@ -120,7 +129,8 @@ def holds_number(text: str, language: str = "en") -> bool:
     return not known.isdisjoint(re.findall(r"[^\W\d_]+", _folded(text)))
 
 
-# --- one wording ----------------------------------------------------------------------------------------------
+# --- one wording
+# ----------------------------------------------------------------------------------------------
 
 
 def wording_problems(situation: str, wording: str, language: str) -> list[str]:

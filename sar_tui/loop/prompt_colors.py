@@ -1,8 +1,10 @@
-"""Colours that a prompt may have, by the names that people call them: told apart without normal colour vision, too.
+"""Colours that a prompt may have, by the names that people call them: told apart without normal
+colour vision, too.
 
-The set is that of Okabe & Ito (2008), "Color Universal Design: how to make figures and presentations that are friendly
-to colorblind people" (https://jfly.uni-koeln.de/color/). Its vermillion is named red here, its bluish green green, its
-reddish purple purple; its black is the colour of texts.
+The set is that of Okabe & Ito (2008), "Color Universal Design: how to make figures and
+presentations that are friendly to colorblind people" (https://jfly.uni-koeln.de/color/). Its
+vermillion is named red here, its bluish green green, its reddish purple purple; its black is the
+colour of texts.
 """
 
 from functools import cache
@@ -20,13 +22,16 @@ OKABE_ITO = {
 }
 """The colours by name."""
 LEAST_CONTRAST = 3.0
-"""Least contrast with the background, as WCAG 2.2 asks of large text and of graphics (1.4.3, 1.4.11)."""
+"""Least contrast with the background, as WCAG 2.2 asks of large text and of graphics (1.4.3,
+1.4.11).
+"""
 _STEPS = 100
 
 
 @cache
 def color_on(name: str, background: str) -> str:
-    """Return a colour of the set as #rrggbb: as published, or darker or lighter until it stands out on a background.
+    """Return a colour of the set as #rrggbb: as published, or darker or lighter until it stands out
+    on a background.
 
     Args:
         name: of the colour.

@@ -9,7 +9,9 @@ LONGEST_DATA = 10_000
 
 
 def problem(data: dict[str, Any]) -> str:
-    """Return a sentence that says why the data of a prompt cannot be stored as they are; empty if they can."""
+    """Return a sentence that says why the data of a prompt cannot be stored as they are; empty if
+    they can.
+    """
     if not isinstance(data, dict):
         return f"The data of a prompt are a dictionary, not {data!r:.60}."
     try:
@@ -18,9 +20,12 @@ def problem(data: dict[str, Any]) -> str:
         return f"The data of a prompt cannot be stored as JSON: {error}."
     if msgspec.json.decode(stored) != data:
         return (
-            f"The data of a prompt would change in JSON: {data!r:.60}. Its keys are texts, its values texts, finite "
+            f"The data of a prompt would change in JSON: {data!r:.60}. Its keys are texts, its "
+            "values texts, finite "
             "numbers, lists and dictionaries."
         )
     if len(stored) > LONGEST_DATA:
-        return f"The data of a prompt take {len(stored)} bytes as JSON; {LONGEST_DATA} are possible."
+        return (
+            f"The data of a prompt take {len(stored)} bytes as JSON; {LONGEST_DATA} are possible."
+        )
     return ""

@@ -11,7 +11,9 @@ def problem(stimulus: Stimulus) -> str:
     """Return a sentence that names what should be a text and is none; empty if all are texts."""
     if found := _problem_of("prompt", stimulus, _OF_PROMPT):
         return found
-    return next(filter(None, (_problem_of("frame", frame, _OF_BOTH) for frame in stimulus.frames)), "")
+    return next(
+        filter(None, (_problem_of("frame", frame, _OF_BOTH) for frame in stimulus.frames)), ""
+    )
 
 
 def _problem_of(what: str, shown: Stimulus | Frame, names: tuple[str, ...]) -> str:
@@ -19,6 +21,10 @@ def _problem_of(what: str, shown: Stimulus | Frame, names: tuple[str, ...]) -> s
         if not isinstance(value := getattr(shown, name), str):
             return f"The {name} of a {what} is a text, not {value!r:.80}."
     halves = shown.halves
-    if isinstance(halves, tuple) and len(halves) in (0, 2) and all(isinstance(half, str) for half in halves):
+    if (
+        isinstance(halves, tuple)
+        and len(halves) in (0, 2)
+        and all(isinstance(half, str) for half in halves)
+    ):
         return ""
     return f"The halves of a {what} are a pair of texts, not {halves!r:.80}."

@@ -1,7 +1,8 @@
-"""Compares derived messages with recorded ones, except for wording that only people read, and for absent values.
+"""Compares derived messages with recorded ones, except for wording that only people read, and for
+absent values.
 
-Numbers may differ in their last digits: another version of NumPy, or another processor, rounds logarithms and Fourier
-transforms differently, and must not keep a session from being resumed.
+Numbers may differ in their last digits: another version of NumPy, or another processor, rounds
+logarithms and Fourier transforms differently, and must not keep a session from being resumed.
 """
 
 import math
@@ -14,15 +15,32 @@ import msgspec
 from sar_tui.loop.bus import Record
 from sar_tui.model.messages import Fault, Message, TrialEnded
 
-WORDING = frozenset({"text", "spoken", "hint", "notice", "detail", "goal", "attempt_name", "remark", "advice", "why"})
-"""Fields whose texts are for people only, so that a corrected sentence does not prevent a resume."""
+WORDING = frozenset(
+    {
+        "text",
+        "spoken",
+        "hint",
+        "notice",
+        "detail",
+        "goal",
+        "attempt_name",
+        "remark",
+        "advice",
+        "why",
+    }
+)
+"""Fields whose texts are for people only, so that a corrected sentence does not prevent a
+resume.
+"""
 
 ROUNDING = 1e-9
 """Largest difference of two numbers, relative and absolute, that comes from rounding."""
 
 
 class Difference(NamedTuple):
-    """The first message that is not as recorded. ``recorded`` or ``derived`` is None if one of them is missing."""
+    """The first message that is not as recorded. ``recorded`` or ``derived`` is None if one of them
+    is missing.
+    """
 
     recorded: Record | None
     derived: Record | None
@@ -34,7 +52,9 @@ class Difference(NamedTuple):
 
     @property
     def topic(self) -> str:
-        """The name of the topic of the recorded message, or of the derived one if nothing was recorded."""
+        """The name of the topic of the recorded message, or of the derived one if nothing was
+        recorded.
+        """
         return (self.recorded or self._only_derived).topic.name
 
     @property
@@ -75,24 +95,32 @@ class Comparison:
         """Note what is left over: it was recorded and not derived, or derived and not recorded."""
         if not self.difference and (self._recorded or self._derived):
             self.difference = Difference(
-                self._recorded[0] if self._recorded else None, self._derived[0] if self._derived else None
+                self._recorded[0] if self._recorded else None,
+                self._derived[0] if self._derived else None,
             )
 
 
 def is_same(recorded: Message, derived: Message) -> bool:
-    """Return True if both messages are equal except for wording, rounding and the way in which a value is absent."""
+    """Return True if both messages are equal except for wording, rounding and the way in which a
+    value is absent.
+    """
     if recorded == derived:
         return True
-    return type(recorded) is type(derived) and _is_close(_without_wording(recorded), _without_wording(derived))
+    return type(recorded) is type(derived) and _is_close(
+        _without_wording(recorded), _without_wording(derived)
+    )
 
 
 def _without_wording(message: Message) -> Any:
     values = _blank(msgspec.to_builtins(message))
     if isinstance(message, Fault):  # where the code stands, on the machine of the session
         values["place"] = values["trace"] = ""
-    if isinstance(message, TrialEnded):  # earlier versions stored absent details, and empty responses, in two ways
+    # earlier versions stored absent details, and empty responses, in two ways
+    if isinstance(message, TrialEnded):
         values["response"] = message.response or None
-        values["details"] = {name: value for name, value in values["details"].items() if value is not None}
+        values["details"] = {
+            name: value for name, value in values["details"].items() if value is not None
+        }
     return values
 
 
@@ -112,7 +140,10 @@ def _is_close(recorded: Any, derived: Any) -> bool:
 def _blank(value: Any) -> Any:
     """Replace each string under a wording field by an empty one, at any depth."""
     if isinstance(value, dict):
-        return {name: "" if name in WORDING and isinstance(part, str) else _blank(part) for name, part in value.items()}
+        return {
+            name: "" if name in WORDING and isinstance(part, str) else _blank(part)
+            for name, part in value.items()
+        }
     if isinstance(value, list | tuple):
         return [_blank(part) for part in value]
     return value

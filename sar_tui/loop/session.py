@@ -25,7 +25,9 @@ from sar_tui.rules.version import RULES
 
 
 class ReplayError(ValueError):
-    """A replay differs from the record: another version of the task, the theme or the program made it."""
+    """A replay differs from the record: another version of the task, the theme or the program made
+    it.
+    """
 
 
 class Session:
@@ -40,13 +42,15 @@ class Session:
         best: the participant's best results of earlier sessions, by level.
         others_best: the same for the other participants, by seat.
         names: what the agent calls each participant, by seat; without a name, the seat.
-        done_today: what the participant did today, if something limits a day (`policies.limits.Dose`).
+        done_today: what the participant did today, if something limits a day
+            (`policies.limits.Dose`).
         steps: those between attempts beside the task's own.
         rules: version of the rules; a record that is replayed brings its own.
         parts: the classes of the framework's nodes, if not its own.
 
     Attributes:
-        parameters: with which the task was built; a therapist may change some for ``task.parameters``.
+        parameters: with which the task was built; a therapist may change some for
+            ``task.parameters``.
     """
 
     def __init__(
@@ -106,7 +110,9 @@ class Session:
 
     @property
     def can_skip_attempt(self) -> bool:
-        """True if there is an attempt that a participant may leave out, also while the session is paused."""
+        """True if there is an attempt that a participant may leave out, also while the session is
+        paused.
+        """
         return self._event_handler.can_skip_attempt
 
     @property
@@ -117,7 +123,11 @@ class Session:
     @property
     def broken(self) -> Fault | None:
         """The fault that stopped this session, if there was one."""
-        return next((fault for fault in self.faults if fault.node in self._vital), None) if self.faults else None
+        return (
+            next((fault for fault in self.faults if fault.node in self._vital), None)
+            if self.faults
+            else None
+        )
 
     @property
     def trial_mark(self) -> TrialMark:
@@ -131,7 +141,9 @@ class Session:
 
     @property
     def is_recording_over(self) -> bool:
-        """True if a recording that replaces a sensor is at its end, so that the session cannot go on in this run."""
+        """True if a recording that replaces a sensor is at its end, so that the session cannot go
+        on in this run.
+        """
         return self._event_handler.is_recording_over
 
     def begin(self, run: int = 1) -> None:
@@ -177,10 +189,11 @@ class Session:
             raise ReplayError(f"The task failed in this session: {fault.error}, {fault.place}.")
 
     def compare(self, history: Iterable[Record]) -> Comparison:
-        """Derive the messages of a record anew, up to the first one that differs. Call it before ``begin``.
+        """Derive the messages of a record anew, up to the first one that differs. Call it before
+        ``begin``.
 
-        Wording does not count, nor do faults of inputs and outputs, which are not attached yet, nor what was added to
-        the record later.
+        Wording does not count, nor do faults of inputs and outputs, which are not attached yet, nor
+        what was added to the record later.
         """
         compared = Comparison()
         with closing(self.derive(history)) as derived:
@@ -194,11 +207,14 @@ class Session:
         compared.finish()
         return compared
 
-    def derive(self, history: Iterable[Record]) -> Generator[tuple[Record, list[Record]], None, None]:
-        """Yield each message of a record, with all messages that the nodes derive now if it is an input.
+    def derive(
+        self, history: Iterable[Record]
+    ) -> Generator[tuple[Record, list[Record]], None, None]:
+        """Yield each message of a record, with all messages that the nodes derive now if it is an
+        input.
 
-        The recorded inputs are published in order, each at its recorded time. Then the session's own clock is used
-        again, and the numbers of messages continue those of the record.
+        The recorded inputs are published in order, each at its recorded time. Then the session's
+        own clock is used again, and the numbers of messages continue those of the record.
         """
         clock = VirtualClock()
         self.bus.clock = clock
@@ -227,7 +243,9 @@ class Session:
                 self.bus.count_from(last + 1)
 
     def _is_fault_of_extra(self, record: Record) -> bool:
-        return isinstance(record.message, Fault) and record.message.node not in {node.name for node in self.core}
+        return isinstance(record.message, Fault) and record.message.node not in {
+            node.name for node in self.core
+        }
 
     def detach(self) -> None:
         """Release devices. May be called again."""
@@ -239,7 +257,9 @@ class Session:
         self.ended = True
 
     def _use_texts(self, theme: Theme) -> None:
-        """Give the task the theme's own wordings of texts; in a replay, those of the recorded theme."""
+        """Give the task the theme's own wordings of texts; in a replay, those of the recorded
+        theme.
+        """
         self.task.tr = self._tr.including(theme.texts)
 
     def _agent_acted(self, agent: AgentActing) -> None:
@@ -248,7 +268,9 @@ class Session:
 
 
 class Parts(NamedTuple):
-    """Classes of the framework's nodes that validations replace with broken ones, to see their tests fail."""
+    """Classes of the framework's nodes that validations replace with broken ones, to see their
+    tests fail.
+    """
 
     perception: type[Perception] = Perception
     memory: type[Memory] = Memory
@@ -277,7 +299,9 @@ def problem_of_nodes(nodes: Sequence[object]) -> str:
 
 
 def core_nodes(task: Task, theme: Theme, seed: int, parts: Parts = OWN_PARTS) -> tuple[Node, ...]:
-    """Return the framework's nodes and the task's own perception, in the order in which they receive a message."""
+    """Return the framework's nodes and the task's own perception, in the order in which they
+    receive a message.
+    """
     seat_of = task.seat_of if len(task.seats) > 1 else None
     perception = (parts.perception(task.parameters, seat_of), *task.nodes())
     return (

@@ -7,7 +7,9 @@ from sar_tui.loop.task import Task
 from sar_tui.model.messages import Waiting
 
 REQUEST_KEY = "tab"
-"""Key with which a participant requests feedback on the last attempt, under the schedule ``request``."""
+"""Key with which a participant requests feedback on the last attempt, under the schedule
+``request``.
+"""
 
 
 class Phase(Enum):
@@ -38,10 +40,23 @@ IN_TRIAL = {Phase.AGENT, Phase.START, *BEFORE_PROMPT, Phase.ONSET, Phase.RESPONS
 OVER = {Phase.CLOSING, Phase.ENDED, Phase.BROKEN}
 ENTER_RESUMES = ("interrupted", "restored")
 PAUSES: dict[str, str] = {"interrupted": "enter", "restored": "enter", "sensor": "sensor"}
-"""Events that end a pause, by its reason; a pause for any other reason ends with a command to resume."""
+"""Events that end a pause, by its reason; a pause for any other reason ends with a command to
+resume.
+"""
 LEFT = "left"
-"""Reason of a pause in which the session was left on purpose: a later run begins as after an interruption."""
-MARKABLE = {Phase.RESULT, Phase.AGENT, Phase.START, Phase.FEEDBACK, Phase.STEP, Phase.REST, Phase.READY, Phase.REVIEW}
+"""Reason of a pause in which the session was left on purpose: a later run begins as after an
+interruption.
+"""
+MARKABLE = {
+    Phase.RESULT,
+    Phase.AGENT,
+    Phase.START,
+    Phase.FEEDBACK,
+    Phase.STEP,
+    Phase.REST,
+    Phase.READY,
+    Phase.REVIEW,
+}
 """Phases in which a mark applies to the last trial."""
 REQUESTABLE = {Phase.REST, Phase.READY, Phase.REVIEW}
 """Phases in which a participant may request feedback on the last attempt."""
@@ -86,7 +101,9 @@ def waiting_message(
         notice: shown to the participant first.
         reason, detail, seat, until: as in `messages.Waiting`.
     """
-    what, stage = (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
+    what, stage = (
+        (PAUSES.get(reason, "resume"), "paused") if phase is Phase.PAUSED else WAITS[phase]
+    )
     goal, trials = "", 0
     if phase is not Phase.BROKEN:  # the failed method is not called again
         trials = attempts.trials
@@ -114,7 +131,9 @@ def waiting_message(
 
 
 def text_of(value: object, method: str) -> str:
-    """Return what a method of a task returned. Raises TypeError if it is not a text: the screen would stay blank."""
+    """Return what a method of a task returned. Raises TypeError if it is not a text: the screen
+    would stay blank.
+    """
     if not isinstance(value, str):
         raise TypeError(f"{method}() returned {value!r:.60}, not a text")
     return value

@@ -1,7 +1,8 @@
 """The contract of a task: one class that declares the task, makes its prompts and judges responses.
 
-A task is a pure description. It keeps no state between calls, so that a trial can be repeated, resumed and replayed.
-The framework runs it: it waits, shows, stamps, scores, adapts and gives feedback.
+A task is a pure description. It keeps no state between calls, so that a trial can be repeated,
+resumed and replayed. The framework runs it: it waits, shows, stamps, scores, adapts and gives
+feedback.
 """
 
 import inspect
@@ -48,11 +49,12 @@ _FRAMEWORK = Path(__file__).parent
 class Task(ABC):
     """A motor task.
 
-    Subclass it in ``tasks/NAME/task.py``: declare the class variables, and define ``instructions``, ``stimulus`` and
-    ``perceived``. The rest has defaults.
+    Subclass it in ``tasks/NAME/task.py``: declare the class variables, and define ``instructions``,
+    ``stimulus`` and ``perceived``. The rest has defaults.
 
-    ``tr`` translates a text into the session's language: ``self.tr("Reach {far} far.", far="15 cm")``. The translations
-    are in ``words.<language>.toml`` beside the task; they cover its declared texts too (``title``, marks).
+    ``tr`` translates a text into the session's language: ``self.tr("Reach {far} far.", far="15
+    cm")``. The translations are in ``words.<language>.toml`` beside the task; they cover its
+    declared texts too (``title``, marks).
 
     Attributes:
         name: of its folder, and in the database.
@@ -65,10 +67,12 @@ class Task(ABC):
         Details: fields stored with each trial.
         sensors: kinds of sensors it needs.
         qualities: measures for feedback on performance.
-        measured: how the numbers of ``measures`` and ``learning`` are shown; others are stored only.
+        measured: how the numbers of ``measures`` and ``learning`` are shown; others are stored
+            only.
         marks: that a therapist can put on a trial.
         seats: places of participants.
-        rules: version of the rules of this session, so that a task that has changed plays an earlier one as it was.
+        rules: version of the rules of this session, so that a task that has changed plays an
+            earlier one as it was.
     """
 
     name: ClassVar[str]
@@ -94,14 +98,18 @@ class Task(ABC):
 
     @classmethod
     def sensor_seats(cls, parameters: TaskParameters) -> tuple[str, ...]:
-        """Return the seats with a sensor under these parameters; by default all, in a task that has ``sensors``."""
+        """Return the seats with a sensor under these parameters; by default all, in a task that has
+        ``sensors``.
+        """
         return cls.seats if cls.sensors else ()
 
     def __init__(self, parameters: TaskParameters) -> None:
         self.parameters = parameters
         self.names: dict[str, str] = {}
         self.rules = RULES
-        self.tr = language(parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent)
+        self.tr = language(
+            parameters.language, _FRAMEWORK, Path(inspect.getfile(type(self))).parent
+        )
 
     @property
     def levels(self) -> int:
@@ -109,7 +117,9 @@ class Task(ABC):
         return self.parameters.max_level
 
     def level_name(self, level: int) -> str:
-        """Return what a level is, for the therapist: "asdfjkl;", "25 cm"; empty if its number says enough."""
+        """Return what a level is, for the therapist: "asdfjkl;", "25 cm"; empty if its number says
+        enough.
+        """
         return ""
 
     @property
@@ -137,7 +147,9 @@ class Task(ABC):
 
     @property
     def restarts_attempts(self) -> bool:
-        """True if an attempt that was interrupted begins again from its first prompt, rather than going on."""
+        """True if an attempt that was interrupted begins again from its first prompt, rather than
+        going on.
+        """
         return False
 
     @property
@@ -147,7 +159,9 @@ class Task(ABC):
 
     @property
     def start_key(self) -> str:
-        """The key with which the participant starts each trial; empty if trials start by themselves."""
+        """The key with which the participant starts each trial; empty if trials start by
+        themselves.
+        """
         return ""
 
     @property
@@ -162,11 +176,15 @@ class Task(ABC):
 
     @property
     def address(self) -> Literal["seat", "code"]:
-        """The name that the agent uses for the participants of a task with several seats: their seat or their code."""
+        """The name that the agent uses for the participants of a task with several seats: their
+        seat or their code.
+        """
         return "seat"
 
     def seat_of(self, key: str) -> str:
-        """Return the seat of a key, in a task with several; empty if it belongs to no seat and is never a response."""
+        """Return the seat of a key, in a task with several; empty if it belongs to no seat and is
+        never a response.
+        """
         return ""
 
     def seat_name(self, seat: str) -> str:
@@ -174,7 +192,9 @@ class Task(ABC):
         return self.tr({"A": "Left", "B": "Right"}.get(seat, seat))
 
     def display_name(self, seat: str) -> str:
-        """Return the name of a seat's participant: as recorded at the start of the session, else the seat's name."""
+        """Return the name of a seat's participant: as recorded at the start of the session, else
+        the seat's name.
+        """
         return self.names.get(seat) or self.seat_name(seat)
 
     def nodes(self) -> tuple[Node, ...]:
@@ -182,7 +202,8 @@ class Task(ABC):
         return ()
 
     def target(self, level: int) -> Target | None:
-        """Return the target of an attempt at a level, as it follows from the settings; None: it has no goal.
+        """Return the target of an attempt at a level, as it follows from the settings; None: it has
+        no goal.
 
         Without a metric there is none in any case.
         """
@@ -199,7 +220,9 @@ class Task(ABC):
         return None if target is None else target.threshold
 
     def with_goal(self, goal: float | None) -> Self:
-        """Return the same task with this goal in its targets and words, whatever the level; None: its own."""
+        """Return the same task with this goal in its targets and words, whatever the level; None:
+        its own.
+        """
         if goal is None:
             return self
         aimed = copy(self)
@@ -211,7 +234,8 @@ class Task(ABC):
         """Return the instructions for the participant."""
 
     def goal(self, level: int) -> str:
-        """Return the goal of an attempt at a level, as a sentence for the participant; empty if it has none.
+        """Return the goal of an attempt at a level, as a sentence for the participant; empty if it
+        has none.
 
         Read it from ``target``, because a difficulty policy can set another than the settings do.
         """
@@ -224,11 +248,19 @@ class Task(ABC):
             return self._goal_with_all_right(goal)
         match self.metric.better, bool(needed):
             case "lower", True:
-                return self.tr("Your goal: less than {goal}, with at least {needed} right.", goal=goal, needed=needed)
+                return self.tr(
+                    "Your goal: less than {goal}, with at least {needed} right.",
+                    goal=goal,
+                    needed=needed,
+                )
             case "lower", False:
                 return self.tr("Your goal: less than {goal}.", goal=goal)
             case _, True:
-                return self.tr("Your goal: more than {goal}, with at least {needed} right.", goal=goal, needed=needed)
+                return self.tr(
+                    "Your goal: more than {goal}, with at least {needed} right.",
+                    goal=goal,
+                    needed=needed,
+                )
         return self.tr("Your goal: more than {goal}.", goal=goal)
 
     def _goal_with_all_right(self, goal: str) -> str:
@@ -237,22 +269,29 @@ class Task(ABC):
         return self.tr("Your goal: more than {goal}, with all right.", goal=goal)
 
     def notice(self, level: int, before: int) -> str:
-        """Return what the participant must know after a change of level; empty for nothing, as without one before."""
+        """Return what the participant must know after a change of level; empty for nothing, as
+        without one before.
+        """
         return self.tr("Now level {level}.", level=level) if before else ""
 
     def start(self, level: int) -> str:
-        """Return the text shown before the participant starts a trial, in a task with a ``start_key``."""
+        """Return the text shown before the participant starts a trial, in a task with a
+        ``start_key``.
+        """
         return self.tr("Start when you are ready.")
 
     def when_to_respond(self) -> str:
-        """Return the advice after an attempt whose prompts stayed unanswered: a sentence without numbers."""
+        """Return the advice after an attempt whose prompts stayed unanswered: a sentence without
+        numbers.
+        """
         return self.tr("Respond as soon as you see the signal.")
 
     def condition(self, situation: Situation) -> str:
-        """Return the condition of an attempt, from the situation of its first prompt; empty for none.
+        """Return the condition of an attempt, from the situation of its first prompt; empty for
+        none.
 
-        It is kept with the attempt, which is compared with attempts in the same condition only. Like a prompt, it must
-        depend on ``situation`` and the parameters alone.
+        It is kept with the attempt, which is compared with attempts in the same condition only.
+        Like a prompt, it must depend on ``situation`` and the parameters alone.
         """
         return ""
 
@@ -264,9 +303,9 @@ class Task(ABC):
     def perceived(self, trial: Trial, percept: Any) -> Result | Results | Again | None:
         """Judge a percept received while the prompt is shown; None to keep waiting.
 
-        ``trial.percepts`` holds the earlier percepts of this trial, so that the task need not remember them. In a task
-        with several seats, each percept has its seat, and the trial ends for all of them at once: with one result for
-        each seat, or one for all.
+        ``trial.percepts`` holds the earlier percepts of this trial, so that the task need not
+        remember them. In a task with several seats, each percept has its seat, and the trial ends
+        for all of them at once: with one result for each seat, or one for all.
         """
 
     def timed_out(self, trial: Trial) -> Result | Results:
@@ -274,7 +313,9 @@ class Task(ABC):
         return Result(correct=False)
 
     def score(self, results: Sequence[Result]) -> Score:
-        """Score an attempt: the mean of the values of correct trials, and the share of correct ones."""
+        """Score an attempt: the mean of the values of correct trials, and the share of correct
+        ones.
+        """
         values = [result.value for result in results if result.counts and result.value is not None]
         correct = sum(result.correct for result in results)
         return Score(
@@ -289,14 +330,20 @@ class Task(ABC):
         return {}
 
     def learning(self, attempt: PastAttempt, history: Sequence[PastAttempt]) -> dict[str, float]:
-        """Return measures of an attempt that compare it with earlier ones (``history``), stored with the others."""
+        """Return measures of an attempt that compare it with earlier ones (``history``), stored
+        with the others.
+        """
         return {}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """Return the acts of a simulated participant on a prompt: (ms after onset, key or movement).
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
+        """Return the acts of a simulated participant on a prompt: (ms after onset, key or
+        movement).
 
-        By default it is the expected key, or another one in a slip; no key where none is expected. Override it if the
-        response is more than one key press, or than the expected text (see `typed_text.typing`).
+        By default it is the expected key, or another one in a slip; no key where none is expected.
+        Override it if the response is more than one key press, or than the expected text (see
+        `typed_text.typing`).
 
         Args:
             stimulus: the prompt; ``seat`` is that of this participant.

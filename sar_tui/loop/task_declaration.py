@@ -11,12 +11,20 @@ from sar_tui.rules.parameters import TaskParameters
 
 _TEXTS = ("title", "summary", "trains", "trials", "version")
 _CLASSES: dict[str, type] = {"Parameters": TaskParameters, "Details": Details}
-_LISTS: dict[str, type] = {"sensors": str, "seats": str, "qualities": Quality, "measured": Measure, "marks": Mark}
+_LISTS: dict[str, type] = {
+    "sensors": str,
+    "seats": str,
+    "qualities": Quality,
+    "measured": Measure,
+    "marks": Mark,
+}
 _SEATS = (("A",), ("A", "B"))
 
 
 def problem(task: type[Task]) -> str:
-    """Return the first wrong declaration of a task as the end of a sentence; empty if there is none."""
+    """Return the first wrong declaration of a task as the end of a sentence; empty if there is
+    none.
+    """
     for name in _TEXTS:
         if not isinstance(getattr(task, name), str):
             return f"its {name} is not a text"
@@ -25,7 +33,9 @@ def problem(task: type[Task]) -> str:
     for name, kind in _CLASSES.items():
         if not (isinstance(declared := getattr(task, name), type) and issubclass(declared, kind)):
             return f"its {name} is not a subclass of {kind.__name__}"
-    if required := [field.name for field in msgspec.structs.fields(task.Parameters) if field.required]:
+    if required := [
+        field.name for field in msgspec.structs.fields(task.Parameters) if field.required
+    ]:
         return f"these parameters have no default: {', '.join(required)}"
     return _problem_of_lists(task)
 

@@ -1,8 +1,8 @@
 """Every topic and service of the system, by name.
 
-Databases and recordings hold these names, so a name never changes, even where its constant is called otherwise now:
-``theme/worn``, ``arbiter/offered``, ``arbiter/standing``, ``arbiter/stalling``, ``arbiter/level_ruled``,
-``arbiter/missed``.
+Databases and recordings hold these names, so a name never changes, even where its constant is
+called otherwise now: ``theme/worn``, ``arbiter/offered``, ``arbiter/standing``,
+``arbiter/stalling``, ``arbiter/level_ruled``, ``arbiter/missed``.
 """
 
 from typing import Any
@@ -78,5 +78,7 @@ RECALL = Service("memory/recall", m.Recall, m.RecalledAttempts)
 LEVEL_REQUEST = Service("arbiter/rule", m.LevelRequest, m.LevelReply)
 UNSAID_FEEDBACK = Service("arbiter/unsaid", m.UnsaidFeedbackRequest, m.UnsaidFeedback)
 
-ALL: dict[str, Topic[Any]] = {topic.name: topic for topic in (*vars().values(), FAULT) if isinstance(topic, Topic)}
+ALL: dict[str, Topic[Any]] = {
+    topic.name: topic for topic in (*vars().values(), FAULT) if isinstance(topic, Topic)
+}
 """Topics by name, to read recorded messages."""

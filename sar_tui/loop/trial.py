@@ -47,7 +47,11 @@ class OpenTrial:
     """
 
     def __init__(
-        self, situation: Situation, stimulus: Stimulus, seats: tuple[str, ...] = ("A",), presentation: int = 0
+        self,
+        situation: Situation,
+        stimulus: Stimulus,
+        seats: tuple[str, ...] = ("A",),
+        presentation: int = 0,
     ) -> None:
         self.situation = situation
         if problem := stimulus_problem(stimulus):  # ends the session with this sentence
@@ -125,7 +129,9 @@ class OpenTrial:
         self.presentation += 1
         self.is_drawing = True
         self._requested = now
-        self.timeout_ms = timeout_ms if self.stimulus.timeout_ms is None else self.stimulus.timeout_ms
+        self.timeout_ms = (
+            timeout_ms if self.stimulus.timeout_ms is None else self.stimulus.timeout_ms
+        )
         return Prompt(
             seat=self._seat,
             attempt=self.situation.attempt,
@@ -166,7 +172,12 @@ class OpenTrial:
 
     def is_shown_by(self, shown: Shown) -> bool:
         """Return True if ``shown`` is about what is being drawn of this presentation."""
-        return self.is_drawing and (shown.attempt, shown.trial, shown.presentation, shown.frame) == (
+        return self.is_drawing and (
+            shown.attempt,
+            shown.trial,
+            shown.presentation,
+            shown.frame,
+        ) == (
             self.situation.attempt,
             self.situation.trial,
             self.presentation,
@@ -193,7 +204,9 @@ class OpenTrial:
 
     @property
     def _counts_from(self) -> int:
-        """Onset from which the reaction time counts, or the time at which it is due. Only after the first onset."""
+        """Onset from which the reaction time counts, or the time at which it is due. Only after the
+        first onset.
+        """
         due = self._onsets[0] + frames.planned(self._frames, self._timed)
         return due if self._onset is None else self._onset
 
@@ -214,9 +227,11 @@ class OpenTrial:
         return tuple(dict.fromkeys(filter(None, tones)))
 
     def next_tone(self) -> ToneDue | None:
-        """Return the tone of the frame that comes next, and when it is to sound; None if that has none.
+        """Return the tone of the frame that comes next, and when it is to sound; None if that has
+        none.
 
-        The tone of a later frame is requested when the frame before it is shown, so that it can be prepared.
+        The tone of a later frame is requested when the frame before it is shown, so that it can be
+        prepared.
         """
         place = len(self._onsets)
         wanted = self._frames[place].tone if place < len(self._frames) else None
@@ -255,8 +270,12 @@ class OpenTrial:
         return None if self._onset is None else self._onset + round(self.timeout_ms * MS)
 
     def is_awaited(self, at: int) -> bool:
-        """Return True if a response at a time stamp is awaited: not before the frame that the stimulus names."""
-        return self._awaited == 0 or (len(self._onsets) > self._awaited and at >= self._onsets[self._awaited])
+        """Return True if a response at a time stamp is awaited: not before the frame that the
+        stimulus names.
+        """
+        return self._awaited == 0 or (
+            len(self._onsets) > self._awaited and at >= self._onsets[self._awaited]
+        )
 
     def view(self) -> Trial:
         """Return the trial as the task sees it. Only after the onset."""
@@ -279,7 +298,9 @@ class OpenTrial:
         return self.stimulus.expects != "key"
 
     def type(self, key: KeyPerceived) -> TextPerceived | None:
-        """Take a key of the typed text. Returns the text if the key is Enter, which sends it; None for any other."""
+        """Take a key of the typed text. Returns the text if the key is Enter, which sends it; None
+        for any other.
+        """
         written = self._typed
         if key.key != "enter":
             self._typed = written.pressed(key.key, key.at, self.stimulus.expects)
@@ -311,11 +332,17 @@ class OpenTrial:
         self._percepts = (*self._percepts, percept)
 
     def remember_repeat(self, press: KeyPerceived) -> None:
-        """Forget presses that turn out to be repeats of a held key: the first ones, which come more slowly."""
+        """Forget presses that turn out to be repeats of a held key: the first ones, which come more
+        slowly.
+        """
         self._repeats = (*self._repeats, press)
-        mine = [one for one in self._percepts if isinstance(one, KeyPerceived) and _is_same(one, press)]
+        mine = [
+            one for one in self._percepts if isinstance(one, KeyPerceived) and _is_same(one, press)
+        ]
         held = repeats(sorted(one.at for one in (*mine, *self._repeats) if _is_same(one, press)))
-        self._percepts = tuple(one for one in self._percepts if one not in mine or one.at not in held)
+        self._percepts = tuple(
+            one for one in self._percepts if one not in mine or one.at not in held
+        )
 
     def voided(self, reason: str) -> PromptVoided:
         """Return the message that cancels this presentation."""
@@ -327,9 +354,11 @@ class OpenTrial:
         )
 
     def latency_ms(self, result: Result) -> float | None:
-        """Return the reaction time: from the prompt's onset to the response, or to its onset if it lasts.
+        """Return the reaction time: from the prompt's onset to the response, or to its onset if it
+        lasts.
 
-        Negative if the response came first; None for a miss, or if the prompt does not ask for a quick response.
+        Negative if the response came first; None for a miss, or if the prompt does not ask for a
+        quick response.
         """
         at = result.response_at if result.onset_at is None else result.onset_at
         if not self._onsets or at is None or not self.stimulus.signals:
@@ -340,23 +369,30 @@ class OpenTrial:
         """Return the trial's row for a seat.
 
         Raises:
-            TypeError: the task's result cannot be stored: it has other types than declared, or is not finite.
+            TypeError: the task's result cannot be stored: it has other types than declared, or is
+                not finite.
         """
         row = self._row(result, seat)
         try:
             msgspec.convert(msgspec.to_builtins(row), TrialEnded)
         except (msgspec.ValidationError, TypeError) as error:
             raise TypeError(f"the result of a trial cannot be stored: {error}") from error
-        numbers = [value for value in (row.value, *row.details.values()) if isinstance(value, float)]
+        numbers = [
+            value for value in (row.value, *row.details.values()) if isinstance(value, float)
+        ]
         if not all(map(math.isfinite, numbers)):
             raise TypeError("the result of a trial cannot be stored: a number in it is not finite")
         return row
 
     def _judged(self, result: Result, seat: str) -> Percept | None:
-        """Return the percept that led to the result: the last one, or with several seats the one of the response."""
+        """Return the percept that led to the result: the last one, or with several seats the one of
+        the response.
+        """
         mine = [percept for percept in self._percepts if percept.seat == seat]
         if len(self.seats) > 1:
-            mine = [one for one in mine if result.response_at in (one.at, getattr(one, "onset", None))]
+            mine = [
+                one for one in mine if result.response_at in (one.at, getattr(one, "onset", None))
+            ]
         return mine[-1] if mine else None
 
     def _row(self, result: Result, seat: str) -> TrialEnded:
@@ -396,7 +432,9 @@ def _is_same(one: KeyPerceived, other: KeyPerceived) -> bool:
 
 
 def stimulus_problem(stimulus: Stimulus) -> str:
-    """Return a sentence that says why a prompt cannot be shown, timed and stored as declared; empty if it can."""
+    """Return a sentence that says why a prompt cannot be shown, timed and stored as declared; empty
+    if it can.
+    """
     if not isinstance(stimulus, Stimulus):
         return f"stimulus() returned {stimulus!r:.60}, not a Stimulus."
     if type(stimulus.choices) is not int:

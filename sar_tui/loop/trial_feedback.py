@@ -1,4 +1,6 @@
-"""Feedback on a single trial: a sign, points or a word on the screen, before the next trial begins. Pure."""
+"""Feedback on a single trial: a sign, points or a word on the screen, before the next trial begins.
+Pure.
+"""
 
 from collections.abc import Sequence
 
@@ -11,14 +13,17 @@ _UNJUDGED = ("skipped", "unmeasured")
 """Flags of results that say nothing about the participant."""
 
 
-def trial_feedback(situation: Situation, results: Results, seats: Sequence[str], sign_ms: int) -> TrialFeedback | None:
+def trial_feedback(
+    situation: Situation, results: Results, seats: Sequence[str], sign_ms: int
+) -> TrialFeedback | None:
     """Return the feedback on a trial; None if nothing is shown.
 
     Args:
         situation: of the trial.
         results: of the trial, by seat.
         seats: of the task: the first one sees its answer on the left if answers differ.
-        sign_ms: how long a tick or a cross is shown for a result of which the task shows nothing; 0: it is not.
+        sign_ms: how long a tick or a cross is shown for a result of which the task shows nothing;
+            0: it is not.
     """
     shows = {seat: show for seat, result in results.items() if (show := _show(result, sign_ms))}
     if not shows:

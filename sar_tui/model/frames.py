@@ -14,7 +14,9 @@ from sar_tui.model.units import MS
 SHORTEST_MS = 10
 """No terminal draws a frame that stands for less."""
 LEAD = 12 * MS
-"""A frame is requested this long before its time: drawing takes 2 to 5 ms, longer on a busy machine. It then waits."""
+"""A frame is requested this long before its time: drawing takes 2 to 5 ms, longer on a busy
+machine. It then waits.
+"""
 LATE = 10 * MS
 """A trial with a frame that is seen later than this after its time is flagged."""
 _MOST = 1000
@@ -25,14 +27,17 @@ class Frame(msgspec.Struct, frozen=True, omit_defaults=True):
 
     Args:
         glyph: shown very large; empty for an empty screen.
-        ms: how long it stands, from onset to onset; None: until the trial ends, for the last frame only.
+        ms: how long it stands, from onset to onset; None: until the trial ends, for the last frame
+            only.
         text: the plain line below, as in `trial_types.Stimulus`; defaults to ``glyph``.
         hint: shown under it.
         halves: the contents of the left and right half of the screen, instead of ``glyph``.
         colour: as in `trial_types.Stimulus`.
         picture: as in `trial_types.Stimulus`, instead of ``glyph``; it needs a ``text``.
-        timed: True if reaction time and time-out count from its onset; by default they count from the first frame.
-        awaited: True if responses are awaited from its onset on; by default they are from the first frame on.
+        timed: True if reaction time and time-out count from its onset; by default they count from
+            the first frame.
+        awaited: True if responses are awaited from its onset on; by default they are from the first
+            frame on.
         tone: sounds from its onset on.
     """
 
@@ -54,7 +59,9 @@ class Frame(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 def complete(frames: tuple[Frame, ...]) -> tuple[Frame, ...]:
-    """Return frames of which the last stands until the trial ends: an empty one follows one that ends before."""
+    """Return frames of which the last stands until the trial ends: an empty one follows one that
+    ends before.
+    """
     if not frames or frames[-1].ms is None:
         return frames
     return (*frames, Frame()) if frames[-1].line else (*frames[:-1], replace(frames[-1], ms=None))
@@ -76,7 +83,9 @@ def planned(frames: Sequence[Frame], place: int) -> int:
 
 
 def never_shown(frames: Sequence[Frame], timeout_ms: float) -> int | None:
-    """Return the place of the first frame that comes after the time for the response is over; None if none does."""
+    """Return the place of the first frame that comes after the time for the response is over; None
+    if none does.
+    """
     over = planned(frames, timed(frames)) + round(timeout_ms * MS)
     return next((place for place in range(1, len(frames)) if planned(frames, place) >= over), None)
 
@@ -94,15 +103,24 @@ def problem(frames: Sequence[Frame]) -> str:
         return "A frame with a picture has no text."
     if any(not before.line and not frame.line for before, frame in pairwise(frames)):
         return "Two empty frames follow each other: make them one, or give them a glyph such as ·."
-    problems = [_duration_problem(frame.ms, place, len(frames)) for place, frame in enumerate(frames)]
+    problems = [
+        _duration_problem(frame.ms, place, len(frames)) for place, frame in enumerate(frames)
+    ]
     problems += [tone.problem(frame.tone) for frame in frames if frame.tone is not None]
     return next(filter(None, problems), "")
 
 
 def _duration_problem(ms: float | None, place: int, count: int) -> str:
     if ms is None:
-        missing = f"Frame {place + 1} of {count} has no ms: only the last one may stand until the trial ends."
+        missing = (
+            f"Frame {place + 1} of {count} has no ms: only the last one may stand until the "
+            "trial ends."
+        )
         return missing if place + 1 < count else ""
     if not isinstance(ms, int | float):
         return f"The ms of frame {place + 1} is a number, not {ms!r:.80}."
-    return "" if SHORTEST_MS <= ms < math.inf else f"Frame {place + 1} has {ms} ms; it needs at least {SHORTEST_MS}."
+    return (
+        ""
+        if SHORTEST_MS <= ms < math.inf
+        else f"Frame {place + 1} has {ms} ms; it needs at least {SHORTEST_MS}."
+    )

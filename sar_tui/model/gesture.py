@@ -8,8 +8,10 @@ import msgspec
 GESTURES = ("nod", "shake", "cheer", "wave", "point_left", "point_right", "lean_in", "rest")
 """Gestures of every theme."""
 JOINTS = ("nod", "turn", "left_arm", "right_arm", "lean")
-"""Joints of a body: the head down (1) or up, turned to the participant's right (1) or left; the arms raised (1); the
-body towards the participant (1). 0 is rest; a robot without a joint leaves it out."""
+"""Joints of a body: the head down (1) or up, turned to the participant's right (1) or left; the
+arms raised (1); the body towards the participant (1). 0 is rest; a robot without a joint leaves it
+out.
+"""
 LONGEST_MS = 10_000
 """Longest gesture."""
 
@@ -51,7 +53,9 @@ class Gesture(msgspec.Struct, frozen=True):
     @property
     def farthest(self) -> Pose:
         """The keyframe farthest from rest, for a still picture."""
-        return max(self.keyframes, key=lambda frame: sum(abs(getattr(frame, joint)) for joint in JOINTS)).pose
+        return max(
+            self.keyframes, key=lambda frame: sum(abs(getattr(frame, joint)) for joint in JOINTS)
+        ).pose
 
     def pose_at(self, ms: float, start: Pose = REST) -> Pose:
         """Return the pose ``ms`` after the start of the gesture in ``start``.
@@ -65,7 +69,9 @@ class Gesture(msgspec.Struct, frozen=True):
         origin: Pose = self.keyframes[after - 1] if after else start
         begins = self.keyframes[after - 1].at_ms if after else 0
         share = (1 - math.cos(math.pi * (ms - begins) / (goal.at_ms - begins))) / 2
-        return Pose(*(getattr(origin, j) + share * (getattr(goal, j) - getattr(origin, j)) for j in JOINTS))
+        return Pose(
+            *(getattr(origin, j) + share * (getattr(goal, j) - getattr(origin, j)) for j in JOINTS)
+        )
 
     def problems(self, name: str) -> list[str]:
         """Return what is wrong with the gesture, one sentence each."""
@@ -76,7 +82,9 @@ class Gesture(msgspec.Struct, frozen=True):
         if times != sorted(set(times)) or times[0] < 0:
             found.append(f"The keyframes of {name} must be in order of time, none before 0 ms.")
         if times[-1] > LONGEST_MS:
-            found.append(f"The gesture {name} takes {times[-1]} ms; at most {LONGEST_MS} are allowed.")
+            found.append(
+                f"The gesture {name} takes {times[-1]} ms; at most {LONGEST_MS} are allowed."
+            )
         for frame in self.keyframes:
             found += [
                 f"In {name} at {frame.at_ms} ms {joint} is {value:g}; it must be between -1 and 1."

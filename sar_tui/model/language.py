@@ -8,7 +8,9 @@ from pathlib import Path
 
 import msgspec
 
-_DECIMAL_POINT = frozenset("en zh ja ko he th es-mx es-us es-pr es-do es-gt es-hn es-ni es-pa es-sv".split())
+_DECIMAL_POINT = frozenset(
+    "en zh ja ko he th es-mx es-us es-pr es-do es-gt es-hn es-ni es-pa es-sv".split()
+)
 """Languages with a decimal point, not a comma."""
 
 
@@ -25,10 +27,13 @@ class Language:
     def __init__(self, code: str = "en", texts: Mapping[str, str] | None = None) -> None:
         self.code = code
         self._has_decimal_point = not _DECIMAL_POINT.isdisjoint((code, code.partition("-")[0]))
-        self.texts = {english: own for english, own in (texts or {}).items() if not slot_problem(english, own)}
+        self.texts = {
+            english: own for english, own in (texts or {}).items() if not slot_problem(english, own)
+        }
 
     def __call__(self, text: str, **slots: object) -> str:
-        """Return a text in this language, with its slots filled; without ``slots``, braces are kept.
+        """Return a text in this language, with its slots filled; without ``slots``, braces are
+        kept.
 
         Numbers in the values of slots get the decimal sign of this language.
         """
@@ -36,11 +41,16 @@ class Language:
         if not slots:
             return translated
         if not self._has_decimal_point:
-            slots = {name: self.figures(value) if isinstance(value, str) else value for name, value in slots.items()}
+            slots = {
+                name: self.figures(value) if isinstance(value, str) else value
+                for name, value in slots.items()
+            }
         return translated.format(**slots)
 
     def figures(self, text: str) -> str:
-        """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in Spanish."""
+        """Return a text with this language's decimal sign in its numbers: 0,5 for 0.5 in
+        Spanish.
+        """
         if self._has_decimal_point:
             return text
         return re.sub(r"(\d)\.(\d)", r"\1,\2", text)
@@ -60,8 +70,12 @@ def language(code: str, *folders: Path) -> Language:
 
 
 def words_files(folder: Path, code: str) -> tuple[Path, ...]:
-    """Return the files of translations of a language in a folder: for ``es-mx`` that of ``es`` first, then its own."""
-    return tuple(folder / f"words.{name}.toml" for name in dict.fromkeys((code.partition("-")[0], code)))
+    """Return the files of translations of a language in a folder: for ``es-mx`` that of ``es``
+    first, then its own.
+    """
+    return tuple(
+        folder / f"words.{name}.toml" for name in dict.fromkeys((code.partition("-")[0], code))
+    )
 
 
 @functools.cache
@@ -75,17 +89,23 @@ def read_words(path: Path) -> dict[str, str]:
 
 
 def slots(text: str) -> frozenset[str]:
-    """Return the slots of a text as written: ``{goal}``, ``{share:.0%}``. Raises ValueError for a single brace."""
+    """Return the slots of a text as written: ``{goal}``, ``{share:.0%}``. Raises ValueError for a
+    single brace.
+    """
     found = set()
     for _, name, form, conversion in string.Formatter().parse(text):
         if name is not None:
-            found.add(f"{{{name}{'!' if conversion else ''}{conversion or ''}{':' if form else ''}{form}}}")
+            found.add(
+                f"{{{name}{'!' if conversion else ''}{conversion or ''}{':' if form else ''}{form}}}"
+            )
     return frozenset(found)
 
 
 @functools.cache
 def slot_problem(english: str, own: str) -> str:
-    """Return how the slots of a translation differ from those of its English, as a phrase; empty if they agree."""
+    """Return how the slots of a translation differ from those of its English, as a phrase; empty if
+    they agree.
+    """
     try:
         wanted = slots(english)
     except ValueError:  # a text with a brace of its own, which is never filled

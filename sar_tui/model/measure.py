@@ -32,8 +32,11 @@ class Measure(msgspec.Struct, frozen=True):
         return f"{tr.figures(f'{value:.{self.decimals}f}')} {tr(self.unit)}".rstrip()
 
 
-def mean_texts(measured: Iterable[Measure], attempts: Sequence[Mapping[str, float]], tr: Language) -> list[str]:
-    """Return a sentence for each declared measure that some attempts have, with its mean: "Congruency effect: 38 ms."
+def mean_texts(
+    measured: Iterable[Measure], attempts: Sequence[Mapping[str, float]], tr: Language
+) -> list[str]:
+    """Return a sentence for each declared measure that some attempts have, with its mean:
+    "Congruency effect: 38 ms."
 
     Args:
         measured: declared by the task.

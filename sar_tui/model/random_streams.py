@@ -1,7 +1,8 @@
 """Reproducible random numbers, derived from a key and a stream name instead of a running generator.
 
-A prompt that is repeated after a pause, in a resumed session or in a replay is the same again, whatever was drawn in
-between. The numbers come from BLAKE2b, so they do not depend on the version of Python.
+A prompt that is repeated after a pause, in a resumed session or in a replay is the same again,
+whatever was drawn in between. The numbers come from BLAKE2b, so they do not depend on the version
+of Python.
 """
 
 import random

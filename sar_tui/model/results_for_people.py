@@ -1,4 +1,6 @@
-"""Results as participants read them: times in seconds, in every text and plot. Data stay in milliseconds."""
+"""Results as participants read them: times in seconds, in every text and plot. Data stay in
+milliseconds.
+"""
 
 from datetime import date
 
@@ -14,7 +16,11 @@ _WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday",
 
 def goal_text(metric: Metric, goal: float, tr: Language) -> str:
     """Return a goal, for participants: "1 second", "0.85 seconds", "12 taps"."""
-    return _seconds(f"{round(goal / 1000, 3):.4g}", tr) if _is_time(metric) else tr.figures(metric.show(goal))
+    return (
+        _seconds(f"{round(goal / 1000, 3):.4g}", tr)
+        if _is_time(metric)
+        else tr.figures(metric.show(goal))
+    )
 
 
 def short_goal(metric: Metric, goal: float) -> str:
@@ -26,13 +32,17 @@ def short_goal(metric: Metric, goal: float) -> str:
 
 
 def result_text(metric: Metric, value: float, tr: Language, decimals: int | None = None) -> str:
-    """Return a result, for participants: "0.41 seconds", "12 taps". ``decimals``: as `decimals_for` returns them."""
+    """Return a result, for participants: "0.41 seconds", "12 taps". ``decimals``: as `decimals_for`
+    returns them.
+    """
     if not _is_time(metric):
         return tr.figures(metric.show(value))
     return _seconds(f"{value / 1000:.{_DECIMALS if decimals is None else decimals}f}", tr)
 
 
-def difference_text(metric: Metric, value: float, other: float, tr: Language, decimals: int | None = None) -> str:
+def difference_text(
+    metric: Metric, value: float, other: float, tr: Language, decimals: int | None = None
+) -> str:
     """Return the distance of two results; empty if they look the same.
 
     They are rounded first, as people subtract the figures that they see.
@@ -54,15 +64,21 @@ def beside_text(metric: Metric, now: float, then: float, when: str, tr: Language
 
 
 def levels_beside_text(now: float, then: float, when: str, tr: Language) -> str:
-    """Return two levels at goal in words ("Level at goal: today 4.6, Tuesday 4.2."), as `beside_text` does."""
+    """Return two levels at goal in words ("Level at goal: today 4.6, Tuesday 4.2."), as
+    `beside_text` does.
+    """
     today, before = (tr.figures(f"{level:.1f}") for level in (now, then))
     return tr("Level at goal: today {now}, {when} {then}.", now=today, when=when, then=before)
 
 
 def verdict_text(tr: Language, *, is_better: bool) -> str:
-    """Return a kind sentence on a session: praise only if it is better by more than noise and practice explain."""
+    """Return a kind sentence on a session: praise only if it is better by more than noise and
+    practice explain.
+    """
     if is_better:
-        return tr("That is better than your first times, and more than chance and practice. Well done.")
+        return tr(
+            "That is better than your first times, and more than chance and practice. Well done."
+        )
     return tr("Some times go better than others, and that is all right.")
 
 
@@ -90,7 +106,9 @@ def day_text(day: date, today: date, tr: Language) -> str:
 
 
 def decimals_for(metric: Metric, value: float, goal: float) -> int | None:
-    """Return the decimals with which a time is not shown as its goal, unless it is; None if the unit has none."""
+    """Return the decimals with which a time is not shown as its goal, unless it is; None if the
+    unit has none.
+    """
     if not _is_time(metric):
         return None
     looks_alike = round(value / 1000, _DECIMALS) == round(goal / 1000, _DECIMALS)
@@ -104,7 +122,9 @@ def axis(metric: Metric, tr: Language) -> tuple[str, float]:
 
 
 def metric_for_people(metric: Metric) -> tuple[Metric, float]:
-    """Return a metric as tables and figures for people show it, times in seconds, and the factor for its values."""
+    """Return a metric as tables and figures for people show it, times in seconds, and the factor
+    for its values.
+    """
     if not _is_time(metric):
         return metric, 1.0
     return msgspec.structs.replace(metric, unit="s", decimals=_DECIMALS), 0.001

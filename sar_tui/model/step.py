@@ -10,8 +10,12 @@ from sar_tui.model.visible_text import control_problem
 Kind = Literal[
     "screen", "rest", "calibration", "number", "likert", "borg", "line", "choice", "choices", "text"
 ]  # fmt: skip
-QUESTIONS: frozenset[Kind] = frozenset(("number", "likert", "borg", "line", "choice", "choices", "text"))
-"""Kinds that ask for an answer; ``screen`` is read, ``rest`` and ``calibration`` end by themselves."""
+QUESTIONS: frozenset[Kind] = frozenset(
+    ("number", "likert", "borg", "line", "choice", "choices", "text")
+)
+"""Kinds that ask for an answer; ``screen`` is read, ``rest`` and ``calibration`` end by
+themselves.
+"""
 TIMED: frozenset[Kind] = frozenset(("rest", "calibration"))
 SCALES: frozenset[Kind] = frozenset(("number", "likert", "borg", "choice"))
 """Kinds of which one point is chosen."""
@@ -22,7 +26,9 @@ LONGEST_TEXT = 500
 BORG = (
     "0", "0.3", "0.5", "0.7", "1", "1.5", "2", "2.5", "3", "4", "5", "6", "7", "8", "9", "10", "11",
 )  # fmt: skip
-"""Points of Borg's category-ratio scale CR10 (Borg 1998, Borg's Perceived Exertion and Pain Scales)."""
+"""Points of Borg's category-ratio scale CR10 (Borg 1998, Borg's Perceived Exertion and Pain
+Scales).
+"""
 BORG_WORDS = {
     0.0: "nothing at all", 0.5: "extremely weak", 1.0: "very weak", 2.0: "weak", 3.0: "moderate", 5.0: "strong",
     7.0: "very strong", 10.0: "extremely strong",
@@ -30,23 +36,28 @@ BORG_WORDS = {
 """Its words, by point; the others have none."""
 
 
-class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
-    """Something between attempts. Without ``before``, ``every`` and ``after`` it comes after the last attempt.
+class Step(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True
+):
+    """Something between attempts. Without ``before``, ``every`` and ``after`` it comes after the
+    last attempt.
 
     Args:
         name: stored with its answers: a short name, without spaces.
         text: the question, or what is to be read: one or two sentences.
-        kind: ``number`` (0 to 10), ``likert`` (one of ``labels``, in order), ``borg`` (CR10), ``line`` (a visual
-            analogue scale, 0 to 100), ``choice`` (one of ``labels``), ``choices`` (several), ``text`` (words);
-            ``screen`` (read it, then Enter), ``rest`` and ``calibration`` (they last for ``seconds``).
+        kind: ``number`` (0 to 10), ``likert`` (one of ``labels``, in order), ``borg`` (CR10),
+            ``line`` (a visual analogue scale, 0 to 100), ``choice`` (one of ``labels``),
+            ``choices`` (several), ``text`` (words); ``screen`` (read it, then Enter), ``rest`` and
+            ``calibration`` (they last for ``seconds``).
         labels: the options; of ``number`` and ``line`` the words at both ends, or none.
         seconds: duration of a rest or a calibration.
         before: True to come before the first attempt.
         every: come after each so many attempts.
         after: come after these attempts; practice is not counted.
         at_end: True to come after the last attempt as well.
-        required: of a ``choice`` before the first attempt, such as consent: the label that must be chosen. Any other
-            answer ends the session, which is kept as ``refused``. Such a question comes before all others.
+        required: of a ``choice`` before the first attempt, such as consent: the label that must be
+            chosen. Any other answer ends the session, which is kept as ``refused``. Such a question
+            comes before all others.
     """
 
     name: str
@@ -61,11 +72,17 @@ class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid
     required: str = ""
 
     def is_due(self, done: int, total: int) -> bool:
-        """Return True if it comes after ``done`` of ``total`` attempts (without practice); 0: before the first."""
+        """Return True if it comes after ``done`` of ``total`` attempts (without practice); 0:
+        before the first.
+        """
         if done == 0:
             return self.before
         is_last = self.at_end or not (self.before or self.every or self.after)
-        return done in self.after or (self.every > 0 and done % self.every == 0) or (is_last and done == total)
+        return (
+            done in self.after
+            or (self.every > 0 and done % self.every == 0)
+            or (is_last and done == total)
+        )
 
     @property
     def is_question(self) -> bool:
@@ -74,7 +91,9 @@ class Step(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid
 
 
 class Point(NamedTuple):
-    """A point of a scale, or an option: how it is typed, its words, and what is stored if it is chosen."""
+    """A point of a scale, or an option: how it is typed, its words, and what is stored if it is
+    chosen.
+    """
 
     typed: str
     label: str
@@ -89,7 +108,9 @@ def points(step: Step) -> tuple[Point, ...]:
             return tuple(Point(str(n), {0: low, 10: high}.get(n, ""), n) for n in range(11))
         case "borg":
             words = step.labels or [BORG_WORDS.get(float(typed), "") for typed in BORG]
-            return tuple(Point(typed, label, float(typed)) for typed, label in zip(BORG, words, strict=True))
+            return tuple(
+                Point(typed, label, float(typed)) for typed, label in zip(BORG, words, strict=True)
+            )
         case "likert":
             return tuple(Point(str(n), label, n) for n, label in enumerate(step.labels, 1))
         case "choice" | "choices":
@@ -98,7 +119,9 @@ def points(step: Step) -> tuple[Point, ...]:
 
 
 def translated(step: Step, tr: Callable[[str], str]) -> Step:
-    """Return a step with its texts in the session's language; also with the words of Borg's scale."""
+    """Return a step with its texts in the session's language; also with the words of Borg's
+    scale.
+    """
     labels = [point.label for point in points(step)] if step.kind == "borg" else step.labels
     return msgspec.structs.replace(
         step,
@@ -110,19 +133,30 @@ def translated(step: Step, tr: Callable[[str], str]) -> Step:
 
 def spoken(step: Step) -> str:
     """Return what a voice says of a step: its text, and the words that can be chosen."""
-    ends = [step.text, *filter(None, (point.label for point in points(step))), *(step.labels * (step.kind == "line"))]
-    return " ".join(part if part[-1] in ".?!…" else f"{part}." for part in (end.strip() for end in ends))
+    ends = [
+        step.text,
+        *filter(None, (point.label for point in points(step))),
+        *(step.labels * (step.kind == "line")),
+    ]
+    return " ".join(
+        part if part[-1] in ".?!…" else f"{part}." for part in (end.strip() for end in ends)
+    )
 
 
 def problem(step: Step) -> str:
     """Return why a step cannot be used, in one sentence; empty if it can."""
     if step.kind not in get_args(Kind):
-        return f"The step {step.name!r} has the kind {step.kind!r:.40}. Choose one of: {', '.join(get_args(Kind))}."
+        return (
+            f"The step {step.name!r} has the kind {step.kind!r:.40}. Choose one of: "
+            f"{', '.join(get_args(Kind))}."
+        )
     try:
         msgspec.convert(msgspec.to_builtins(step), Step)
     except (msgspec.ValidationError, TypeError) as error:
         return f"The step {step.name!r} cannot be used: {error}."
-    shown = control_problem(f"What the step {step.name!r} shows", "".join((step.text, *step.labels)))
+    shown = control_problem(
+        f"What the step {step.name!r} shows", "".join((step.text, *step.labels))
+    )
     return shown or _contents_problem(step) or _labels_problem(step, f"The step {step.name!r}")
 
 
@@ -143,7 +177,9 @@ def _contents_problem(step: Step) -> str:
 
 def _required_problem(step: Step, name: str) -> str:
     if step.kind != "choice" or step.required not in step.labels:
-        return f"{name} requires {step.required!r}: it must be one of the labels, and the kind choice."
+        return (
+            f"{name} requires {step.required!r}: it must be one of the labels, and the kind choice."
+        )
     if not step.before or step.every or step.after or step.at_end:
         return f"{name} requires an answer: it comes before the first attempt only (before = true)."
     return ""

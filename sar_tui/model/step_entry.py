@@ -1,4 +1,6 @@
-"""An answer that is being given with the keyboard: what each key changes. Nothing is chosen until a key chooses it."""
+"""An answer that is being given with the keyboard: what each key changes. Nothing is chosen until a
+key chooses it.
+"""
 
 from typing import Literal, NamedTuple
 
@@ -111,7 +113,9 @@ def _toggled(entry: Entry, key: str, count: int) -> Entry | None:
 
 
 def _moved(entry: Entry, key: str) -> Entry | None:
-    """Move the mark on a line. The first arrow puts it at an end, a digit at a tenth of the line."""
+    """Move the mark on a line. The first arrow puts it at an end, a digit at a tenth of the
+    line.
+    """
     at = entry.place
     if key in ("right", "left") and at is None:
         return Entry(place=0 if key == "right" else FULL)

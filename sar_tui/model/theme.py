@@ -38,7 +38,9 @@ class Colors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def contrasts(self) -> dict[tuple[str, str], float]:
         """Return the WCAG ratio of each valid text colour on each background, by their names."""
-        colors = {name: value for name, value in msgspec.structs.asdict(self).items() if is_color(value)}
+        colors = {
+            name: value for name, value in msgspec.structs.asdict(self).items() if is_color(value)
+        }
         return {
             (name, ground): contrast(colors[name], colors[ground])
             for name in colors
@@ -108,16 +110,19 @@ _TONES = {
 
 
 class Theme(msgspec.Struct, frozen=True):
-    """A persona in one language: colours, faces, voice, manners, gestures, and wordings for each situation.
+    """A persona in one language: colours, faces, voice, manners, gestures, and wordings for each
+    situation.
 
     Attributes:
         minimum_contrast: the least WCAG ratio of text on the background and the surface.
-        languages: those that the theme's folder has phrases in. A phrase that ``language`` lacks is English.
+        languages: those that the theme's folder has phrases in. A phrase that ``language`` lacks is
+            English.
         mouth_line: the line of a face, from 0, that moves when it speaks.
         units: spoken forms of units, one or two: ``second | seconds``.
         images: files shown instead of faces.
         texts: the theme's own wordings of texts on the screens, by their English.
-        repairs: one sentence for each part that was missing or wrong in the folder and replaced from another theme.
+        repairs: one sentence for each part that was missing or wrong in the folder and replaced
+            from another theme.
     """
 
     name: str

@@ -54,5 +54,8 @@ def _range_problem(tone: Tone) -> str:
     if not 1 <= tone.times <= _MOST:
         return f"A tone sounds {tone.times} times; it can sound 1 to {_MOST} times."
     if tone.times > 1 and not tone.ms <= tone.every_ms < math.inf:
-        return f"A tone of {tone.ms} ms is repeated every {tone.every_ms} ms: its every_ms must be at least its ms."
+        return (
+            f"A tone of {tone.ms} ms is repeated every {tone.every_ms} ms: its every_ms must "
+            "be at least its ms."
+        )
     return ""

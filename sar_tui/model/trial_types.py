@@ -1,4 +1,6 @@
-"""Values that a task and the framework exchange: metric and target, stimulus, trial, result, score."""
+"""Values that a task and the framework exchange: metric and target, stimulus, trial, result,
+score.
+"""
 
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
@@ -23,8 +25,8 @@ LONGEST_SHOW_MS = 10_000
 class Metric(msgspec.Struct, frozen=True):
     """The measure of an attempt.
 
-    ``improved`` and ``worsened`` are the words for a change ("faster", "slower"); ``decimals`` is the number of
-    decimals shown.
+    ``improved`` and ``worsened`` are the words for a change ("faster", "slower"); ``decimals`` is
+    the number of decimals shown.
     """
 
     name: str
@@ -59,16 +61,20 @@ NO_METRIC = Metric("", "", "higher")
 
 
 class Target(msgspec.Struct, frozen=True):
-    """The goal of an attempt, and the distance from it within which feedback is neutral; in the metric's unit."""
+    """The goal of an attempt, and the distance from it within which feedback is neutral; in the
+    metric's unit.
+    """
 
     threshold: float
     neutral_band: float
 
 
 class Axis(msgspec.Struct, frozen=True):
-    """The axis on which the difficulty of levels is measured: results worsen along it, in about a straight line.
+    """The axis on which the difficulty of levels is measured: results worsen along it, in about a
+    straight line.
 
-    ``is_log2``: the axis holds logarithms to base 2, as of a number of choices; people are shown the number itself.
+    ``is_log2``: the axis holds logarithms to base 2, as of a number of choices; people are shown
+    the number itself.
     """
 
     name: str = "level"
@@ -86,13 +92,14 @@ class Quality(msgspec.Struct, frozen=True):
     """A measure of how a trial was done (knowledge of performance), taken from its details.
 
     Args:
-        field: the field of ``Details``. Its mean over an attempt's correct trials is compared with that of the last
-            comparable attempt.
+        field: the field of ``Details``. Its mean over an attempt's correct trials is compared with
+            that of the last comparable attempt.
         better: the direction of improvement.
         improved: the word for an improvement: "smoother".
         aim: the advice after a decline: "as smoothly as you can".
         margin: smaller differences are ignored, also where the person's own noise is less.
-        praised_until: the last rules of a session in which feedback is given on it; None: in all. It is stored in any.
+        praised_until: the last rules of a session in which feedback is given on it; None: in all.
+            It is stored in any.
     """
 
     field: str
@@ -126,7 +133,9 @@ class Score(msgspec.Struct, frozen=True):
 
 
 class PastAttempt(msgspec.Struct, frozen=True):
-    """A scored attempt of one seat. ``measures``: means of the task's qualities, and its ``measures``."""
+    """A scored attempt of one seat. ``measures``: means of the task's qualities, and its
+    ``measures``.
+    """
 
     attempt: int
     practice: bool
@@ -165,11 +174,15 @@ class Situation(msgspec.Struct, frozen=True):
 
     @property
     def history(self) -> tuple[PastAttempt, ...]:
-        """Scored attempts of this session, oldest first, practice included; with several seats, of seat A."""
+        """Scored attempts of this session, oldest first, practice included; with several seats, of
+        seat A.
+        """
         return self.history_of("A")
 
     def results_of(self, seat: str) -> "tuple[Result, ...]":
-        """Return the results of this attempt's earlier trials in which a seat took part, oldest first."""
+        """Return the results of this attempt's earlier trials in which a seat took part, oldest
+        first.
+        """
         return tuple(results[seat] for results in self.results_by_seat if seat in results)
 
     def history_of(self, seat: str) -> tuple[PastAttempt, ...]:
@@ -195,13 +208,16 @@ class Stimulus(msgspec.Struct, frozen=True):
         glyph: shown very large; defaults to ``name``.
         hint: shown under the glyph.
         choices: the number of stimuli it was drawn from.
-        signals: True if it asks for an immediate response, so that the time from its onset is a reaction time.
+        signals: True if it asks for an immediate response, so that the time from its onset is a
+            reaction time.
         seat: the seat that responds, in a task with several; empty for all of them.
         halves: the contents of the left and right half of the screen, instead of ``glyph``.
         cue: given before the prompt; nothing else then announces whose turn it is.
-        timeout_ms: time for the response to this prompt; None: the parameter ``response_timeout_ms``.
+        timeout_ms: time for the response to this prompt; None: the parameter
+            ``response_timeout_ms``.
         frames: shown one after the other instead of ``glyph`` and ``text``, each for its time.
-        colour: of what is drawn large: a name of `prompt_colors.OKABE_ITO`; empty for the colour of texts.
+        colour: of what is drawn large: a name of `prompt_colors.OKABE_ITO`; empty for the colour of
+            texts.
         picture: a file in the task's folder, shown instead of ``glyph``: "pictures/cat.png".
         tone: sounds from the onset of the prompt on; with frames, each may have its own instead.
         data: kept with the trial and never shown, as JSON: lists, no tuples.
@@ -230,10 +246,11 @@ class Stimulus(msgspec.Struct, frozen=True):
 class Trial(msgspec.Struct, frozen=True):
     """A trial whose prompt is shown: the stimulus, its onset (ns) and the percepts so far.
 
-    ``started``: when the participant started the trial, if they do (ns). ``cued``: when the agent gave its cue (ns).
-    ``frames``: onsets of the frames shown so far (ns), in a prompt that has some; ``onset`` is then that of the timed
-    one, and if that is still to come, the time at which it is due. ``tones``: onsets of the tones that have begun (ns),
-    of a repeated one the first. ``typed``: the text typed so far and not sent, if the prompt expects one.
+    ``started``: when the participant started the trial, if they do (ns). ``cued``: when the agent
+    gave its cue (ns). ``frames``: onsets of the frames shown so far (ns), in a prompt that has
+    some; ``onset`` is then that of the timed one, and if that is still to come, the time at which
+    it is due. ``tones``: onsets of the tones that have begun (ns), of a repeated one the first.
+    ``typed``: the text typed so far and not sent, if the prompt expects one.
     """
 
     situation: Situation
@@ -247,7 +264,9 @@ class Trial(msgspec.Struct, frozen=True):
     typed: str = ""
 
     def frame_at(self, at: int) -> int:
-        """Return the place of the frame that was on the screen at a time stamp, counted from 0; -1 before the first."""
+        """Return the place of the frame that was on the screen at a time stamp, counted from 0; -1
+        before the first.
+        """
         return bisect_right(self.frames or (self.onset,), at) - 1
 
     def latency_ms(self, at: int) -> float:
@@ -267,12 +286,18 @@ class Show(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         if not (isinstance(self.text, str) and self.text.strip() and self.text.isprintable()):
-            raise ValueError(f"what is shown after a trial is not one line of plain text: {self.text!r:.60}")
+            raise ValueError(
+                f"what is shown after a trial is not one line of plain text: {self.text!r:.60}"
+            )
         if type(self.ms) is not int:
-            raise ValueError(f"what is shown after a trial is shown for a whole number of ms, not {self.ms!r:.60}")
+            raise ValueError(
+                "what is shown after a trial is shown for a whole number of ms, not "
+                f"{self.ms!r:.60}"
+            )
         if not 0 < self.ms <= LONGEST_SHOW_MS:
             raise ValueError(
-                f"what is shown after a trial is shown for {self.ms} ms; 1 to {LONGEST_SHOW_MS} are possible"
+                f"what is shown after a trial is shown for {self.ms} ms; 1 to {LONGEST_SHOW_MS} "
+                "are possible"
             )
 
 
@@ -283,15 +308,16 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         correct: True if the response was the right one.
         response: the response; None for a miss.
         response_at: its time stamp (ns); None for a miss.
-        onset_at: for a response that lasts: the time stamp of its onset, while ``response_at`` is that of its end. It
-            replaces the prompt's onset in the trial's row, and a reaction time is counted up to it.
+        onset_at: for a response that lasts: the time stamp of its onset, while ``response_at`` is
+            that of its end. It replaces the prompt's onset in the trial's row, and a reaction time
+            is counted up to it.
         value: the trial's contribution to the attempt's metric; None for none.
         details: more to store with the trial, as the task's ``Details`` declare.
         flags: added to ``trials.timing``; the framework adds ``anticipation``.
-        remark: said instead of the theme's phrase if the attempt fails for lack of correct trials: a sentence without
-            numbers.
-        correction: said after the feedback, however the attempt went: a sentence on how to move, without numbers. Of
-            several in an attempt, the last is said.
+        remark: said instead of the theme's phrase if the attempt fails for lack of correct trials:
+            a sentence without numbers.
+        correction: said after the feedback, however the attempt went: a sentence on how to move,
+            without numbers. Of several in an attempt, the last is said.
         show: shown after the trial, before the next one begins.
     """
 
@@ -313,14 +339,21 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def complete(result: Result, declared: "type[Details]") -> Result:
-    """Return a result as it is stored: None for an empty response, and all declared details if it has none at all.
+    """Return a result as it is stored: None for an empty response, and all declared details if it
+    has none at all.
 
-    So a trial that timed out has the same columns as the others: each detail has its default, or else None.
+    So a trial that timed out has the same columns as the others: each detail has its default, or
+    else None.
     """
     if not isinstance(result, Result):
-        raise TypeError(f"a trial ended with {result!r:.60}, which is no Result: look at perceived and timed_out")
+        raise TypeError(
+            f"a trial ended with {result!r:.60}, which is no Result: look at perceived and "
+            "timed_out"
+        )
     if not (result.show is None or isinstance(result.show, Show)):
-        raise TypeError(f"the show of a Result is a Show, such as Show('+10'), not {result.show!r:.60}")
+        raise TypeError(
+            f"the show of a Result is a Show, such as Show('+10'), not {result.show!r:.60}"
+        )
     details = result.details or {
         field.name: None if field.default is msgspec.NODEFAULT else field.default
         for field in msgspec.structs.fields(declared)
@@ -335,7 +368,8 @@ Results = dict[str, Result]
 class Mark(msgspec.Struct, frozen=True):
     """A therapist's mark on a trial, set with one key.
 
-    ``counts``: True if the trial can still be correct. ``remark``: said to the participant if it cannot.
+    ``counts``: True if the trial can still be correct. ``remark``: said to the participant if it
+    cannot.
     """
 
     name: str
@@ -355,7 +389,8 @@ class Mark(msgspec.Struct, frozen=True):
 
 
 class Again(msgspec.Struct, frozen=True):
-    """A trial that could not be measured, through no fault of the participant: it is repeated under the same number.
+    """A trial that could not be measured, through no fault of the participant: it is repeated under
+    the same number.
 
     Args:
         reason: a word for the log: ``gap``.
@@ -372,7 +407,8 @@ class Performance:
     Args:
         reaction_ms: the reaction time drawn for this prompt.
         slips: True if the response is to be wrong.
-        pace: the duration of a movement, as a multiple of a healthy person's; or what draws it, for a task that moves.
+        pace: the duration of a movement, as a multiple of a healthy person's; or what draws it, for
+            a task that moves.
         unsteadiness: 0 for a hand that goes straight, 1 for one that halts and dwells.
     """
 
@@ -395,8 +431,12 @@ class Performance:
 
 
 Act = tuple[float, Any]
-"""An act of a simulated participant: ms after the prompt, and the name of a key or a movement of the hand."""
+"""An act of a simulated participant: ms after the prompt, and the name of a key or a movement of
+the hand.
+"""
 
 
 class Details(msgspec.Struct, frozen=True):
-    """Base of the details stored with each trial. Declare their fields in a subclass, for the data dictionary."""
+    """Base of the details stored with each trial. Declare their fields in a subclass, for the data
+    dictionary.
+    """

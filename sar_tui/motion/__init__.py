@@ -1,1 +1,3 @@
-"""Movement science in numpy: detects reaches and repetitions in a sensor's samples, and measures them."""
+"""Movement science in numpy: detects reaches and repetitions in a sensor's samples, and measures
+them.
+"""

@@ -1,4 +1,6 @@
-"""Analysis of one reach in a stretch of samples: all detectors and all measures, for storage beside the raw data."""
+"""Analysis of one reach in a stretch of samples: all detectors and all measures, for storage beside
+the raw data.
+"""
 
 import msgspec
 import numpy as np
@@ -35,7 +37,9 @@ _OF_VERSION_2 = (
     "tremor_rest_hz", "tremor_rest_rad_s", "tremor_action_rad_s",
 )  # fmt: skip
 DISAGREEMENT = 0.2
-"""Difference of two detectors' times, as a share of the longer one, from which a reach's time is doubtful."""
+"""Difference of two detectors' times, as a share of the longer one, from which a reach's time is
+doubtful.
+"""
 FEWEST = 10
 """Smallest number of samples that is analysed."""
 
@@ -64,7 +68,8 @@ class AnalysisParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Window(msgspec.Struct, frozen=True, kw_only=True):
-    """The stretch in which one reach is expected, in ns: samples in [from_ns, to_ns), the reach after started_ns.
+    """The stretch in which one reach is expected, in ns: samples in [from_ns, to_ns), the reach
+    after started_ns.
 
     ``flags``: known faults of the samples (``saturated``, ``error``).
     """
@@ -78,9 +83,9 @@ class Window(msgspec.Struct, frozen=True, kw_only=True):
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
     """The reach found by the detector that counts. Without ``onset_ns`` there was no reach.
 
-    ``invalid``: why there is no result: ``samples`` (too few), ``gap`` (samples are missing in the reach or beside it,
-    not because of its speed), ``rate`` (too few per second), ``analysis`` (the detector that counts failed); otherwise
-    empty.
+    ``invalid``: why there is no result: ``samples`` (too few), ``gap`` (samples are missing in the
+    reach or beside it, not because of its speed), ``rate`` (too few per second), ``analysis`` (the
+    detector that counts failed); otherwise empty.
     """
 
     onset_ns: int | None = None
@@ -94,9 +99,10 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) -> Finding:
     """Find the reach of a window by each detector, and measure it.
 
-    If there are several, the fastest is taken and ``several`` is flagged; ``disagree`` if the time is doubtful, as the
-    detectors of single axes and of orientations differ by more than 20 %; ``too_far`` if the hand would turn farther
-    than it can. Quantities that the sensor could not measure
+    If there are several, the fastest is taken and ``several`` is flagged; ``disagree`` if the time
+    is doubtful, as the detectors of single axes and of orientations differ by more than 20 %;
+    ``too_far`` if the hand would turn farther than it can. Quantities that the sensor could not
+    measure
     are None.
 
     Args:
@@ -135,14 +141,18 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
                 return Finding(details=known, invalid=why, flags=window.flags)
             times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = None
             continue
-        found = found._replace(reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window)))
+        found = found._replace(
+            reaches=tuple(bounds for bounds in found.reaches if _is_expected(bounds, window))
+        )
         if name == parameters.detector:
             known["reaches"] = len(found.reaches)
         if version > 1:
             found = found._replace(reaches=_fastest(found))
         if name == parameters.detector:
             reaches = measure(found, whole, version)
-        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(found, whole, version)
+        times_ms[name] = known[f"{STORED_NAMES[name]}_reach_time_ms"] = _reach_time_ms(
+            found, whole, version
+        )
     too_far = version > 1 and turns_too_far(whole.time_s, whole.rate)
     reach = _largest(reaches)
     holes = _holes(inside["at"], window)
@@ -154,9 +164,15 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
         "disagree": version > 1 and _disagree(times_ms, parameters.detector),
         "too_far": too_far,
     }
-    flags = tuple(dict.fromkeys((*window.flags, *reach.flags, *(name for name, holds in warnings.items() if holds))))
+    flags = tuple(
+        dict.fromkeys(
+            (*window.flags, *reach.flags, *(name for name, holds in warnings.items() if holds))
+        )
+    )
     onset_ns, end_ns = _stamp(reach.onset_s, window), _stamp(reach.end_s, window)
-    has_hole = any(first < end_ns + BESIDE_NS and last > onset_ns - BESIDE_NS for first, last in holes)
+    has_hole = any(
+        first < end_ns + BESIDE_NS and last > onset_ns - BESIDE_NS for first, last in holes
+    )
     return Finding(
         onset_ns=onset_ns,
         turn_ns=_stamp(reach.turn_s, window),
@@ -168,7 +184,9 @@ def analyse(samples: Samples, window: Window, parameters: AnalysisParameters) ->
 
 
 def measures(reach: Reach, version: Version = 2) -> Measured:
-    """Return a reach as flat fields, times in ms. If the sensor was beyond its range, only the times are valid."""
+    """Return a reach as flat fields, times in ms. If the sensor was beyond its range, only the
+    times are valid.
+    """
     measured: Measured = {
         "reach_time_ms": round(reach.reach_time_s * 1000, 3),
         "out_ms": round(reach.out_s * 1000, 3),
@@ -191,7 +209,9 @@ def measures(reach: Reach, version: Version = 2) -> Measured:
     }
     if version > 1:
         values = {name: getattr(reach, name) for name in _OF_VERSION_2}
-        measured |= {name: None if value is None else round(value, 4) for name, value in values.items()}
+        measured |= {
+            name: None if value is None else round(value, 4) for name, value in values.items()
+        }
     if not {"saturated", "clipped"}.isdisjoint(reach.flags):
         measured |= dict.fromkeys(measured.keys() - _TIMES)
     return measured
@@ -217,15 +237,20 @@ def _fastest(found: Detected) -> tuple[Bounds, ...]:
 
 
 def _reach_time_ms(found: Detected, recording: Recording, version: Version) -> float | None:
-    """Return the duration of the largest reach; which one that is needs measuring only if there are several."""
+    """Return the duration of the largest reach; which one that is needs measuring only if there are
+    several.
+    """
     if len(found.reaches) > 1:
         largest = _largest(measure(found, recording, version))
         return round(largest.reach_time_s * 1000, 3) if largest else None
-    return next((round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None)
+    return next(
+        (round((bounds.end_s - bounds.onset_s) * 1000, 3) for bounds in found.reaches), None
+    )
 
 
 def _disagree(times_ms: dict[DetectorName, float | None], detector: DetectorName) -> bool:
-    """Return True if the orientation and the single-axis detector differ by much in a reach that one of them scores.
+    """Return True if the orientation and the single-axis detector differ by much in a reach that
+    one of them scores.
 
     The fixed-threshold detector differs as it is defined, so it is not asked.
     """
@@ -236,14 +261,20 @@ def _disagree(times_ms: dict[DetectorName, float | None], detector: DetectorName
 
 
 def _largest(reaches: tuple[Reach, ...]) -> Reach | None:
-    return max(reaches, key=lambda reach: reach.peak_extension_rad_s - reach.peak_return_rad_s, default=None)
+    return max(
+        reaches,
+        key=lambda reach: reach.peak_extension_rad_s - reach.peak_return_rad_s,
+        default=None,
+    )
 
 
 def _holes(stamps: npt.NDArray[np.int64], window: Window) -> list[tuple[int, int]]:
     """Return the holes since the start of the reach, except those that saturation explains."""
     after = stamps[stamps >= window.started_ns - EARLY_NS]
     least = SATURATED_NS if "saturated" in window.flags else HOLE_NS
-    return [(int(after[n]), int(after[n + 1])) for n in (after[1:] - after[:-1] > least).nonzero()[0]]
+    return [
+        (int(after[n]), int(after[n + 1])) for n in (after[1:] - after[:-1] > least).nonzero()[0]
+    ]
 
 
 def _stamp(seconds: float, window: Window) -> int:

@@ -1,8 +1,9 @@
-"""A body of trunk, upper arm, forearm and hand: orientation and position of a sensor on it, from the joints' angles.
+"""A body of trunk, upper arm, forearm and hand: orientation and position of a sensor on it, from
+the joints' angles.
 
-The axes of the room are those of a person who sits upright: x to the right, y forward, z up. With the right arm hanging
-down, its elbow bent to 90° and the palm down, the hand's axes are the same: y along the fingers, z out of its back. A
-left arm is the mirror image of the right one.
+The axes of the room are those of a person who sits upright: x to the right, y forward, z up. With
+the right arm hanging down, its elbow bent to 90° and the palm down, the hand's axes are the same: y
+along the fingers, z out of its back. A left arm is the mirror image of the right one.
 """
 
 import math
@@ -41,9 +42,11 @@ JOINTS: dict[Joint, tuple[int, float]] = {
     "wrist_extension": (0, 1.0),
     "radial_deviation": (2, 1.0),
 }
-"""Each joint's axis (0, 1, 2 for x, y, z of the segment above) and the sign of its turn for the right arm: trunk
-rotation away from the arm's side, flexion forward, abduction away from the body, rotation inward. From the trunk to
-the hand, the order in which the turns are composed. Supination is counted from the palm down."""
+"""Each joint's axis (0, 1, 2 for x, y, z of the segment above) and the sign of its turn for the
+right arm: trunk rotation away from the arm's side, flexion forward, abduction away from the body,
+rotation inward. From the trunk to the hand, the order in which the turns are composed. Supination
+is counted from the palm down.
+"""
 
 SHOULDER_M = (0.18, 0.0, 0.45)
 """The right shoulder, as seen from the hips."""
@@ -51,8 +54,9 @@ STERNUM_M = (0.0, 0.10, 0.38)
 UPPER_ARM_M = 0.30
 FOREARM_M = 0.25
 HAND_M = 0.06
-"""From the wrist to the sensor. The lengths are about those of Winter (2009, Biomechanics and Motor Control of Human
-Movement, table 4.1) for a person of 1.65 m."""
+"""From the wrist to the sensor. The lengths are about those of Winter (2009, Biomechanics and Motor
+Control of Human Movement, table 4.1) for a person of 1.65 m.
+"""
 SURFACE_M = 0.02
 """From the bones to the sensor's chip."""
 
@@ -66,7 +70,8 @@ _CHEST = np.array((0.0, 0.0, _HALF, _HALF))
 class Site(NamedTuple):
     """A place on the body for a sensor.
 
-    ``turned``: the sensor's orientation as seen from the segment, a quaternion; (1, 0, 0, 0) for z out of its back.
+    ``turned``: the sensor's orientation as seen from the segment, a quaternion; (1, 0, 0, 0) for z
+    out of its back.
     """
 
     segment: Segment = "hand"
@@ -75,7 +80,9 @@ class Site(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Orientation of a sensor at each time (a quaternion, shape (n, 4)) and its position in the room (m, (n, 3))."""
+    """Orientation of a sensor at each time (a quaternion, shape (n, 4)) and its position in the
+    room (m, (n, 3)).
+    """
 
     orientation: Floats
     position: Floats
@@ -123,7 +130,9 @@ class _Chain:
         self.orientation = multiply(self.orientation, turned)
 
     def turn(self, *joints: Joint) -> None:
-        """Turn by the angles of joints. A mirror image turns the other way about all axes but the one across it."""
+        """Turn by the angles of joints. A mirror image turns the other way about all axes but the
+        one across it.
+        """
         for joint in joints:
             if joint in self._angles:
                 axis, sign = JOINTS[joint]

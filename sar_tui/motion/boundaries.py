@@ -1,4 +1,6 @@
-"""Onset and end of a movement, to a few milliseconds: the rise or fall of its speed extrapolated to zero."""
+"""Onset and end of a movement, to a few milliseconds: the rise or fall of its speed extrapolated to
+zero.
+"""
 
 import math
 
@@ -11,8 +13,9 @@ LOW, HIGH = 0.08, 0.35
 HIGHEST_LOW = 0.2
 """Largest lower bound of that part: it rises with the noise."""
 PROMINENT, FALL = 0.2, 0.6
-"""A submovement's peak is at least the first share of the phase's peak; it ends where the speed falls below the second
-share of its own."""
+"""A submovement's peak is at least the first share of the phase's peak; it ends where the speed
+falls below the second share of its own.
+"""
 POINTS = 24
 """Number of points that the line is fitted to."""
 _EVENLY = np.linspace(0.0, 1.0, POINTS)
@@ -21,29 +24,34 @@ TAIL = 0.02
 
 
 def first_peak(speed: Floats, prominent: float = PROMINENT) -> int:
-    """Return the peak of a phase's first submovement: before a fall to 60 %, and at least a share of the phase's."""
+    """Return the peak of a phase's first submovement: before a fall to 60 %, and at least a share
+    of the phase's.
+    """
     highest = np.maximum.accumulate(speed)
     fallen = ((speed < FALL * highest) & (highest >= prominent * highest[-1])).nonzero()[0]
     return int(speed[: fallen[0] if len(fallen) else len(speed)].argmax())
 
 
 def onset(time_s: Floats, speed: Floats, floor: float = 0.0, level: float = 0.0) -> float:
-    """Return the onset of a movement that is fastest at the end of ``speed``. For an end, reverse both arrays.
+    """Return the onset of a movement that is fastest at the end of ``speed``. For an end, reverse
+    both arrays.
 
-    After Botzer & Karniel (2009), Front Neurosci 3:61: the square root of the speed grows linearly from the onset,
-    so a line through it, here between 8 and 35 % of the peak, leads back to the onset. A minimum-jerk speed is
-    peak · (4u(1 − u))² of the share u of its time, so u = (1 − √(1 − √(speed / peak))) / 2 is linear throughout; the
-    line is fitted to that, which avoids the root's own error of 2 % of the lobe at either end.
+    After Botzer & Karniel (2009), Front Neurosci 3:61: the square root of the speed grows linearly
+    from the onset, so a line through it, here between 8 and 35 % of the peak, leads back to the
+    onset. A minimum-jerk speed is peak · (4u(1 − u))² of the share u of its time, so u = (1 − √(1 −
+    √(speed / peak))) / 2 is linear throughout; the line is fitted to that, which avoids the root's
+    own error of 2 % of the lobe at either end.
 
-    A movement may trail off more slowly: it lasts as long as its speed stays above 2 % of the peak (after Alt Murphy,
-    Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above three times the noise. A movement that is
-    fast from the first sample began there.
+    A movement may trail off more slowly: it lasts as long as its speed stays above 2 % of the peak
+    (after Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80) and above
+    three times the noise. A movement that is fast from the first sample began there.
 
     Args:
         time_s: shape (n,), rising or falling.
         speed: shape (n,), at least 0, its largest value last.
         floor: noise at rest; the fit begins above it.
-        level: the movement counts from this speed on, instead of from 0; and twice of it is where it trails off.
+        level: the movement counts from this speed on, instead of from 0; and twice of it is where
+            it trails off.
     """
     if len(speed) < 3 or speed[-1] <= 0:
         return float(time_s[0])

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 
 def changes(values: npt.NDArray[Any]) -> npt.NDArray[np.intp]:
-    """Return the indices at which a signal changes its value; before its start and after its end it counts as 0.
+    """Return the indices at which a signal changes its value; before its start and after its end it
+    counts as 0.
 
     Of a mask, they are the first index of each run of True and the first one after it, in turn.
 

@@ -20,8 +20,8 @@ from sar_tui.motion.samples import Recording
 class Detector(NamedTuple):
     """A way to find reaches.
 
-    ``version`` changes whenever its results may change. ``is_quiet``: True if `detect` leaves out what it finds in
-    daily life (`plausibility.plausible`).
+    ``version`` changes whenever its results may change. ``is_quiet``: True if `detect` leaves out
+    what it finds in daily life (`plausibility.plausible`).
     """
 
     version: str
@@ -31,9 +31,13 @@ class Detector(NamedTuple):
 
 
 DETECTORS: dict[str, Detector] = {
-    "orientation": Detector("1", orientation.OrientationParameters, orientation.find, is_quiet=True),
+    "orientation": Detector(
+        "1", orientation.OrientationParameters, orientation.find, is_quiet=True
+    ),
     "single-axis": Detector("1", single_axis.SingleAxisParameters, single_axis.find),
-    "fixed-threshold": Detector("1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find),
+    "fixed-threshold": Detector(
+        "1", fixed_threshold.FixedThresholdParameters, fixed_threshold.find
+    ),
 }
 
 
@@ -46,7 +50,8 @@ def detect(
 ) -> tuple[Reach, ...]:
     """Return the reaches in a recording of any content, in order of time. They do not overlap.
 
-    A window of a session, in which a reach was asked for, is analysed by `analysis.analyse`, which judges less.
+    A window of a session, in which a reach was asked for, is analysed by `analysis.analyse`, which
+    judges less.
 
     Args:
         recording: the samples; best with at least a second of rest before the reach.
@@ -55,7 +60,8 @@ def detect(
         hand: the hand with the sensor.
         since_s: reaches that begin earlier are left out, as they were found in an earlier part.
 
-    Raises ValueError for an unknown detector, another detector's parameters, or too low a sample rate.
+    Raises ValueError for an unknown detector, another detector's parameters, or too low a sample
+    rate.
     """
     found = find(recording, detector, parameters, hand)
     is_quiet = DETECTORS[current_name(detector)].is_quiet
@@ -64,7 +70,9 @@ def detect(
 
 
 def detect_one_way(recording: Recording, since_s: float = -math.inf) -> tuple[Reach, ...]:
-    """Return the movements in a recording from rest to rest without a way back (`one_way.find`), as `detect`."""
+    """Return the movements in a recording from rest to rest without a way back (`one_way.find`), as
+    `detect`.
+    """
     found = one_way.find(recording)
     return measure(found._replace(reaches=apart(found.reaches, since_s)), recording)
 
@@ -76,7 +84,8 @@ def find(
     hand: Hand = "right",
     grid: Grid | None = None,
 ) -> Detected:
-    """Return the boundaries of all excursions that may be a reach, without measuring them: much faster.
+    """Return the boundaries of all excursions that may be a reach, without measuring them: much
+    faster.
 
     Arguments and errors are those of `detect`.
 
@@ -84,9 +93,12 @@ def find(
     """
     chosen = DETECTORS.get(current_name(detector))
     if chosen is None:
-        raise ValueError(f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}.")
+        raise ValueError(
+            f"There is no detector named {detector!r}; there are: {', '.join(DETECTORS)}."
+        )
     if parameters is not None and not isinstance(parameters, chosen.parameters):
         raise ValueError(
-            f"The detector {detector!r} takes {chosen.parameters.__name__}, not {type(parameters).__name__}."
+            f"The detector {detector!r} takes {chosen.parameters.__name__}, not "
+            f"{type(parameters).__name__}."
         )
     return chosen.find(recording, parameters, hand, grid)

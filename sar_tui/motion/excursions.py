@@ -11,13 +11,19 @@ from sar_tui.motion.changes import changes
 from sar_tui.motion.samples import Floats
 
 NEAR = 0.15
-"""Share of the excursion within which the hand counts as not having left yet, or as back already."""
+"""Share of the excursion within which the hand counts as not having left yet, or as back
+already.
+"""
 TURNING = 0.3
-"""Share of the largest speed below which a hand near its start turns around, and does not just pass."""
+"""Share of the largest speed below which a hand near its start turns around, and does not just
+pass.
+"""
 TOO_LONG = 2.0
 """Multiple of the longest reach within which a hand must be back, or it was no reach."""
 LINGER_S = 1.2
-"""Longest time from a stop on the way back until the hand is nearer to its start, as a cup is put down in between."""
+"""Longest time from a stop on the way back until the hand is nearer to its start, as a cup is put
+down in between.
+"""
 HOME_S = 0.3
 """Shortest rest from which a reach starts, if it is not the one that ended the reach before."""
 JUST_BEFORE_S = 0.1
@@ -25,8 +31,8 @@ JUST_BEFORE_S = 0.1
 
 
 class Limits(NamedTuple):
-    """Definitions: a hand at rest is slower than ``still`` (rad/s); ``home_s`` is the shortest first rest from which a
-    reach starts; for the others see `OrientationParameters`.
+    """Definitions: a hand at rest is slower than ``still`` (rad/s); ``home_s`` is the shortest
+    first rest from which a reach starts; for the others see `OrientationParameters`.
     """
 
     still: float
@@ -37,10 +43,11 @@ class Limits(NamedTuple):
 
 
 class Excursion(NamedTuple):
-    """A turn away from the orientation at sample ``first`` and back at ``last``, farthest at ``top``.
+    """A turn away from the orientation at sample ``first`` and back at ``last``, farthest at
+    ``top``.
 
-    ``stop``: where the hand leaves again, or the end of the stretch. ``angle``: shape (stop - first,), rad, from the
-    orientation at ``first``. ``axis``: that of the largest angle.
+    ``stop``: where the hand leaves again, or the end of the stretch. ``angle``: shape (stop -
+    first,), rad, from the orientation at ``first``. ``axis``: that of the largest angle.
     """
 
     first: int
@@ -56,10 +63,13 @@ class Excursion(NamedTuple):
         return self._replace(first=first, top=top, last=last, stop=stop)
 
 
-def excursions(orientation: Floats, slow: Floats, rate_hz: float, limits: Limits) -> Iterator[Excursion]:
+def excursions(
+    orientation: Floats, slow: Floats, rate_hz: float, limits: Limits
+) -> Iterator[Excursion]:
     """Yield the turns away from an orientation at rest and back, in order of time.
 
-    A stretch that begins in movement may begin on a way back, so its first home is found from its end, backwards.
+    A stretch that begins in movement may begin on a way back, so its first home is found from its
+    end, backwards.
 
     Args:
         orientation: quaternions, shape (n, 4), relative to any orientation.
@@ -75,10 +85,13 @@ def excursions(orientation: Floats, slow: Floats, rate_hz: float, limits: Limits
     yield from _chains(orientation, slow, homes, rate_hz, limits)
 
 
-def _chains(orientation: Floats, slow: Floats, homes: list[int], rate_hz: float, limits: Limits) -> Iterator[Excursion]:
+def _chains(
+    orientation: Floats, slow: Floats, homes: list[int], rate_hz: float, limits: Limits
+) -> Iterator[Excursion]:
     """Yield the turns away from a home and back, and from there again.
 
-    A rest from which the hand does not come back was not the start of a reach: the next one is tried.
+    A rest from which the hand does not come back was not the start of a reach: the next one is
+    tried.
     """
     at, farthest = 0, round(TOO_LONG * limits.longest_s * rate_hz)
     for home in homes:
@@ -93,7 +106,8 @@ def _chains(orientation: Floats, slow: Floats, homes: list[int], rate_hz: float,
 
 
 def _homes(resting: npt.NDArray[np.bool_], rate_hz: float, first_s: float) -> list[int]:
-    """Return the samples at which a reach may start: just before the end of each rest that is no mere turn.
+    """Return the samples at which a reach may start: just before the end of each rest that is no
+    mere turn.
 
     A rest with which the samples begin may be shorter than others: ``first_s``.
     """
@@ -107,10 +121,14 @@ def _homes(resting: npt.NDArray[np.bool_], rate_hz: float, first_s: float) -> li
     ] or [0]
 
 
-def _excursion_from(orientation: Floats, slow: Floats, linger: float, limits: Limits) -> Excursion | None:
-    """Return the first turn away from the orientation at the first sample and back; None without a way back.
+def _excursion_from(
+    orientation: Floats, slow: Floats, linger: float, limits: Limits
+) -> Excursion | None:
+    """Return the first turn away from the orientation at the first sample and back; None without a
+    way back.
 
-    A stop on the way back, of which less than ``linger`` samples pass before the hand is nearer, does not end it.
+    A stop on the way back, of which less than ``linger`` samples pass before the hand is nearer,
+    does not end it.
     """
     turned = quaternions.multiply(quaternions.conjugate(orientation[0]), orientation)
     angle = quaternions.angle(turned)
@@ -121,7 +139,9 @@ def _excursion_from(orientation: Floats, slow: Floats, linger: float, limits: Li
         came = int(back[index])
         largest = float(highest[came])
         leaves = _leaves(angle, came, limits.return_share * largest)
-        if _is_back(angle[came:leaves], slow[came:leaves], limits.still, largest, float(slow[:leaves].max())):
+        if _is_back(
+            angle[came:leaves], slow[came:leaves], limits.still, largest, float(slow[:leaves].max())
+        ):
             rests = (slow[came:leaves] <= limits.still).nonzero()[0]
             last = came + (
                 _settles(angle[came:leaves], rests, NEAR * largest, linger)
@@ -150,13 +170,17 @@ def _settles(angle: Floats, rests: npt.NDArray[np.intp], by: float, linger: floa
 
 
 def _leaves(angle: Floats, since: int, by: float) -> int:
-    """Return where an angle has risen by so much above its lowest since a sample; the number of samples if nowhere."""
+    """Return where an angle has risen by so much above its lowest since a sample; the number of
+    samples if nowhere.
+    """
     lowest = np.minimum.accumulate(angle[since:])
     leaves = (angle[since:] > lowest + by).nonzero()[0]
     return since + int(leaves[0]) if len(leaves) else len(angle)
 
 
 def _is_back(angle: Floats, slow: Floats, still: float, largest: float, fastest: float) -> bool:
-    """Return True if the hand stops near its start, or turns around there, instead of passing on its way."""
+    """Return True if the hand stops near its start, or turns around there, instead of passing on
+    its way.
+    """
     speed = float(slow.min())
     return speed <= still or (float(angle.min()) <= NEAR * largest and speed <= TURNING * fastest)

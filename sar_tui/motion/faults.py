@@ -1,4 +1,6 @@
-"""Faults of a recording that its sensor did not report: it was beyond its range, or its unit is another one."""
+"""Faults of a recording that its sensor did not report: it was beyond its range, or its unit is
+another one.
+"""
 
 import math
 
@@ -11,7 +13,9 @@ from sar_tui.motion.vectors import finite_only
 PLATEAU = 5
 """Least number of equal samples in a row that are a plateau."""
 SIDE, STEEP = 3, 10
-"""Number of samples of a plateau's sides, and by how many of the sensor's steps each rises or falls at least."""
+"""Number of samples of a plateau's sides, and by how many of the sensor's steps each rises or falls
+at least.
+"""
 MOVING_RAD_S = 0.3
 """No range is as small as this."""
 TOO_FAR_RAD = 4 * math.pi
@@ -20,17 +24,22 @@ TURN_S = (0.5, 1.0, 3.0)
 
 
 def is_clipped(rate: Floats) -> bool:
-    """Return True if a gyroscope was beyond its range: its largest value stays exactly the same while the hand is fast.
+    """Return True if a gyroscope was beyond its range: its largest value stays exactly the same
+    while the hand is fast.
 
-    A sensor of few steps also repeats its largest value, but where the hand is slow to change: the sides of the plateau
-    tell them apart.
+    A sensor of few steps also repeats its largest value, but where the hand is slow to change: the
+    sides of the plateau tell them apart.
 
     Args:
-        rate: angular rate, shape (n, 3), rad/s, as measured: neither filtered nor interpolated, nor without its bias.
+        rate: angular rate, shape (n, 3), rad/s, as measured: neither filtered nor interpolated, nor
+            without its bias.
     """
     return any(
         _has_plateau(side * rate[:, axis])
-        for side, extreme in ((1.0, rate.max(axis=0, initial=0.0)), (-1.0, rate.min(axis=0, initial=0.0)))
+        for side, extreme in (
+            (1.0, rate.max(axis=0, initial=0.0)),
+            (-1.0, rate.min(axis=0, initial=0.0)),
+        )
         for axis in ((rate == extreme).sum(axis=0) >= PLATEAU).nonzero()[0]
     )
 
@@ -52,10 +61,11 @@ def _has_plateau(values: Floats) -> bool:
 
 
 def turns_too_far(time_s: Floats, rate: Floats) -> bool:
-    """Return True if the hand would turn farther than any hand can, so that the rate is most likely in deg/s.
+    """Return True if the hand would turn farther than any hand can, so that the rate is most likely
+    in deg/s.
 
-    A reach in deg/s, read as rad/s, turns by 57 times its angle. What counts is the turn about one axis of the sensor,
-    one way, within a few seconds: two whole turns or more.
+    A reach in deg/s, read as rad/s, turns by 57 times its angle. What counts is the turn about one
+    axis of the sensor, one way, within a few seconds: two whole turns or more.
 
     Args:
         time_s: shape (n,), rising, in s.

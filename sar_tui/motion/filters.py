@@ -27,11 +27,13 @@ _Complex = npt.NDArray[np.complex128]
 def usable_cutoff(cutoff_hz: float, rate_hz: float) -> float:
     """Return the cutoff, or a quarter of the sample rate if that is lower.
 
-    Raises TooSlow for fewer than 20 samples per second, which give only a few samples of a fast reach.
+    Raises TooSlow for fewer than 20 samples per second, which give only a few samples of a fast
+    reach.
     """
     if not rate_hz >= LEAST_RATE_HZ:
         raise TooSlow(
-            f"The sensor gives {rate_hz:.3g} samples a second; finding reaches takes at least {LEAST_RATE_HZ:g}: "
+            f"The sensor gives {rate_hz:.3g} samples a second; finding reaches takes at least "
+            f"{LEAST_RATE_HZ:g}: "
             "set it to a shorter data interval."
         )
     return min(cutoff_hz, rate_hz / LOW_RATE)
@@ -56,7 +58,9 @@ class Lowpass:
         self._state: tuple[float, ...] | None = None
 
     def filter(self, inputs: Sequence[Vector]) -> list[Vector]:
-        """Return the next outputs (transposed direct form II). The axes are written out: a loop takes twice as long."""
+        """Return the next outputs (transposed direct form II). The axes are written out: a loop
+        takes twice as long.
+        """
         if not inputs:
             return []
         b, twice_b, a1, a2 = self._b, 2.0 * self._b, self._a1, self._a2
@@ -67,17 +71,23 @@ class Lowpass:
         for x0, x1, x2 in inputs:
             y0, y1, y2 = b * x0 + r0, b * x1 + r1, b * x2 + r2
             outputs.append((y0, y1, y2))
-            r0, r1, r2 = twice_b * x0 - a1 * y0 + s0, twice_b * x1 - a1 * y1 + s1, twice_b * x2 - a1 * y2 + s2
+            r0, r1, r2 = (
+                twice_b * x0 - a1 * y0 + s0,
+                twice_b * x1 - a1 * y1 + s1,
+                twice_b * x2 - a1 * y2 + s2,
+            )
             s0, s1, s2 = b * x0 - a2 * y0, b * x1 - a2 * y1, b * x2 - a2 * y2
         self._state = r0, r1, r2, s0, s1, s2
         return outputs
 
 
 def lowpass(x: Floats, rate_hz: float, cutoff_hz: float) -> Floats:
-    """Return what `Lowpass` gives for samples of shape (n, 3), n of at least 1, except for the last digits; faster.
+    """Return what `Lowpass` gives for samples of shape (n, 3), n of at least 1, except for the last
+    digits; faster.
 
-    Its response is b·x[n] + 2 Re(c·w[n−1]) with w[n] = p·w[n−1] + x[n], p being a pole: a partial fraction expansion.
-    w is pⁿ times a cumulative sum of x[n]·p⁻ⁿ, in stretches so short that p⁻ⁿ does not overflow.
+    Its response is b·x[n] + 2 Re(c·w[n−1]) with w[n] = p·w[n−1] + x[n], p being a pole: a partial
+    fraction expansion. w is pⁿ times a cumulative sum of x[n]·p⁻ⁿ, in stretches so short that p⁻ⁿ
+    does not overflow.
     """
     b, weight, powers, inverse = _expansion(rate_hz, cutoff_hz)
     moved = x - x[0]  # it starts settled at its first input
@@ -105,10 +115,11 @@ def _expansion(rate_hz: float, cutoff_hz: float) -> tuple[float, complex, _Compl
 
 
 def _coefficients(rate_hz: float, cutoff_hz: float) -> tuple[float, float, float]:
-    """Return the coefficients of a second-order Butterworth low-pass: b₀, which is also b₁ / 2 and b₂, a₁ and a₂.
+    """Return the coefficients of a second-order Butterworth low-pass: b₀, which is also b₁ / 2 and
+    b₂, a₁ and a₂.
 
-    They come from the analogue filter by the bilinear transform with its frequency pre-warped (Oppenheim & Schafer,
-    Discrete-Time Signal Processing, 7.2.2).
+    They come from the analogue filter by the bilinear transform with its frequency pre-warped
+    (Oppenheim & Schafer, Discrete-Time Signal Processing, 7.2.2).
     """
     warped = math.tan(math.pi * cutoff_hz / rate_hz)
     norm = 1.0 + math.sqrt(2.0) * warped + warped * warped
@@ -125,8 +136,9 @@ def hann(size: int) -> Floats:
 class Spectrum:
     """A recording's spectrum, from which it is smoothed in several ways.
 
-    Equivalent to a second-order Butterworth low-pass run forwards and backwards: gain 1 / (1 + (f / cutoff)⁴), applied
-    to the spectrum. The ends are padded with their mirror image, so that a bias makes no step there.
+    Equivalent to a second-order Butterworth low-pass run forwards and backwards: gain 1 / (1 + (f /
+    cutoff)⁴), applied to the spectrum. The ends are padded with their mirror image, so that a bias
+    makes no step there.
 
     Args:
         x: shape (n, k), n of at least 2.
@@ -144,7 +156,8 @@ class Spectrum:
         self._below: dict[tuple[float, float | None], Floats] = {}
 
     def below(self, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
-        """Return the recording without frequencies above a cutoff, and without delay; arguments as for ``smooth``.
+        """Return the recording without frequencies above a cutoff, and without delay; arguments as
+        for ``smooth``.
 
         The same array each time: do not change it.
         """
@@ -159,7 +172,9 @@ class Spectrum:
 
 @lru_cache(maxsize=16)
 def _gain(size: int, rate_hz: float, cutoff_hz: float, notch_hz: float | None) -> Floats:
-    """Return the gain of each frequency of a spectrum of ``size`` samples, of shape (size / 2 + 1, 1)."""
+    """Return the gain of each frequency of a spectrum of ``size`` samples, of shape (size / 2 + 1,
+    1).
+    """
     frequency = np.fft.rfftfreq(size, 1.0 / rate_hz)
     gain = 1.0 / (1.0 + (frequency / cutoff_hz) ** 4)
     if notch_hz is not None:
@@ -169,7 +184,8 @@ def _gain(size: int, rate_hz: float, cutoff_hz: float, notch_hz: float | None) -
 
 
 def smooth(x: Floats, rate_hz: float, cutoff_hz: float, notch_hz: float | None = None) -> Floats:
-    """Return a recording without frequencies above ``cutoff_hz``, and without delay (see ``Spectrum``).
+    """Return a recording without frequencies above ``cutoff_hz``, and without delay (see
+    ``Spectrum``).
 
     Args:
         x: shape (n, k), n of at least 2.

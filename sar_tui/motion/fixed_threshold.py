@@ -1,4 +1,6 @@
-"""The fixed-threshold detector (thesis 4.2.2): the hand moves while it turns about z faster than a threshold."""
+"""The fixed-threshold detector (thesis 4.2.2): the hand moves while it turns about z faster than a
+threshold.
+"""
 
 import msgspec
 import numpy as np
@@ -26,7 +28,8 @@ def find(
     hand: Hand = "right",
     grid: Grid | None = None,
 ) -> Detected:
-    """Find the reaches: every stretch of movement that a rest of ``still_ms`` follows. It ends where that rest begins.
+    """Find the reaches: every stretch of movement that a rest of ``still_ms`` follows. It ends
+    where that rest begins.
 
     A last stretch without that rest is flagged ``endless``, and ends with the recording.
     ``reversed``, ``gap`` and ``grid`` are as in ``single_axis.find``.
@@ -37,12 +40,18 @@ def find(
         return Detected(grid.time_s, grid.rate, grid.rate_hz, ())
     usable = np.isfinite(recording.rate).all(axis=1)
     segments = _segments(recording.time_s[usable], np.abs(recording.rate[usable, 2]), parameters)
-    reaches = tuple(_bounds(grid, segment, parameters.threshold_rad_s, hand) for segment in segments)
+    reaches = tuple(
+        _bounds(grid, segment, parameters.threshold_rad_s, hand) for segment in segments
+    )
     return Detected(grid.time_s, grid.rate, grid.rate_hz, reaches)
 
 
-def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameters) -> list[tuple[float, float, bool]]:
-    """Return onset, end and completeness of each stretch above the threshold; shorter rests are bridged."""
+def _segments(
+    time_s: Floats, speed: Floats, parameters: FixedThresholdParameters
+) -> list[tuple[float, float, bool]]:
+    """Return onset, end and completeness of each stretch above the threshold; shorter rests are
+    bridged.
+    """
     above = (speed > parameters.threshold_rad_s).nonzero()[0]
     if not len(above):
         return []
@@ -53,14 +62,18 @@ def _segments(time_s: Floats, speed: Floats, parameters: FixedThresholdParameter
     ends[:-1] &= np.diff(above) > 1
     last = ends.nonzero()[0]
     first = np.concatenate(([0], last + 1))
-    segments = [(float(time_s[above[a]]), float(quiet[b]), True) for a, b in zip(first, last, strict=False)]
+    segments = [
+        (float(time_s[above[a]]), float(quiet[b]), True) for a, b in zip(first, last, strict=False)
+    ]
     if first[-1] < len(above):
         segments.append((float(time_s[above[first[-1]]]), float(time_s[-1]), False))
     return segments
 
 
 def _bounds(grid: Grid, segment: tuple[float, float, bool], threshold: float, hand: Hand) -> Bounds:
-    """Return a stretch as a reach that turns where the rate about z changes sign; without that, all is the way out."""
+    """Return a stretch as a reach that turns where the rate about z changes sign; without that, all
+    is the way out.
+    """
     onset_s, end_s, ended = segment
     margin = 0.51 / grid.rate_hz
     inside = (grid.time_s >= onset_s - margin) & (grid.time_s <= end_s + margin)

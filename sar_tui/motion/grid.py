@@ -15,7 +15,9 @@ GAP_S = 0.1
 
 
 class Unbiased(NamedTuple):
-    """The rest in a recording, its angular rate without the bias at rest, rad/s, and the spectrum of that."""
+    """The rest in a recording, its angular rate without the bias at rest, rad/s, and the spectrum
+    of that.
+    """
 
     rest: Rest
     rate: Floats
@@ -33,7 +35,9 @@ class Grid:
     _unbiased: dict[float, Unbiased] = field(default_factory=dict)
 
     def unbiased(self, rest_s: float) -> Unbiased:
-        """Return the rate without its bias, found once for all detectors; ``rest_s`` as in `rest.find_rest`."""
+        """Return the rate without its bias, found once for all detectors; ``rest_s`` as in
+        `rest.find_rest`.
+        """
         if rest_s not in self._unbiased:
             rest = find_rest(self.rate, self.rate_hz, rest_s)
             rate = self.rate - rest.bias
@@ -46,7 +50,9 @@ class Grid:
 
 
 def even(recording: Recording) -> Grid:
-    """Return a recording's angular rate on an even grid, at its median rate. Empty below two usable samples."""
+    """Return a recording's angular rate on an even grid, at its median rate. Empty below two usable
+    samples.
+    """
     time, rate = finite_only(recording.time_s, recording.rate)
     if len(time) < 2:
         return Grid(np.empty(0), np.empty((0, 3)), 0.0, np.empty((0, 2)))
@@ -55,4 +61,9 @@ def even(recording: Recording) -> Grid:
     grid = time[0] + step * np.arange(int((time[-1] - time[0]) / step + 1e-6) + 1)
     wide = steps > max(GAP_S, 1.5 * step)
     holes = np.column_stack((time[:-1][wide], time[1:][wide]))
-    return Grid(grid, np.column_stack([np.interp(grid, time, axis) for axis in rate.T]), recording.rate_hz, holes)
+    return Grid(
+        grid,
+        np.column_stack([np.interp(grid, time, axis) for axis in rate.T]),
+        recording.rate_hz,
+        holes,
+    )

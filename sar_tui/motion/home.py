@@ -18,8 +18,9 @@ SHORTEST_S = 0.1
 def home_since(samples: Samples, at: int, parameters: OrientationParameters) -> int | None:
     """Return when the hand came to the rest from which it starts at about ``at``; both in ns.
 
-    None if the samples before that rest hold no movement that a detector could take for a part of the reach (it turned
-    the hand by less than ``parameters.least_rad``), or if the hand did not rest.
+    None if the samples before that rest hold no movement that a detector could take for a part of
+    the reach (it turned the hand by less than ``parameters.least_rad``), or if the hand did not
+    rest.
 
     Args:
         samples: the newest samples, dtype SAMPLE.
@@ -47,5 +48,11 @@ def home_since(samples: Samples, at: int, parameters: OrientationParameters) -> 
     if not homes:
         return None
     orientation = quaternions.integrate(rate[: homes[-1] + 1], 1.0 / grid.rate_hz)
-    turned = quaternions.angle(quaternions.multiply(quaternions.conjugate(orientation[-1]), orientation))
-    return origin + round(float(grid.time_s[homes[-1]]) * 1e9) if turned.max() >= parameters.least_rad else None
+    turned = quaternions.angle(
+        quaternions.multiply(quaternions.conjugate(orientation[-1]), orientation)
+    )
+    return (
+        origin + round(float(grid.time_s[homes[-1]]) * 1e9)
+        if turned.max() >= parameters.least_rad
+        else None
+    )

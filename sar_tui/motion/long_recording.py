@@ -15,7 +15,9 @@ from sar_tui.motion.samples import Samples, join, recording
 WINDOW = 1 << 18
 """Largest number of samples that are analysed as a whole: 17 minutes at 250 a second."""
 CONTEXT_S = 30.0
-"""Time around a window's own part that is analysed with it: longer than a reach, with rests that show the bias."""
+"""Time around a window's own part that is analysed with it: longer than a reach, with rests that
+show the bias.
+"""
 SHORTEST_S = 1.0
 """A shorter stretch of samples holds no reach."""
 HOLE_S = 60.0
@@ -50,15 +52,19 @@ def detect_long(
 ) -> LongDetection:
     """Find and measure the reaches in samples that come in blocks.
 
-    A recording that lasts as long as ``window`` samples, or less, is analysed as a whole, as `detection.detect` does. A
-    longer one is analysed in windows that overlap, cut where no reach is: each has its own bias, noise and tremor. A
-    movement that has no rest in a whole window is cut off at its end.
+    A recording that lasts as long as ``window`` samples, or less, is analysed as a whole, as
+    `detection.detect` does. A longer one is analysed in windows that overlap, cut where no reach
+    is: each has its own bias, noise and tremor. A movement that has no rest in a whole window is
+    cut off at its end.
 
-    With ``one_way`` it finds movements without a way back (`detection.detect_one_way`), whatever the detector.
+    With ``one_way`` it finds movements without a way back (`detection.detect_one_way`), whatever
+    the detector.
 
     Raises ValueError for no samples, and as `detection.detect`.
     """
-    windows = _Windows(detect_one_way if one_way else partial(detect, detector=detector, hand=hand), window)
+    windows = _Windows(
+        detect_one_way if one_way else partial(detect, detector=detector, hand=hand), window
+    )
     for block in blocks:
         windows.add(block)
     return windows.finish()
@@ -92,7 +98,9 @@ class _Windows:
             self._waiting = [self._analyse_window(join(self._waiting))]
 
     def _analyse_window(self, samples: Samples) -> Samples:
-        """Analyse the first window of samples, up to its first hole; return the samples for the next."""
+        """Analyse the first window of samples, up to its first hole; return the samples for the
+        next.
+        """
         at = samples["at"]
         size = int(np.searchsorted(at, int(at[0]) + self._lasts_ns, side="right"))
         holes = np.flatnonzero(np.diff(at[: size + 1]) > HOLE_S * _NS)
@@ -111,7 +119,9 @@ class _Windows:
             raise ValueError("There are no samples.")
         self._take_stretch(join(self._waiting))
         rate_hz = float(np.median(self._rates))
-        return LongDetection(tuple(self._reaches), rate_hz, self._first / _NS, self._last / _NS, self._count)
+        return LongDetection(
+            tuple(self._reaches), rate_hz, self._first / _NS, self._last / _NS, self._count
+        )
 
     def _take_stretch(self, samples: Samples) -> None:
         """Take all reaches in samples that none follow."""
@@ -119,7 +129,9 @@ class _Windows:
             self._reaches += self._found(samples)
 
     def _take_window(self, samples: Samples) -> float:
-        """Take the reaches up to a rest in the second half of a window, and return the time of that rest."""
+        """Take the reaches up to a rest in the second half of a window, and return the time of that
+        rest.
+        """
         found = self._found(samples)
         first_s, last_s = int(samples["at"][0]) / _NS, int(samples["at"][-1]) / _NS
         cut_s = _longest_rest(found, (first_s + last_s) / 2, last_s - CONTEXT_S)
@@ -137,7 +149,9 @@ class _Windows:
 
 
 def _longest_rest(reaches: Sequence[Reach], from_s: float, to_s: float) -> float:
-    """Return the middle of the longest time without a reach between two times; the second one if there is no such."""
+    """Return the middle of the longest time without a reach between two times; the second one if
+    there is no such.
+    """
     begins = [*(min(max(reach.onset_s, from_s), to_s) for reach in reaches), to_s]
     ends = [from_s, *(min(max(reach.end_s, from_s), to_s) for reach in reaches)]
     end, begin = max(zip(ends, begins, strict=True), key=lambda rest: rest[1] - rest[0])

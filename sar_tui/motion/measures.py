@@ -17,13 +17,16 @@ from sar_tui.motion.tremor import tremor_amplitude, tremor_in_movement, tremor_i
 from sar_tui.motion.vectors import lengths, mean_of
 
 Version = Literal[1, 2]
-"""1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4 stored."""
+"""1: peaks are sought up to the turn, and only the measures exist that sessions of rules 1 to 4
+stored.
+"""
 
 PEAKS_HZ = 15.0
 """Cutoff of the smoothing for peaks and smoothness."""
 SHORTEST_WAY_S = 0.18
-"""A shorter way out or back has no smoothness: the spectrum of even a minimum-jerk movement reaches beyond the 10 Hz of
-SPARC, which would call it smoother than one that takes longer."""
+"""A shorter way out or back has no smoothness: the spectrum of even a minimum-jerk movement reaches
+beyond the 10 Hz of SPARC, which would call it smoother than one that takes longer.
+"""
 TURN_WITHIN_S = 0.15
 """Largest distance of a turn without rest from where the detector saw it."""
 REST_S = (1.2, 0.1)
@@ -31,11 +34,15 @@ REST_S = (1.2, 0.1)
 SHORTEST_REST_S = 0.25
 REST_PARTS = 4
 STILL_RAD = 0.05
-"""Largest turn of a hand at rest from one part of that time to another; in the mean of each, tremor cancels."""
+"""Largest turn of a hand at rest from one part of that time to another; in the mean of each, tremor
+cancels.
+"""
 
 
 class _Rates(NamedTuple):
-    """The angular rate of a whole recording, shape (n, 3), rad/s, and for ``Detected.by_norm`` its norm, shape (n,)."""
+    """The angular rate of a whole recording, shape (n, 3), rad/s, and for ``Detected.by_norm`` its
+    norm, shape (n,).
+    """
 
     rate: Floats
     norm: Floats | None
@@ -45,7 +52,9 @@ class _Rates(NamedTuple):
         return cls(rate, lengths(rate) if by_norm else None)
 
     def about(self, axis: Floats, part: slice) -> tuple[Floats, Floats]:
-        """Return the rate in a part: positive on a way out and negative on a way back, to be used on each way."""
+        """Return the rate in a part: positive on a way out and negative on a way back, to be used
+        on each way.
+        """
         if self.norm is not None:
             return self.norm[part], -self.norm[part]
         turning = self.rate[part] @ axis
@@ -53,11 +62,12 @@ class _Rates(NamedTuple):
 
 
 def measure(found: Detected, recording: Recording, version: Version = 2) -> tuple[Reach, ...]:
-    """Measure every reach that was found. The recording's flags, except that of gaps, are added to each reach's own.
+    """Measure every reach that was found. The recording's flags, except that of gaps, are added to
+    each reach's own.
 
-    Peaks and smoothness use the rate about the reach's axis, or its norm (``Detected.by_norm``), smoothed lightly (15
-    Hz, zero phase: a fast reach's peak loses less than 1 %). Movement units and the path of the orientation are without
-    the tremor found at rest.
+    Peaks and smoothness use the rate about the reach's axis, or its norm (``Detected.by_norm``),
+    smoothed lightly (15 Hz, zero phase: a fast reach's peak loses less than 1 %). Movement units
+    and the path of the orientation are without the tremor found at rest.
     """
     if not found.reaches:
         return ()
@@ -69,29 +79,46 @@ def measure(found: Detected, recording: Recording, version: Version = 2) -> tupl
         calm = _Rates.of(spectrum.below(cutoff, found.tremor_hz), found.by_norm)
     flags = tuple(flag for flag in recording.flags if flag != "gap")
     if version == 1:
-        return tuple(_measured(found, light, calm, bounds, flags, version) for bounds in found.reaches)
+        return tuple(
+            _measured(found, light, calm, bounds, flags, version) for bounds in found.reaches
+        )
     reaches = []
     for bounds in found.reaches:
-        reach = _measured(found, light, calm, _ordered(bounds), (*flags, *_clipped(bounds, recording)), version)
+        reach = _measured(
+            found, light, calm, _ordered(bounds), (*flags, *_clipped(bounds, recording)), version
+        )
         reaches.append(_extended(reach, found, calm.rate, recording))
     return tuple(reaches)
 
 
 def _clipped(bounds: Bounds, recording: Recording) -> tuple[str, ...]:
-    """Return the flag of a reach in which the sensor was beyond its range, whether or not it said so."""
+    """Return the flag of a reach in which the sensor was beyond its range, whether or not it said
+    so.
+    """
     inside = (recording.time_s >= bounds.onset_s) & (recording.time_s <= bounds.end_s)
     return ("clipped",) if is_clipped(recording.rate[inside]) else ()
 
 
 def _ordered(bounds: Bounds) -> Bounds:
-    """Return the boundaries such that the reach ends after its onset, and all others lie between."""
+    """Return the boundaries such that the reach ends after its onset, and all others lie
+    between.
+    """
     end_s = max(bounds.onset_s, bounds.end_s)
-    arrival_s, departure_s = (min(max(at_s, bounds.onset_s), end_s) for at_s in (bounds.arrival_s, bounds.departure_s))
-    return msgspec.structs.replace(bounds, end_s=end_s, arrival_s=arrival_s, departure_s=departure_s)
+    arrival_s, departure_s = (
+        min(max(at_s, bounds.onset_s), end_s) for at_s in (bounds.arrival_s, bounds.departure_s)
+    )
+    return msgspec.structs.replace(
+        bounds, end_s=end_s, arrival_s=arrival_s, departure_s=departure_s
+    )
 
 
 def _measured(
-    found: Detected, light: _Rates, calm: _Rates, bounds: Bounds, flags: tuple[str, ...], version: Version
+    found: Detected,
+    light: _Rates,
+    calm: _Rates,
+    bounds: Bounds,
+    flags: tuple[str, ...],
+    version: Version,
 ) -> Reach:
     part = slice(None) if version == 1 else _between(found.time_s, bounds.onset_s, bounds.end_s)
     time, rate_hz, axis = found.time_s[part], found.rate_hz, np.asarray(bounds.axis)
@@ -104,7 +131,10 @@ def _measured(
     leaves = (time >= bounds.onset_s) & (time <= arrival_s)
     returns = (time >= departure_s) & (time <= bounds.end_s)
     whole = (time >= bounds.onset_s) & (time <= bounds.end_s)
-    (leaving, returning), (calm_leaving, calm_returning) = light.about(axis, part), calm.about(axis, part)
+    (leaving, returning), (calm_leaving, calm_returning) = (
+        light.about(axis, part),
+        calm.about(axis, part),
+    )
     way_out, way_back = np.maximum(leaving[leaves], 0.0), np.maximum(-returning[returns], 0.0)
     out_s, back_s = arrival_s - bounds.onset_s, bounds.end_s - departure_s
     if version == 1:
@@ -114,7 +144,9 @@ def _measured(
         is_out_long = is_back_long = True
     else:
         out, back = leaving[leaves], returning[returns]
-        time_to_peak_s = min(out_s, float(time[leaves][out.argmax()]) - bounds.onset_s) if len(out) else 0.0
+        time_to_peak_s = (
+            min(out_s, float(time[leaves][out.argmax()]) - bounds.onset_s) if len(out) else 0.0
+        )
         is_out_long, is_back_long = out_s >= SHORTEST_WAY_S, back_s >= SHORTEST_WAY_S
     return Reach(
         onset_s=bounds.onset_s,
@@ -139,7 +171,9 @@ def _measured(
 
 
 def _turn(time: Floats, turning: Floats, bounds: Bounds) -> float:
-    """Return the middle of the rest at the target; without one, the nearest change of the rate's sign."""
+    """Return the middle of the rest at the target; without one, the nearest change of the rate's
+    sign.
+    """
     middle = (bounds.arrival_s + bounds.departure_s) / 2
     if bounds.departure_s > bounds.arrival_s or bounds.arrival_s >= bounds.end_s:
         return middle
@@ -177,7 +211,9 @@ def _extended(reach: Reach, found: Detected, calm: Floats, recording: Recording)
 
 
 def _rest(found: Detected, onset_s: float) -> tuple[float, float] | None:
-    """Return from when to when the hand rested right before the onset; None if it did not, or nothing was recorded."""
+    """Return from when to when the hand rested right before the onset; None if it did not, or
+    nothing was recorded.
+    """
     from_s, to_s = (onset_s - before_s for before_s in REST_S)
     rate = found.rate[_between(found.time_s, from_s, to_s)]
     if len(rate) < SHORTEST_REST_S * found.rate_hz:

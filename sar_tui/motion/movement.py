@@ -1,4 +1,6 @@
-"""Stretches of movement in a recording, and warnings of the reaches in them: the same for every kind of detector."""
+"""Stretches of movement in a recording, and warnings of the reaches in them: the same for every
+kind of detector.
+"""
 
 from collections.abc import Iterator
 
@@ -14,7 +16,9 @@ from sar_tui.motion.samples import Floats
 
 
 def stretches(moving: npt.NDArray[np.bool_], longest_rest: float) -> Iterator[slice]:
-    """Yield stretches of movement that are not divided by a rest longer than ``longest_rest`` samples."""
+    """Yield stretches of movement that are not divided by a rest longer than ``longest_rest``
+    samples.
+    """
     index = moving.nonzero()[0]
     if not len(index):
         return
@@ -24,8 +28,11 @@ def stretches(moving: npt.NDArray[np.bool_], longest_rest: float) -> Iterator[sl
         yield slice(int(index[start]), int(index[stop - 1]) + 1)
 
 
-def checked(bounds: Bounds, grid: Grid, rest: Rest, *, is_cut: bool, longest_s: float, cutoff_hz: float) -> Bounds:
-    """Return a reach with the flags ``no_rest``, ``cut``, ``timed_out``, ``gap`` and ``low_rate`` that apply to it.
+def checked(
+    bounds: Bounds, grid: Grid, rest: Rest, *, is_cut: bool, longest_s: float, cutoff_hz: float
+) -> Bounds:
+    """Return a reach with the flags ``no_rest``, ``cut``, ``timed_out``, ``gap`` and ``low_rate``
+    that apply to it.
 
     Args:
         bounds: the reach as found.
@@ -66,7 +73,9 @@ def order_statistic(x: Floats, share: float) -> float:
 
 
 def percentile(x: Floats, share: float) -> float:
-    """Return a percentile; 0 for an empty array. The same as that of numpy, which takes four times as long."""
+    """Return a percentile; 0 for an empty array. The same as that of numpy, which takes four times
+    as long.
+    """
     if not len(x):
         return 0.0
     place = share / 100.0 * (len(x) - 1)

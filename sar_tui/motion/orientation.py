@@ -1,4 +1,6 @@
-"""The orientation detector: a reach turns the hand away from its orientation at rest, and back, about whatever axes."""
+"""The orientation detector: a reach turns the hand away from its orientation at rest, and back,
+about whatever axes.
+"""
 
 import math
 from collections.abc import Iterator
@@ -30,7 +32,9 @@ MOVING = 0.01
 SUBMOVEMENT = 0.05
 """Least peak of a submovement that begins or ends a reach, as a share of the reach's peak."""
 NOISE = 1.8
-"""95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends change it less)."""
+"""95th percentile of the norm of normal noise on three axes, as a multiple of its median (slow ends
+change it less).
+"""
 TURN_S = 0.1
 """A shorter rest at the target is a turn."""
 SIDED = math.cos(math.radians(45))
@@ -51,8 +55,8 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
         pause_s: a shorter pause does not end a movement.
         dwell_s: the longest rest at the target within a reach.
         longest_s: longest reach; a longer one is cut off.
-        home_s: shortest rest from which the first reach starts, where the recording is known to begin there; unset, it
-            needs as long a rest as each other.
+        home_s: shortest rest from which the first reach starts, where the recording is known to
+            begin there; unset, it needs as long a rest as each other.
     """
 
     cutoff_hz: float = 8.0
@@ -69,7 +73,9 @@ class OrientationParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class _Motion(NamedTuple):
-    """A recording without its bias: norms of its rate, smoothed strongly (slow), less (calm) and lightly (light)."""
+    """A recording without its bias: norms of its rate, smoothed strongly (slow), less (calm) and
+    lightly (light).
+    """
 
     grid: Grid
     rate: Floats
@@ -90,9 +96,10 @@ def find(
 ) -> Detected:
     """Find the reaches in a whole recording.
 
-    The angular rate without the bias at rest is integrated to the hand's orientation. From each rest, the angle between
-    the orientation there and now is followed: a reach is a rise of that angle and its fall to a small share, about
-    whatever axes the hand turns. Onset, end and the rest at the target come from the norm of the rate.
+    The angular rate without the bias at rest is integrated to the hand's orientation. From each
+    rest, the angle between the orientation there and now is followed: a reach is a rise of that
+    angle and its fall to a small share, about whatever axes the hand turns. Onset, end and the rest
+    at the target come from the norm of the rate.
 
     Flags, ``grid`` and errors are as in ``single_axis.find``.
     """
@@ -122,10 +129,14 @@ def find(
         for group in stretches(slow > motion.begin, parameters.dwell_s * grid.rate_hz)
         for reach in _reaches(motion, group, parameters, hand)
     )
-    return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, by_norm=True, spectrum=spectrum)
+    return Detected(
+        grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, by_norm=True, spectrum=spectrum
+    )
 
 
-def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, hand: Hand) -> Iterator[Bounds]:
+def _reaches(
+    motion: _Motion, group: slice, parameters: OrientationParameters, hand: Hand
+) -> Iterator[Bounds]:
     """Yield the reaches in one stretch of movement."""
     grid = motion.grid
     margin = round(MARGIN_S * grid.rate_hz)
@@ -155,9 +166,15 @@ def _reaches(motion: _Motion, group: slice, parameters: OrientationParameters, h
 
 
 def _bounds(
-    motion: _Motion, excursion: Excursion, earliest: int, parameters: OrientationParameters, hand: Hand
+    motion: _Motion,
+    excursion: Excursion,
+    earliest: int,
+    parameters: OrientationParameters,
+    hand: Hand,
 ) -> Bounds | None:
-    """Return the reach of an excursion, which begins at sample ``earliest`` or later; None for a twitch."""
+    """Return the reach of an excursion, which begins at sample ``earliest`` or later; None for a
+    twitch.
+    """
     grid, slow, angle = motion.grid, motion.slow, excursion.angle
     first, top, last = excursion.first, excursion.top, excursion.last
     largest = float(angle[top - first])
@@ -177,7 +194,9 @@ def _bounds(
     onset_s, arrival_s = _edges(motion, earliest, begins, arrives, departs + 1)
     departure_s, end_s = _edges(motion, arrives, departs, ends, excursion.stop)
     if departs - arrives < TURN_S * grid.rate_hz:
-        arrival_s = departure_s = float(grid.time_s[arrives + int(slow[arrives : departs + 1].argmin())])
+        arrival_s = departure_s = float(
+            grid.time_s[arrives + int(slow[arrives : departs + 1].argmin())]
+        )
     departure_s = max(arrival_s, departure_s)
     if (arrival_s - onset_s) + (end_s - departure_s) < parameters.shortest_s:
         return None
@@ -193,7 +212,9 @@ def _bounds(
 
 
 def _dwell(motion: _Motion, first: int, last: int) -> tuple[int, int]:
-    """Return the first and last sample at rest between two; without a rest, where the hand is slowest."""
+    """Return the first and last sample at rest between two; without a rest, where the hand is
+    slowest.
+    """
     slow = motion.slow[first : last + 1]
     still = (slow <= motion.end).nonzero()[0]
     if len(still):
@@ -203,7 +224,9 @@ def _dwell(motion: _Motion, first: int, last: int) -> tuple[int, int]:
 
 
 def _begins(moving: npt.NDArray[np.bool_], pause: int) -> int:
-    """Return the first sample of the movement that goes on at the last one, across pauses up to ``pause`` samples."""
+    """Return the first sample of the movement that goes on at the last one, across pauses up to
+    ``pause`` samples.
+    """
     index = moving.nonzero()[0]
     if not len(index) or len(moving) - 1 - index[-1] > pause:
         return len(moving) - 1
@@ -212,12 +235,17 @@ def _begins(moving: npt.NDArray[np.bool_], pause: int) -> int:
 
 
 def _edges(motion: _Motion, earliest: int, first: int, last: int, stop: int) -> tuple[float, float]:
-    """Return beginning and end, in s, of the movement between two samples; it may extend to the outer two."""
+    """Return beginning and end, in s, of the movement between two samples; it may extend to the
+    outer two.
+    """
     time, light, calm = motion.grid.time_s, motion.light, motion.calm[first : last + 1]
     level = MOVING * float(calm.max())
     way_in = slice(earliest, first + first_peak(calm, SUBMOVEMENT) + 1)
     way_out = slice(last - first_peak(calm[::-1], SUBMOVEMENT), stop)
     return (
         max(onset(time[way_in], light[way_in], motion.floor, level), float(time[earliest])),
-        min(onset(time[way_out][::-1], light[way_out][::-1], motion.floor, level), float(time[stop - 1])),
+        min(
+            onset(time[way_out][::-1], light[way_out][::-1], motion.floor, level),
+            float(time[stop - 1]),
+        ),
     )

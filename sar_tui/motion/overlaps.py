@@ -8,14 +8,17 @@ import msgspec
 from sar_tui.motion.reach_bounds import Bounds
 
 MEET_S = 0.1
-"""Two reaches without a rest between them overlap by less than this, as either's boundary is an estimate."""
+"""Two reaches without a rest between them overlap by less than this, as either's boundary is an
+estimate.
+"""
 
 
 def apart(reaches: Iterable[Bounds], since_s: float = -math.inf) -> tuple[Bounds, ...]:
-    """Return reaches in order of time, such that each begins at the end of the one before, or later.
+    """Return reaches in order of time, such that each begins at the end of the one before, or
+    later.
 
-    One that begins a little too early begins at that end instead. One that begins much earlier is the same movement
-    found again, and is left out.
+    One that begins a little too early begins at that end instead. One that begins much earlier is
+    the same movement found again, and is left out.
 
     Args:
         reaches: in any order.

@@ -19,7 +19,9 @@ UNPAIRED = 10.0
 
 
 class Phase(NamedTuple):
-    """Movement in one direction, from sample ``first`` to before ``last``; ``angle`` in rad, signed."""
+    """Movement in one direction, from sample ``first`` to before ``last``; ``angle`` in rad,
+    signed.
+    """
 
     first: int
     last: int
@@ -27,7 +29,9 @@ class Phase(NamedTuple):
 
 
 def principal_axis(rate: Floats) -> Floats:
-    """Return the main axis of rotation, a unit vector of shape (3,); ``rate`` without bias, shape (n, 3)."""
+    """Return the main axis of rotation, a unit vector of shape (3,); ``rate`` without bias, shape
+    (n, 3).
+    """
     axis: Floats = np.linalg.eigh(rate.T @ rate)[1][:, -1]
     return axis
 
@@ -51,8 +55,8 @@ def phases(
         end: it lasts while it is above this, rad/s.
         least_rad: smallest angle of a phase.
         shortest_s: shortest duration of a phase.
-        pause_s: movements in the same direction with a shorter pause between them are one phase; one of less than
-            ``least_rad`` belongs to a neighbour only within ``ADJACENT_S``.
+        pause_s: movements in the same direction with a shorter pause between them are one phase;
+            one of less than ``least_rad`` belongs to a neighbour only within ``ADJACENT_S``.
     """
     found: list[Phase] = []
     for lobe in _lobes(turning, rate_hz, begin, end):
@@ -64,7 +68,11 @@ def phases(
                 continue
         found.append(lobe)
     shortest = shortest_s * rate_hz
-    return [phase for phase in found if abs(phase.angle) >= least_rad and phase.last - phase.first >= shortest]
+    return [
+        phase
+        for phase in found
+        if abs(phase.angle) >= least_rad and phase.last - phase.first >= shortest
+    ]
 
 
 def _lobes(turning: Floats, rate_hz: float, begin: float, end: float) -> list[Phase]:
@@ -81,9 +89,11 @@ def _lobes(turning: Floats, rate_hz: float, begin: float, end: float) -> list[Ph
 
 
 def pairs(found: list[Phase], rate_hz: float, dwell_s: float) -> list[tuple[Phase, Phase]]:
-    """Return the pairs of phases that are a reach: opposite, of similar angle, with a short rest between them.
+    """Return the pairs of phases that are a reach: opposite, of similar angle, with a short rest
+    between them.
 
-    The pairing has as many reaches as possible and, among those, the best fit (dynamic programming over the phases).
+    The pairing has as many reaches as possible and, among those, the best fit (dynamic programming
+    over the phases).
 
     Args:
         found: in order of time.
@@ -94,7 +104,9 @@ def pairs(found: list[Phase], rate_hz: float, dwell_s: float) -> list[tuple[Phas
     for index, phase in enumerate(found):
         alone = (best[-1][0] + UNPAIRED, best[-1][1])
         misfit = _misfit(found[index - 1], phase, rate_hz, dwell_s) if index else math.inf
-        together = (best[-2][0] + misfit, [*best[-2][1], (found[index - 1], phase)]) if index else alone
+        together = (
+            (best[-2][0] + misfit, [*best[-2][1], (found[index - 1], phase)]) if index else alone
+        )
         best.append(min(alone, together, key=lambda option: option[0]))
     return best[-1][1]
 

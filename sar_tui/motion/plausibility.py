@@ -1,14 +1,16 @@
-"""Judgement whether an excursion of the hand is a reach of a person, or daily life: for recordings of any content.
+"""Judgement whether an excursion of the hand is a reach of a person, or daily life: for recordings
+of any content.
 
-A session's window holds a reach because the person was asked for one. A recording of hours holds walking, typing and
-scratching as well, which turn the hand out and back, too. A reach among them
+A session's window holds a reach because the person was asked for one. A recording of hours holds
+walking, typing and scratching as well, which turn the hand out and back, too. A reach among them
 
 - is large enough, and returns to where it began;
-- has one dominant excursion: the hand does not come back halfway to leave again, nor wander far on its way;
+- has one dominant excursion: the hand does not come back halfway to leave again, nor wander far on
+  its way;
 - begins and ends at rest: in walking, rubbing or trembling each swing adjoins the next.
 
-The last sorts out rhythms without a look at their period. So reaches in a row are kept, however even their pace, if the
-hand rests for 0.4 s between them.
+The last sorts out rhythms without a look at their period. So reaches in a row are kept, however
+even their pace, if the hand rests for 0.4 s between them.
 """
 
 import math
@@ -30,7 +32,9 @@ BACK_S = 2.0
 DENT_SHARE = 0.5
 """Share of the excursion by which the hand may come back, or leave again, in between."""
 PATH_SHARE = 3.0
-"""All its movements together turn the hand by at most this times the way out and back; a bout of a rhythm by more."""
+"""All its movements together turn the hand by at most this times the way out and back; a bout of a
+rhythm by more.
+"""
 CALM_SHARE = 0.2
 """Share of the reach's largest speed that the hand has at most where it rests."""
 CALM_S = 0.4
@@ -38,12 +42,17 @@ CALM_S = 0.4
 BESIDE_S = 0.5
 """Such a rest is sought within this time before and after it."""
 INSIDE_S, INSIDE_SHARE = 0.05, 0.05
-"""It may reach into the reach by this time; and at its start, whose onset may have been found too early, as long as the
-hand has left by less than this share of the excursion."""
+"""It may reach into the reach by this time; and at its start, whose onset may have been found too
+early, as long as the hand has left by less than this share of the excursion.
+"""
 CUTOFF_HZ, SLOW_HZ = 8.0, 2.5
-"""A rest has no movement below the first; a reach's speed is that of its movement below the second."""
+"""A rest has no movement below the first; a reach's speed is that of its movement below the
+second.
+"""
 UNKNOWN = frozenset({"cut", "gap"})
-"""Flags of reaches with a part that was not measured. They are kept: what is missing cannot be judged."""
+"""Flags of reaches with a part that was not measured. They are kept: what is missing cannot be
+judged.
+"""
 
 
 def plausible(found: Detected) -> Detected:
@@ -63,7 +72,9 @@ def plausible(found: Detected) -> Detected:
     )
 
 
-def _is_plausible(bounds: Bounds, found: Detected, orientation: Floats, fast: Floats, slow: Floats) -> bool:
+def _is_plausible(
+    bounds: Bounds, found: Detected, orientation: Floats, fast: Floats, slow: Floats
+) -> bool:
     first, last = np.searchsorted(found.time_s, (bounds.onset_s, bounds.end_s)).tolist()
     last = max(first, min(last, len(orientation) - 1))
     until = last + 1 + round(BACK_S * found.rate_hz)
@@ -86,12 +97,17 @@ def _is_excursion(turned: Floats) -> bool:
     """
     top = int(turned.argmax())
     rise, fall = turned[: top + 1], turned[top:]
-    dent = max(float((np.maximum.accumulate(rise) - rise).max()), float((fall - np.minimum.accumulate(fall)).max()))
+    dent = max(
+        float((np.maximum.accumulate(rise) - rise).max()),
+        float((fall - np.minimum.accumulate(fall)).max()),
+    )
     return float(turned[top]) >= LEAST_RAD and dent <= DENT_SHARE * float(turned[top])
 
 
 def _is_back(turned: Floats, inside: int) -> bool:
-    """Return True if the angle of a reach of ``inside`` samples is small at its end, or soon after it."""
+    """Return True if the angle of a reach of ``inside`` samples is small at its end, or soon after
+    it.
+    """
     left = min(LEFT_RAD, LEFT_SHARE * float(turned[:inside].max()))
     return float(turned[inside - 1 :].min()) <= left
 

@@ -1,7 +1,8 @@
 """Orientations as unit quaternions: arrays of shape (n, 4), the scalar first.
 
-An orientation q takes a vector from the sensor's axes to those of the room: v_room = q v q*. The angular rate of a
-gyroscope is in the sensor's axes, so turning on from q by a small rotation r, seen from the sensor, gives q r.
+An orientation q takes a vector from the sensor's axes to those of the room: v_room = q v q*. The
+angular rate of a gyroscope is in the sensor's axes, so turning on from q by a small rotation r,
+seen from the sensor, gives q r.
 """
 
 import numpy as np
@@ -10,13 +11,19 @@ from sar_tui.motion.samples import Floats
 from sar_tui.motion.vectors import lengths
 
 _SHORT = 2048
-"""Up to this number of rotations, twice as many are composed in each step, which takes fewer steps than one by one."""
+"""Up to this number of rotations, twice as many are composed in each step, which takes fewer steps
+than one by one.
+"""
 _STRETCH = 8
-"""Number of rotations that are composed one after the other; longer products are made of products of stretches."""
+"""Number of rotations that are composed one after the other; longer products are made of products
+of stretches.
+"""
 
 
 def multiply(one: Floats, other: Floats) -> Floats:
-    """Return the products of quaternions, shape (..., 4): rotation by ``other``, then by ``one``."""
+    """Return the products of quaternions, shape (..., 4): rotation by ``other``, then by
+    ``one``.
+    """
     a, b, c, d = one[..., 0], one[..., 1], one[..., 2], one[..., 3]
     w, x, y, z = other[..., 0], other[..., 1], other[..., 2], other[..., 3]
     product: Floats = np.empty(np.broadcast_shapes(one.shape, other.shape))
@@ -34,7 +41,9 @@ def conjugate(orientation: Floats) -> Floats:
 
 
 def rotate(orientation: Floats, vector: Floats) -> Floats:
-    """Return vectors, shape (..., 3), turned by orientations, shape (..., 4): from the sensor's axes to the room's."""
+    """Return vectors, shape (..., 3), turned by orientations, shape (..., 4): from the sensor's
+    axes to the room's.
+    """
     w, axis = orientation[..., :1], orientation[..., 1:]
     across = 2.0 * np.cross(axis, vector)
     turned: Floats = vector + w * across + np.cross(axis, across)
@@ -42,8 +51,9 @@ def rotate(orientation: Floats, vector: Floats) -> Floats:
 
 
 def from_rotation(rotation: Floats) -> Floats:
-    """Return the quaternions, shape (..., 4), of rotation vectors, shape (..., 3): about their direction, by their
-    length in rad."""
+    """Return the quaternions, shape (..., 4), of rotation vectors, shape (..., 3): about their
+    direction, by their length in rad.
+    """
     half = lengths(rotation) / 2.0
     share = np.divide(np.sin(half), 2.0 * half, out=np.full(half.shape, 0.5), where=half > 0)
     orientation: Floats = np.empty((*half.shape, 4))
@@ -53,7 +63,9 @@ def from_rotation(rotation: Floats) -> Floats:
 
 
 def to_rotation(orientation: Floats) -> Floats:
-    """Return the rotation vectors, shape (..., 3), of quaternions, the short way round: of at most π."""
+    """Return the rotation vectors, shape (..., 3), of quaternions, the short way round: of at most
+    π.
+    """
     sign = np.where(orientation[..., :1] < 0, -1.0, 1.0)
     axis = sign * orientation[..., 1:]
     sine = lengths(axis)[..., None]
@@ -72,8 +84,8 @@ def angle(orientation: Floats) -> Floats:
 def integrate(rate: Floats, step_s: float) -> Floats:
     """Return the orientation at each sample, shape (n, 4), relative to that at the first.
 
-    Between two samples the rate is taken to be constant at their mean (the mid-point rule, exact for a rotation about
-    one axis whose rate changes linearly).
+    Between two samples the rate is taken to be constant at their mean (the mid-point rule, exact
+    for a rotation about one axis whose rate changes linearly).
 
     Args:
         rate: angular rate without bias, shape (n, 3), rad/s, in the sensor's axes.
@@ -89,7 +101,9 @@ def integrate(rate: Floats, step_s: float) -> Floats:
 
 
 def _products(steps: Floats) -> Floats:
-    """Return the products of the first, the first two, ... of the steps: in the order of time, to the right."""
+    """Return the products of the first, the first two, ... of the steps: in the order of time, to
+    the right.
+    """
     count = len(steps)
     if count <= _SHORT:
         return _few_products(steps)
@@ -110,7 +124,8 @@ def _products(steps: Floats) -> Floats:
 def _few_products(steps: Floats) -> Floats:
     """Return the same, composing twice as many in each step.
 
-    A quaternion w + xi + yj + zk is taken as two complex numbers, (w + xi) + (y + zi)j: a third of the time.
+    A quaternion w + xi + yj + zk is taken as two complex numbers, (w + xi) + (y + zi)j: a third of
+    the time.
     """
     one, other = steps[:, 0] + 1j * steps[:, 1], steps[:, 2] + 1j * steps[:, 3]
     known = 1

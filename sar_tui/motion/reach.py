@@ -4,19 +4,22 @@ import msgspec
 
 
 class Reach(msgspec.Struct, frozen=True, kw_only=True):
-    """One reach. Times in s since the recording's origin, angular rates in rad/s about the reach's main axis.
+    """One reach. Times in s since the recording's origin, angular rates in rad/s about the reach's
+    main axis.
 
-    ``turn_s``: when the hand changes direction (the middle of the dwell). ``dwell_s``: rest at the target.
-    ``peak_extension_rad_s`` is positive and ``peak_return_rad_s`` negative with the sensor placed as in the thesis'
-    Figure 4.7. ``movement_units_*``: number of accelerations of each phase. ``sparc_*``, ``ldlj_*``: smoothness of
-    each phase, nearer 0 is smoother; None if a phase is too short. ``tremor_index``: the share of 3-12 Hz in the
-    reach's movement power, 0 to 1. ``flags``: warnings such as ``no_rest``, ``gap``, ``saturated``, ``cut``.
+    ``turn_s``: when the hand changes direction (the middle of the dwell). ``dwell_s``: rest at the
+    target. ``peak_extension_rad_s`` is positive and ``peak_return_rad_s`` negative with the sensor
+    placed as in the thesis' Figure 4.7. ``movement_units_*``: number of accelerations of each
+    phase. ``sparc_*``, ``ldlj_*``: smoothness of each phase, nearer 0 is smoother; None if a phase
+    is too short. ``tremor_index``: the share of 3-12 Hz in the reach's movement power, 0 to 1.
+    ``flags``: warnings such as ``no_rest``, ``gap``, ``saturated``, ``cut``.
 
-    ``excursion_deg``: the largest angle from the orientation at the onset. ``straightness``: the angle between the
-    orientations at onset and arrival as a share of the path between them, 0 to 1. ``return_error_deg``: the angle
-    between those at onset and end; None without a way back. ``inclination_*_deg``: of the fingers above the horizontal,
-    at rest before the reach and at the target; None without an accelerometer or that rest. ``tremor_rest_hz``: of the
-    tremor found at rest, None without. ``tremor_rest_rad_s``, ``tremor_action_rad_s``: amplitude at 3-12 Hz in the
+    ``excursion_deg``: the largest angle from the orientation at the onset. ``straightness``: the
+    angle between the orientations at onset and arrival as a share of the path between them, 0 to 1.
+    ``return_error_deg``: the angle between those at onset and end; None without a way back.
+    ``inclination_*_deg``: of the fingers above the horizontal, at rest before the reach and at the
+    target; None without an accelerometer or that rest. ``tremor_rest_hz``: of the tremor found at
+    rest, None without. ``tremor_rest_rad_s``, ``tremor_action_rad_s``: amplitude at 3-12 Hz in the
     second before the reach, and at 6-12 Hz in the reach; None if that is too short.
     """
 

@@ -1,9 +1,11 @@
-"""Ten kinds of reach, as people make them: which joints turn, by how much and when, drawn anew for each person.
+"""Ten kinds of reach, as people make them: which joints turn, by how much and when, drawn anew for
+each person.
 
-Angles are within those of daily life: Safaee-Rad et al. (1990, Arch Phys Med Rehabil 71:505-509) for feeding and
-drinking, Gates et al. (2016, Am J Occup Ther 70:7001350010) for the trunk and eight activities. Drinking has the times
-of the healthy people of de los Reyes-Guzmán et al. (2010, J Neuroeng Rehabil 7:41, table 2), slow reaches the
-submovements and stops that Rohrer et al. (2002, J Neurosci 22:8297-8304) found after stroke.
+Angles are within those of daily life: Safaee-Rad et al. (1990, Arch Phys Med Rehabil 71:505-509)
+for feeding and drinking, Gates et al. (2016, Am J Occup Ther 70:7001350010) for the trunk and eight
+activities. Drinking has the times of the healthy people of de los Reyes-Guzmán et al. (2010, J
+Neuroeng Rehabil 7:41, table 2), slow reaches the submovements and stops that Rohrer et al. (2002, J
+Neurosci 22:8297-8304) found after stroke.
 """
 
 from collections.abc import Callable
@@ -17,7 +19,11 @@ from sar_tui.motion.strokes import Stroke
 
 def _lift_extend_touch(draw: Draw) -> ReachPlan:
     """Lift the hand, extend the arm, lower it on the target; lift it off and come back."""
-    lift_s, extend_s, touch_s = draw.between(0.3, 0.5), draw.between(0.6, 1.1), draw.between(0.2, 0.35)
+    lift_s, extend_s, touch_s = (
+        draw.between(0.3, 0.5),
+        draw.between(0.6, 1.1),
+        draw.between(0.2, 0.35),
+    )
     lifted, flexion = draw.degrees(8, 20), draw.degrees(18, 38)
     lift = (
         Stroke("elbow_flexion", lifted, 0.0, lift_s),
@@ -37,7 +43,9 @@ def _lift_extend_touch(draw: Draw) -> ReachPlan:
     )
     at = end_of(extend) - draw.between(0.08, 0.2)
     touch = draw.together(
-        at, touch_s, {"shoulder_flexion": -draw.degrees(2, 5), "wrist_extension": -draw.degrees(4, 10)}
+        at,
+        touch_s,
+        {"shoulder_flexion": -draw.degrees(2, 5), "wrist_extension": -draw.degrees(4, 10)},
     )
     out = (*lift, *extend, *touch)
     at = end_of(out) + draw.between(0.1, 0.7)
@@ -92,7 +100,9 @@ def _cross_arm(draw: Draw) -> ReachPlan:
 
 
 def _drinking(draw: Draw) -> ReachPlan:
-    """Reach for a glass, stop, drink; put it back, stop, return. The target is the mouth: the hand turns most there."""
+    """Reach for a glass, stop, drink; put it back, stop, return. The target is the mouth: the hand
+    turns most there.
+    """
     reach = draw.together(
         0.0,
         draw.between(0.7, 1.1),
@@ -120,7 +130,9 @@ def _drinking(draw: Draw) -> ReachPlan:
 
 
 def _two_hand_push(draw: Draw) -> ReachPlan:
-    """Push a thing away with both hands: the elbow extends as the shoulder flexes, the forearm stays about level."""
+    """Push a thing away with both hands: the elbow extends as the shoulder flexes, the forearm
+    stays about level.
+    """
     flexion = draw.degrees(25, 45)
     out = draw.together(
         0.0,
@@ -147,7 +159,9 @@ def _forearm_rotation(draw: Draw) -> ReachPlan:
             "shoulder_rotation": draw.side(draw.degrees(3, 12)),
         },
     )
-    turn = Stroke("supination", draw.degrees(60, 100), draw.between(0.05, 0.4), draw.between(0.5, 0.9))
+    turn = Stroke(
+        "supination", draw.degrees(60, 100), draw.between(0.05, 0.4), draw.between(0.5, 0.9)
+    )
     out = (*reach, turn)
     back = draw.reverse(out, end_of(out) + draw.between(0.1, 0.8), draw.between(0.8, 1.3))
     return ReachPlan(draw.table(), out, back)
@@ -186,9 +200,13 @@ def _button_press(draw: Draw) -> ReachPlan:
     angle, press_s = draw.degrees(10, 24), draw.between(0.18, 0.3)
     press = Stroke("wrist_extension", -angle, end_of(reach) - draw.between(-0.15, 0.1), press_s)
     out = (*reach, press)
-    letting_go = Stroke("wrist_extension", angle, end_of(out) + draw.between(0.03, 0.2), draw.between(0.18, 0.35))
+    letting_go = Stroke(
+        "wrist_extension", angle, end_of(out) + draw.between(0.03, 0.2), draw.between(0.18, 0.35)
+    )
     back = draw.reverse(reach, letting_go.end_s - draw.between(-0.15, 0.1), draw.between(0.7, 1.1))
-    return ReachPlan({**draw.table(), "wrist_extension": draw.degrees(5, 20)}, out, (letting_go, *back))
+    return ReachPlan(
+        {**draw.table(), "wrist_extension": draw.degrees(5, 20)}, out, (letting_go, *back)
+    )
 
 
 def _submovements(draw: Draw) -> ReachPlan:
@@ -210,11 +228,15 @@ def _submovements(draw: Draw) -> ReachPlan:
                 Stroke(joint, angle * share, at, duration, "lognormal")
                 for (joint, angle), share in zip(turns.items(), shares, strict=True)
             ]
-            at += duration * draw.between(0.5, 1.0) + (draw.between(0.1, 0.4) if draw.generator.random() < 0.3 else 0.0)
+            at += duration * draw.between(0.5, 1.0) + (
+                draw.between(0.1, 0.4) if draw.generator.random() < 0.3 else 0.0
+            )
         return tuple(strokes)
 
     out = way(turns, 0.0)
-    back = way({joint: -angle for joint, angle in turns.items()}, end_of(out) + draw.between(0.1, 0.8))
+    back = way(
+        {joint: -angle for joint, angle in turns.items()}, end_of(out) + draw.between(0.1, 0.8)
+    )
     return ReachPlan(draw.table(), out, back)
 
 

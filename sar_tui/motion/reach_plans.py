@@ -20,7 +20,9 @@ VARIED = 0.06
 
 
 class ReachPlan(NamedTuple):
-    """A person's reach: the posture at rest, rad, and the strokes out and back, in s from the onset."""
+    """A person's reach: the posture at rest, rad, and the strokes out and back, in s from the
+    onset.
+    """
 
     posture: dict[Joint, float]
     out: Strokes
@@ -58,18 +60,26 @@ class Draw:
         }
 
     def together(self, at: float, duration: float, turns: Turns) -> Strokes:
-        """Return a stroke of each joint. One begins at ``at``, one ends after ``duration``, all overlap."""
+        """Return a stroke of each joint. One begins at ``at``, one ends after ``duration``, all
+        overlap.
+        """
         lead = int(self.generator.integers(len(turns)))
         strokes = []
         for number, (joint, angle) in enumerate(turns.items()):
             begin = 0.0 if number == lead else float(self.generator.uniform(0.0, 0.2))
-            end = 1.0 if number == len(turns) - 1 - lead or len(turns) == 1 else float(self.generator.uniform(0.8, 1.0))
+            end = (
+                1.0
+                if number == len(turns) - 1 - lead or len(turns) == 1
+                else float(self.generator.uniform(0.8, 1.0))
+            )
             strokes.append(Stroke(joint, angle, at + begin * duration, (end - begin) * duration))
         return tuple(strokes)
 
     def reverse(self, strokes: Strokes, at: float, duration: float) -> Strokes:
         """Return one stroke of each joint that takes strokes back."""
-        return self.together(at, duration, {joint: -angle for joint, angle in _totals(strokes).items()})
+        return self.together(
+            at, duration, {joint: -angle for joint, angle in _totals(strokes).items()}
+        )
 
 
 def _totals(strokes: Sequence[Stroke]) -> dict[Joint, float]:
@@ -88,7 +98,8 @@ def end_of(strokes: Sequence[Stroke]) -> float:
 def repeated(
     person: ReachPlan, generator: np.random.Generator, onset_s: float, left: Turns
 ) -> tuple[Strokes, Strokes, dict[Joint, float]]:
-    """Return a person's next reach: its strokes out and back, and by how much the joints are then off their posture.
+    """Return a person's next reach: its strokes out and back, and by how much the joints are then
+    off their posture.
 
     Args:
         person: the reach that is varied.
@@ -110,7 +121,9 @@ def repeated(
     back = [varied(stroke) for stroke in person.back]
     off: dict[Joint, float] = {}
     for joint, total in _totals((*out, *back)).items():
-        off[joint] = float(np.clip(MISSED * generator.standard_normal(), -2.0 * MISSED, 2.0 * MISSED))
+        off[joint] = float(
+            np.clip(MISSED * generator.standard_normal(), -2.0 * MISSED, 2.0 * MISSED)
+        )
         own = [index for index, stroke in enumerate(back) if stroke.joint == joint]
         largest = max(own, key=lambda index: abs(back[index].angle))
         missing = off[joint] - left.get(joint, 0.0) - total

@@ -1,4 +1,6 @@
-"""Repetitions of a rhythmic exercise: movements out and back in a row, without the rests between reaches."""
+"""Repetitions of a rhythmic exercise: movements out and back in a row, without the rests between
+reaches.
+"""
 
 import math
 from itertools import pairwise
@@ -25,9 +27,9 @@ _SMALLEST_RAD = 0.1
 class Repetitions(msgspec.Struct, frozen=True):
     """Repetitions in one recording.
 
-    ``count``: to the nearest whole repetition; 0 without a rhythm. ``period_s``: period of the rhythm; None without
-    one. ``turns_s``: the middle of each repetition, in s since the first sample. If the recording starts at rest, the
-    movement turns back there.
+    ``count``: to the nearest whole repetition; 0 without a rhythm. ``period_s``: period of the
+    rhythm; None without one. ``turns_s``: the middle of each repetition, in s since the first
+    sample. If the recording starts at rest, the movement turns back there.
     """
 
     count: int
@@ -47,25 +49,34 @@ def find_repetitions(recording: Recording) -> Repetitions:
     if acceleration is not None:
         usable = np.isfinite(acceleration).all(axis=1)
         time_s, axes = recording.time_s[usable], acceleration[usable].T
-        acceleration = np.column_stack([np.interp(grid.time_s, time_s, a) for a in axes]) if len(time_s) else None
+        acceleration = (
+            np.column_stack([np.interp(grid.time_s, time_s, a) for a in axes])
+            if len(time_s)
+            else None
+        )
     found = count_repetitions(grid.rate, acceleration, grid.rate_hz)
-    return Repetitions(found.count, found.period_s, tuple(float(grid.time_s[0]) + turn for turn in found.turns_s))
+    return Repetitions(
+        found.count, found.period_s, tuple(float(grid.time_s[0]) + turn for turn in found.turns_s)
+    )
 
 
 def count_repetitions(rate: Floats, acceleration: Floats | None, rate_hz: float) -> Repetitions:
     """Count the repetitions of a rhythmic exercise, in which a limb repeatedly moves out and back.
 
-    1. Rhythm. The period of all axes together (gyroscope and accelerometer, each scaled to its own power) is found by
-       the normalised square difference of McLeod & Wyvill (2005), "A smarter way to find pitch". The first peak
-       within 90 % of the highest is taken, which avoids half and double periods.
-    2. Angle. The angular rate about the main axis of the rhythm (the first principal component at this period) is
-       integrated, and its drift is removed, because each movement out is followed by one back.
-    3. Swings. The angle is followed from turn to turn. A wobble of less than 35 % of a typical swing belongs to the
-       swing that it interrupts. Two swings are a repetition. A swing that the recording cuts off counts by the share
-       that was recorded, in angle or in time, whichever is larger. Rest at either end does not count.
+    1. Rhythm. The period of all axes together (gyroscope and accelerometer, each scaled to its own
+       power) is found by the normalised square difference of McLeod & Wyvill (2005), "A smarter way
+       to find pitch". The first peak within 90 % of the highest is taken, which avoids half and
+       double periods.
+    2. Angle. The angular rate about the main axis of the rhythm (the first principal component at
+       this period) is integrated, and its drift is removed, because each movement out is followed
+       by one back.
+    3. Swings. The angle is followed from turn to turn. A wobble of less than 35 % of a typical
+       swing belongs to the swing that it interrupts. Two swings are a repetition. A swing that the
+       recording cuts off counts by the share that was recorded, in angle or in time, whichever is
+       larger. Rest at either end does not count.
 
-    Tempo and amplitude may change, and there may be pauses. At least two repetitions are needed, of 0.5 to 10 s each,
-    that turn the sensor by 0.1 rad (6°) or more.
+    Tempo and amplitude may change, and there may be pauses. At least two repetitions are needed, of
+    0.5 to 10 s each, that turn the sensor by 0.1 rad (6°) or more.
 
     Args:
         rate: angular rate, shape (n, 3), rad/s.
@@ -83,7 +94,11 @@ def count_repetitions(rate: Floats, acceleration: Floats | None, rate_hz: float)
     turning = _smoothed(rate - rate.mean(axis=0), _SMOOTH_S * rate_hz)[::every]
     channels = [_scaled(turning)]
     if acceleration is not None:
-        channels.append(_scaled(_smoothed(acceleration - acceleration.mean(axis=0), _SMOOTH_S * rate_hz)[::every]))
+        channels.append(
+            _scaled(
+                _smoothed(acceleration - acceleration.mean(axis=0), _SMOOTH_S * rate_hz)[::every]
+            )
+        )
     period = _period(np.hstack(channels), step_s)
     if period is None:
         return Repetitions(0)
@@ -97,10 +112,18 @@ def count_repetitions(rate: Floats, acceleration: Floats | None, rate_hz: float)
 
 
 def _check(rate: Floats, acceleration: Floats | None) -> None:
-    if not np.isfinite(rate).all() or (acceleration is not None and not np.isfinite(acceleration).all()):
-        raise ValueError("A sample is not a number: remove or interpolate such samples before counting repetitions.")
+    if not np.isfinite(rate).all() or (
+        acceleration is not None and not np.isfinite(acceleration).all()
+    ):
+        raise ValueError(
+            "A sample is not a number: remove or interpolate such samples before counting "
+            "repetitions."
+        )
     if acceleration is not None and len(acceleration) != len(rate):
-        raise ValueError(f"{len(rate)} samples of angular rate and {len(acceleration)} of acceleration do not match.")
+        raise ValueError(
+            f"{len(rate)} samples of angular rate and {len(acceleration)} of acceleration do not "
+            "match."
+        )
 
 
 def _scaled(channels: Floats) -> Floats:
@@ -110,7 +133,9 @@ def _scaled(channels: Floats) -> Floats:
 
 
 def _smoothed(channels: Floats, spread: float) -> Floats:
-    """Smooth each column with a Gaussian of standard deviation ``spread`` samples, truncated at the ends."""
+    """Smooth each column with a Gaussian of standard deviation ``spread`` samples, truncated at the
+    ends.
+    """
     count = len(channels)
     reach = min(math.ceil(4 * spread), count - 1)
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / spread) ** 2)
@@ -155,7 +180,9 @@ def _main_axis(turning: Floats) -> Floats:
 
 
 def _without_drift(angle: Floats, period: int) -> Floats:
-    """Return the angle without its drift between turns of the same kind, which comes from the gyroscope's bias."""
+    """Return the angle without its drift between turns of the same kind, which comes from the
+    gyroscope's bias.
+    """
     turns = np.array(turning_points(angle.tolist(), _TURN * _typical_swing(angle, period)))
     if len(turns) < 4:
         return angle
@@ -166,7 +193,9 @@ def _without_drift(angle: Floats, period: int) -> Floats:
 def _typical_swing(angle: Floats, period: int) -> float:
     """Return the range of the angle in a typical period, even if most of the recording is rest."""
     windows = np.lib.stride_tricks.sliding_window_view(angle, period)
-    return max(float(np.quantile(windows.max(axis=1) - windows.min(axis=1), _TYPICAL)), _SMALLEST_RAD)
+    return max(
+        float(np.quantile(windows.max(axis=1) - windows.min(axis=1), _TYPICAL)), _SMALLEST_RAD
+    )
 
 
 def _cycles(angle: Floats, period: int) -> tuple[Floats, Floats]:

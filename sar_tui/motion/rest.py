@@ -14,7 +14,9 @@ SLOW_HZ = 2.5
 """Voluntary movement lies below this frequency, tremor above it."""
 
 STILL_RAD_S = 0.05
-"""A hand is still where its rate below ``SLOW_HZ`` varies less (standard deviation, all axes together), rad/s."""
+"""A hand is still where its rate below ``SLOW_HZ`` varies less (standard deviation, all axes
+together), rad/s.
+"""
 
 STEADY_RAD_S = 0.06
 """Largest change of the bias between rests, rad/s; a larger one is a slow, steady movement."""
@@ -35,8 +37,9 @@ SPECTRA = 40
 class Rest(NamedTuple):
     """The rest in a recording of n samples.
 
-    ``bias``: shape (n, 3), rad/s, from the rests nearby. ``still``: shape (n,), True where the hand rests. ``whole``:
-    True if it rests for as long as requested. ``tremor_hz``: the tremor's frequency at rest, None without tremor.
+    ``bias``: shape (n, 3), rad/s, from the rests nearby. ``still``: shape (n,), True where the hand
+    rests. ``whole``: True if it rests for as long as requested. ``tremor_hz``: the tremor's
+    frequency at rest, None without tremor.
     """
 
     bias: Floats
@@ -48,9 +51,10 @@ class Rest(NamedTuple):
 def find_rest(rate: Floats, rate_hz: float, rest_s: float, *, tremor: bool = True) -> Rest:
     """Find where the hand rests for ``rest_s`` or longer, and estimate bias and tremor there.
 
-    A rest is a window in which the slow part of the rate is steady, at a level that agrees with the others. Shorter
-    windows, down to a quarter, are used if there is none of that length. If nothing is still, the bias is the mean
-    of all samples, which is right for a hand that has returned to its start.
+    A rest is a window in which the slow part of the rate is steady, at a level that agrees with the
+    others. Shorter windows, down to a quarter, are used if there is none of that length. If nothing
+    is still, the bias is the mean of all samples, which is right for a hand that has returned to
+    its start.
 
     Args:
         rate: angular rate on a uniform grid, shape (n, 3), rad/s.
@@ -63,7 +67,9 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float, *, tremor: bool = Tru
         size = max(2, round(share * rest_s * rate_hz))
         begins = np.arange(0, len(rate) - size + 1, max(1, round(STEP_S * rate_hz)))
         mean, spread = _windows(slow, begins, size)
-        steady = (spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S)).nonzero()[0]
+        steady = (
+            spread < np.clip(2.0 * spread.min(initial=STILL_RAD_S), STILL_RAD_S / 4, STILL_RAD_S)
+        ).nonzero()[0]
         if len(steady):
             chosen = _inner(steady[_agreeing(mean[steady])], len(begins))
             tremor_hz = _tremor_hz(rate, begins[chosen], size, rate_hz) if tremor else None
@@ -76,7 +82,9 @@ def find_rest(rate: Floats, rate_hz: float, rest_s: float, *, tremor: bool = Tru
 def _rest(
     rate: Floats, begins: npt.NDArray[np.int_], levels: Floats, size: int
 ) -> tuple[npt.NDArray[np.bool_], Floats]:
-    """Return where the hand is still and the bias, of windows of ``size`` samples at ``begins``, with their levels."""
+    """Return where the hand is still and the bias, of windows of ``size`` samples at ``begins``,
+    with their levels.
+    """
     still = np.zeros(len(rate), dtype=bool)
     for begin in begins:
         still[begin : begin + size] = True
@@ -86,7 +94,9 @@ def _rest(
 
 
 def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats, Floats]:
-    """Return the mean of each axis, shape (k, 3), and the joint standard deviation, shape (k,), of each window."""
+    """Return the mean of each axis, shape (k, 3), and the joint standard deviation, shape (k,), of
+    each window.
+    """
     centre = mean_of(x)
     centred = x - centre
     sums = np.concatenate((np.zeros((1, 3)), np.cumsum(centred, axis=0)))
@@ -97,7 +107,9 @@ def _windows(x: Floats, begins: npt.NDArray[np.int_], size: int) -> tuple[Floats
 
 
 def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
-    """Return the indices of the levels, shape (k, 3), that belong to one slowly changing bias: that of most of them."""
+    """Return the indices of the levels, shape (k, 3), that belong to one slowly changing bias: that
+    of most of them.
+    """
     some = levels[:: max(1, len(levels) // 200)]
     agreement = (lengths(some[:, None] - some[None]) < STEADY_RAD_S).sum(axis=1)
     anchor = int(lengths(levels - some[agreement.argmax()]).argmin())
@@ -107,12 +119,17 @@ def _agreeing(levels: Floats) -> npt.NDArray[np.int_]:
         for index in order:
             if math.dist(each[index], near) < STEADY_RAD_S:
                 chosen.append(index)
-                near = [0.8 * level + 0.2 * other for level, other in zip(near, each[index], strict=True)]
+                near = [
+                    0.8 * level + 0.2 * other
+                    for level, other in zip(near, each[index], strict=True)
+                ]
     return np.array(sorted(chosen))
 
 
 def _inner(chosen: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
-    """Drop the first and last two windows of each rest, which adjoin movement, unless no others are left."""
+    """Drop the first and last two windows of each rest, which adjoin movement, unless no others are
+    left.
+    """
     calm = np.zeros(count + 4, dtype=bool)
     calm[:2] = calm[-2:] = True
     calm[chosen + 2] = True
@@ -129,8 +146,11 @@ def _running_mean(levels: Floats, reach: int) -> Floats:
     return mean
 
 
-def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: float) -> float | None:
-    """Return the frequency of a clear peak of the rests' mean spectrum in the tremor band; None without one.
+def _tremor_hz(
+    rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: float
+) -> float | None:
+    """Return the frequency of a clear peak of the rests' mean spectrum in the tremor band; None
+    without one.
 
     A hand whose whole movement is smaller than a tremor has none, whatever its spectrum.
     """
@@ -139,11 +159,15 @@ def _tremor_hz(rate: Floats, begins: npt.NDArray[np.int_], size: int, rate_hz: f
     taper = hann(size)[:, None]
     windows = (windows - windows.mean(axis=1, keepdims=True)) * taper
     per_sine = 2 / float(taper.sum())
-    largest = per_sine * math.sqrt(size * float((windows**2).sum()) / len(windows))  # Cauchy-Schwarz
+    # Cauchy-Schwarz
+    largest = per_sine * math.sqrt(size * float((windows**2).sum()) / len(windows))
     if largest < (1 - 1e-9) * TREMOR_RAD_S:
         return None
     frequency = np.fft.rfftfreq(4 * size, 1 / rate_hz)
-    first, last = np.searchsorted(frequency, TREMOR_HZ[0]), np.searchsorted(frequency, TREMOR_HZ[1], "right")
+    first, last = (
+        np.searchsorted(frequency, TREMOR_HZ[0]),
+        np.searchsorted(frequency, TREMOR_HZ[1], "right"),
+    )
     band = np.fft.rfft(windows, 4 * size, axis=1)[:, first:last]
     amplitude = np.abs(band) * per_sine
     spectrum = np.sqrt((amplitude**2).sum(axis=2).mean(axis=0))

@@ -1,4 +1,6 @@
-"""Samples of a motion sensor as an array, in the form in which they are sent, stored and analysed."""
+"""Samples of a motion sensor as an array, in the form in which they are sent, stored and
+analysed.
+"""
 
 from collections.abc import Iterable
 from functools import cached_property
@@ -23,9 +25,10 @@ SAMPLE = np.dtype(
 )
 """One sample, 60 bytes, little-endian.
 
-``at``: time of measurement, in ns of the session's clock (the device's clock mapped to it). ``host``: time of arrival,
-same clock. ``device_ms``: the sensor's own clock, ms. ``acceleration``: m/s². ``rate``: angular rate, rad/s.
-``field``: magnetic field, gauss. Quantities that a sensor does not measure are NaN.
+``at``: time of measurement, in ns of the session's clock (the device's clock mapped to it).
+``host``: time of arrival, same clock. ``device_ms``: the sensor's own clock, ms. ``acceleration``:
+m/s². ``rate``: angular rate, rad/s. ``field``: magnetic field, gauss. Quantities that a sensor does
+not measure are NaN.
 """
 
 
@@ -34,7 +37,8 @@ class Recording(msgspec.Struct, frozen=True, dict=True):
 
     Args:
         time_s: shape (n,), strictly increasing, in s.
-        rate: angular rate, shape (n, 3), rad/s; x, y, z of the sensor, z out of the back of the hand.
+        rate: angular rate, shape (n, 3), rad/s; x, y, z of the sensor, z out of the back of the
+            hand.
         acceleration: shape (n, 3), m/s²; None if not measured.
         flags: known faults: ``gap``, ``saturated``, …
     """
@@ -66,7 +70,9 @@ def unpack(data: bytes) -> Samples:
 
 
 def join(blocks: Iterable[Samples]) -> Samples:
-    """Return blocks of samples as one; read-only. ``np.concatenate`` takes a hundred times as long for records."""
+    """Return blocks of samples as one; read-only. ``np.concatenate`` takes a hundred times as long
+    for records.
+    """
     return unpack(b"".join(block.data for block in blocks))
 
 

@@ -14,13 +14,17 @@ QUIET = math.radians(0.2)
 
 
 class Scenario(NamedTuple):
-    """A named difficulty. ``make`` returns a recording of one reach, between two rests of 2 s, for a seed."""
+    """A named difficulty. ``make`` returns a recording of one reach, between two rests of 2 s, for
+    a seed.
+    """
 
     name: str
     make: Callable[[int], Simulation]
 
 
-def random_reach(generator: np.random.Generator, dwell_s: float = 0.0, twitch: bool = False) -> ReachShape:
+def random_reach(
+    generator: np.random.Generator, dwell_s: float = 0.0, twitch: bool = False
+) -> ReachShape:
     """Return a minimum-jerk reach between two random rows of Table 4.1, in time and in peaks."""
     one, other = (TABLE_4_1[i] for i in generator.integers(0, len(TABLE_4_1), 2))
     mix = generator.uniform()
@@ -38,8 +42,14 @@ def random_reach(generator: np.random.Generator, dwell_s: float = 0.0, twitch: b
 
 
 def slow_reach(generator: np.random.Generator) -> ReachShape:
-    """Return a patient's reach: 2 to 6 s, 3 to 7 lognormal submovements, with the angles of Table 4.1."""
-    time_s, angle, share = generator.uniform(2, 6), generator.uniform(0.4, 1.1), generator.uniform(0.4, 0.6)
+    """Return a patient's reach: 2 to 6 s, 3 to 7 lognormal submovements, with the angles of Table
+    4.1.
+    """
+    time_s, angle, share = (
+        generator.uniform(2, 6),
+        generator.uniform(0.4, 1.1),
+        generator.uniform(0.4, 0.6),
+    )
     out_s, back_s = time_s * share, time_s * (1 - share)
     return ReachShape(
         out_s=out_s,
@@ -79,7 +89,9 @@ def _scenario(
 
 
 def scenarios() -> tuple[Scenario, ...]:
-    """Return all scenarios: noise and bias in deg/s on each axis, tremor in rad/s at 4-6 Hz, pauses in s."""
+    """Return all scenarios: noise and bias in deg/s on each axis, tremor in rad/s at 4-6 Hz, pauses
+    in s.
+    """
     return (
         _scenario("clean"),
         *(_scenario(f"noise {noise} deg/s", noise_deg_s=noise) for noise in (1, 2, 5)),
@@ -89,7 +101,13 @@ def scenarios() -> tuple[Scenario, ...]:
         *(_scenario(f"pause {pause} s", dwell_s=pause) for pause in (0.5, 0.75, 1.2)),
         _scenario("tilted", tilted=True),
         _scenario(
-            "all combined", noise_deg_s=2, bias_deg_s=6, tremor_rad_s=0.15, twitch=True, dwell_s=0.75, tilted=True
+            "all combined",
+            noise_deg_s=2,
+            bias_deg_s=6,
+            tremor_rad_s=0.15,
+            twitch=True,
+            dwell_s=0.75,
+            tilted=True,
         ),
         _scenario("slow, submovements", slow=True),
     )

@@ -1,9 +1,11 @@
-"""Segmentation of a whole stretch of samples at once: the same as the Segmenter's, in a sixth of its time or less.
+"""Segmentation of a whole stretch of samples at once: the same as the Segmenter's, in a sixth of
+its time or less.
 
-The filters and the properties of rest are calculated for all samples together, and threshold crossings are searched
-for in arrays, so that code runs once per change instead of once per sample. The results of such calculations differ
-from the Segmenter's in the last digits. Only comparisons follow from them, and times of samples: wherever a comparison
-is closer than ``CLOSE``, the Segmenter itself decides on the whole stretch.
+The filters and the properties of rest are calculated for all samples together, and threshold
+crossings are searched for in arrays, so that code runs once per change instead of once per sample.
+The results of such calculations differ from the Segmenter's in the last digits. Only comparisons
+follow from them, and times of samples: wherever a comparison is closer than ``CLOSE``, the
+Segmenter itself decides on the whole stretch.
 """
 
 import math
@@ -30,7 +32,9 @@ from sar_tui.motion.segmenter import (
 from sar_tui.motion.single_axis import SingleAxisParameters
 
 CLOSE = 1e-9
-"""Difference, in rad/s or rad, below which two values count as too close to compare: rounding makes 1e-12 at most."""
+"""Difference, in rad/s or rad, below which two values count as too close to compare: rounding makes
+1e-12 at most.
+"""
 STRETCH = 256
 """Number of samples that are searched at a time for a threshold crossing."""
 NEVER = -math.inf
@@ -39,8 +43,9 @@ NEVER = -math.inf
 class Segmentation(NamedTuple):
     """The Segmenter's attributes after each of n samples; arrays of shape (n,), in s.
 
-    ``still_for_s``: time at rest, 0 in movement. ``began_s``: start of the present or last movement; NaN before the
-    first. ``returned_s``: when the hand came back in that movement; -inf if it has not.
+    ``still_for_s``: time at rest, 0 in movement. ``began_s``: start of the present or last
+    movement; NaN before the first. ``returned_s``: when the hand came back in that movement; -inf
+    if it has not.
     """
 
     still_for_s: Floats
@@ -48,12 +53,18 @@ class Segmentation(NamedTuple):
     returned_s: Floats
 
     def has_reached(self, index: npt.NDArray[np.int_], since_s: float) -> npt.NDArray[np.bool_]:
-        """Return for some samples whether the hand has come back since then, as `Segmenter.has_reached`."""
+        """Return for some samples whether the hand has come back since then, as
+        `Segmenter.has_reached`.
+        """
         return (self.returned_s[index] > since_s) & (self.began_s[index] > since_s - EARLY_S)
 
 
 def segment(
-    time_s: Floats, rate: Floats, rate_hz: float, parameters: SingleAxisParameters | None = None, close: float = CLOSE
+    time_s: Floats,
+    rate: Floats,
+    rate_hz: float,
+    parameters: SingleAxisParameters | None = None,
+    close: float = CLOSE,
 ) -> Segmentation:
     """Segment samples: time in s, shape (n,), rising; angular rate in rad/s, shape (n, 3).
 
@@ -72,7 +83,9 @@ def segment(
     return _one_by_one(time_s, rate, rate_hz, parameters)
 
 
-def _one_by_one(time_s: Floats, rate: Floats, rate_hz: float, parameters: SingleAxisParameters) -> Segmentation:
+def _one_by_one(
+    time_s: Floats, rate: Floats, rate_hz: float, parameters: SingleAxisParameters
+) -> Segmentation:
     segmenter = Segmenter(rate_hz, parameters)
     found = np.empty((3, len(time_s)))
     for index in range(len(time_s)):
@@ -88,7 +101,9 @@ class _TooClose(Exception):
 
 
 class _Rests(NamedTuple):
-    """Properties of a rest that could be learnt at the end of each block of a tenth of a second, by number of block."""
+    """Properties of a rest that could be learnt at the end of each block of a tenth of a second, by
+    number of block.
+    """
 
     level: list[list[float]]
     fast_floor: list[float]
@@ -97,7 +112,8 @@ class _Rests(NamedTuple):
 
 
 class _Ahead(NamedTuple):
-    """Biases and noise up to before sample ``stop``, provided that the hand goes on to move or to rest.
+    """Biases and noise up to before sample ``stop``, provided that the hand goes on to move or to
+    rest.
 
     From each of the samples ``starts`` on: a bias, and the noise floor of the filter that is used.
     """
@@ -112,24 +128,37 @@ class _Ahead(NamedTuple):
         return bisect_right(self.starts, index) - 1
 
     def within(self, first: int, last: int) -> tuple[Floats, Floats]:
-        """Return bias and noise floor of samples ``first`` to before ``last``: of shape (n, 3) and (n,), or one."""
+        """Return bias and noise floor of samples ``first`` to before ``last``: of shape (n, 3) and
+        (n,), or one.
+        """
         one, other = self.at(first), self.at(last - 1)
-        biases, floors = np.array(self.biases[one : other + 1]), np.array(self.floors[one : other + 1])
+        biases, floors = (
+            np.array(self.biases[one : other + 1]),
+            np.array(self.floors[one : other + 1]),
+        )
         if one == other:
             return biases, floors
         bounds = [first, *self.starts[one + 1 : other + 1], last]
-        index = np.repeat(np.arange(len(floors)), [stop - start for start, stop in pairwise(bounds)])
+        index = np.repeat(
+            np.arange(len(floors)), [stop - start for start, stop in pairwise(bounds)]
+        )
         return biases[index], floors[index]
 
 
 class _Search:
-    """The state of the Segmenter at a sample, and the search for the next sample at which it changes.
+    """The state of the Segmenter at a sample, and the search for the next sample at which it
+    changes.
 
     Attributes are those of the Segmenter, without underscores.
     """
 
     def __init__(
-        self, time_s: Floats, rate: Floats, rate_hz: float, parameters: SingleAxisParameters, close: float
+        self,
+        time_s: Floats,
+        rate: Floats,
+        rate_hz: float,
+        parameters: SingleAxisParameters,
+        close: float,
     ) -> None:
         self.time_s, self.parameters, self.close = time_s, parameters, close
         self.fast = lowpass(rate, rate_hz, usable_cutoff(parameters.cutoff_hz, rate_hz))
@@ -179,9 +208,13 @@ class _Search:
         return self._segmentation()
 
     def _rests(self) -> _Rests:
-        """Calculate what could be learnt at the end of each block, from the blocks of a rest before the newest."""
+        """Calculate what could be learnt at the end of each block, from the blocks of a rest before
+        the newest.
+        """
         blocks = len(self.time_s) // self.size
-        fast, slow = (x[: blocks * self.size].reshape(blocks, self.size, 3) for x in (self.fast, self.slow))
+        fast, slow = (
+            x[: blocks * self.size].reshape(blocks, self.size, 3) for x in (self.fast, self.slow)
+        )
         sums = np.zeros((blocks + 1, 8))
         np.cumsum(fast.sum(axis=1), axis=0, out=sums[1:, 0:3])
         np.cumsum(slow.sum(axis=1), axis=0, out=sums[1:, 3:6])
@@ -189,9 +222,13 @@ class _Search:
         np.cumsum((slow**2).sum(axis=(1, 2)), out=sums[1:, 7])
         mean = np.full((blocks, 8), math.inf)
         first = self.window + NEWEST - 1
-        mean[first:] = (sums[self.window : -NEWEST] - sums[: -NEWEST - self.window]) / (self.window * self.size)
+        mean[first:] = (sums[self.window : -NEWEST] - sums[: -NEWEST - self.window]) / (
+            self.window * self.size
+        )
         with np.errstate(invalid="ignore"):
-            variance = mean[:, 6:] - np.column_stack(((mean[:, :3] ** 2).sum(axis=1), (mean[:, 3:6] ** 2).sum(axis=1)))
+            variance = mean[:, 6:] - np.column_stack(
+                ((mean[:, :3] ** 2).sum(axis=1), (mean[:, 3:6] ** 2).sum(axis=1))
+            )
         spreads = np.sqrt(np.maximum(variance, 0.0))
         spreads[:first] = math.inf
         fast_spread, slow_spread = spreads.T
@@ -200,13 +237,20 @@ class _Search:
             slow_spread.tolist(),
         )  # fmt: skip
 
-    # --- the bias ------------------------------------------------------------------------------------------------
+    # --- the bias
+    # ------------------------------------------------------------------------------------------------
 
     def _look_ahead(self, index: int) -> _Ahead:
-        """Return biases and noise after a sample, up to the first rest, or to where the other filter must be used."""
+        """Return biases and noise after a sample, up to the first rest, or to where the other
+        filter must be used.
+        """
         shaking, bias = self.shaking, self.bias
-        ahead = _Ahead([index], [bias], [self.slow_floor if shaking else self.fast_floor], len(self.time_s))
-        for block in range(max((index + 1) // self.size, self.window + NEWEST - 1), len(self.rests.spread)):
+        ahead = _Ahead(
+            [index], [bias], [self.slow_floor if shaking else self.fast_floor], len(self.time_s)
+        )
+        for block in range(
+            max((index + 1) // self.size, self.window + NEWEST - 1), len(self.rests.spread)
+        ):
             end = (block + 1) * self.size - 1
             if end <= index or not self._may_learn(block, bias):
                 continue
@@ -215,7 +259,9 @@ class _Search:
             bias = self.rests.level[block]
             ahead.starts.append(end)
             ahead.biases.append(bias)
-            ahead.floors.append((self.rests.slow_floor if shaking else self.rests.fast_floor)[block])
+            ahead.floors.append(
+                (self.rests.slow_floor if shaking else self.rests.fast_floor)[block]
+            )
         return ahead
 
     def _may_learn(self, block: int, bias: list[float]) -> bool:
@@ -225,7 +271,9 @@ class _Search:
             return False
         if not self.rested:
             return True
-        if any(self.moved[last - self.window + 1 : last + 1]) or (self.moving and last >= self.moving_block):
+        if any(self.moved[last - self.window + 1 : last + 1]) or (
+            self.moving and last >= self.moving_block
+        ):
             return False
         return self._is_less(math.dist(self.rests.level[block], bias), STEADY_RAD_S, or_equal=True)
 
@@ -243,16 +291,24 @@ class _Search:
 
     def _use(self, block: int) -> None:
         self.bias = self.rests.level[block]
-        self.fast_floor, self.slow_floor = self.rests.fast_floor[block], self.rests.slow_floor[block]
+        self.fast_floor, self.slow_floor = (
+            self.rests.fast_floor[block],
+            self.rests.slow_floor[block],
+        )
         self.shaking = self._is_shaking(block)
 
     def _is_shaking(self, block: int) -> bool:
-        return self._is_less(CLEAR * self.parameters.begin_rad_s, 2.0 * self.rests.fast_floor[block])
+        return self._is_less(
+            CLEAR * self.parameters.begin_rad_s, 2.0 * self.rests.fast_floor[block]
+        )
 
-    # --- movement ------------------------------------------------------------------------------------------------
+    # --- movement
+    # ------------------------------------------------------------------------------------------------
 
     def _crossing(self, ahead: _Ahead, index: int) -> int:
-        """Return the first sample from ``index`` on at which the hand begins or stops; ``ahead.stop`` if at none."""
+        """Return the first sample from ``index`` on at which the hand begins or stops;
+        ``ahead.stop`` if at none.
+        """
         for first in range(index, ahead.stop, STRETCH):
             last = min(first + STRETCH, ahead.stop)
             bias, floor = ahead.within(first, last)
@@ -296,7 +352,9 @@ class _Search:
             raise _TooClose
 
     def _turn(self, ahead: _Ahead, first: int, last: int) -> None:
-        """Track the angle of the hand over samples ``first`` to before ``last``: it is back when little is left."""
+        """Track the angle of the hand over samples ``first`` to before ``last``: it is back when
+        little is left.
+        """
         if self.began_s is None or self.returned_s > NEVER:
             return
         if not self.moving:
@@ -325,7 +383,8 @@ class _Search:
             raise _TooClose
         return one < other
 
-    # --- the result ----------------------------------------------------------------------------------------------
+    # --- the result
+    # ----------------------------------------------------------------------------------------------
 
     def _note(self, index: int) -> None:
         """Note the state from a sample on."""

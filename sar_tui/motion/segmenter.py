@@ -54,10 +54,12 @@ def _spreads(blocks: list[_Block]) -> tuple[float, float]:
 
 
 class Segmenter:
-    """Distinguishes movement from rest, sample by sample; for ending a trial, not for timing a reach.
+    """Distinguishes movement from rest, sample by sample; for ending a trial, not for timing a
+    reach.
 
-    Its state after a sample does not depend on the blocks in which samples arrive. Its filters delay it by tens of
-    milliseconds, or by up to half a second if tremor or noise require a slower one.
+    Its state after a sample does not depend on the blocks in which samples arrive. Its filters
+    delay it by tens of milliseconds, or by up to half a second if tremor or noise require a slower
+    one.
 
     Args:
         rate_hz: samples per second; below 20 raises ValueError.
@@ -66,7 +68,8 @@ class Segmenter:
     Attributes:
         moving: True while the hand moves.
         still_for_s: time since it stopped; 0 while it moves.
-        began_s: start of the present or last movement, pauses at the target included; None before the first.
+        began_s: start of the present or last movement, pauses at the target included; None before
+            the first.
         returned: True if that movement has gone out and come back.
         returned_s: when a hand last came back; -inf if none has.
     """
@@ -82,7 +85,9 @@ class Segmenter:
         self._slow = Lowpass(SLOW_HZ, rate_hz)
         self._slower = Lowpass(SLOW_HZ, rate_hz)
         self._block_size = max(1, round(BLOCK_S * rate_hz))
-        self._blocks: deque[_Block] = deque(maxlen=NEWEST + max(2, round(self.parameters.rest_s / BLOCK_S)))
+        self._blocks: deque[_Block] = deque(
+            maxlen=NEWEST + max(2, round(self.parameters.rest_s / BLOCK_S))
+        )
         self._block = _Block()
         self._bias: Vector | None = None
         self._rested = False
@@ -95,11 +100,19 @@ class Segmenter:
         self.returned_s = -math.inf
 
     def has_reached(self, since_s: float) -> bool:
-        """Return True if the hand has come back since then, in a movement that began at most 0.5 s before."""
-        return self.returned and self.returned_s > since_s and (self.began_s or 0.0) > since_s - EARLY_S
+        """Return True if the hand has come back since then, in a movement that began at most 0.5 s
+        before.
+        """
+        return (
+            self.returned
+            and self.returned_s > since_s
+            and (self.began_s or 0.0) > since_s - EARLY_S
+        )
 
     def push(self, time_s: Floats, rate: Floats) -> None:
-        """Add samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). Non-finite ones are skipped."""
+        """Add samples: time in s, shape (n,); angular rate in rad/s, shape (n, 3). Non-finite ones
+        are skipped.
+        """
         samples = [
             (now, (x, y, z))
             for now, (x, y, z) in zip(time_s.tolist(), rate.tolist(), strict=True)
@@ -122,7 +135,10 @@ class Segmenter:
         speed, floor = (slow_speed, self._slow_floor) if shaking else (fast_speed, self._fast_floor)
         if self.moving:
             self._moving_s += step
-            if speed < max(self.parameters.end_rad_s, 1.2 * floor) or self._moving_s > self.parameters.longest_s:
+            if (
+                speed < max(self.parameters.end_rad_s, 1.2 * floor)
+                or self._moving_s > self.parameters.longest_s
+            ):
                 self._stop(now)
         elif speed > max(least, 2.0 * floor) and self._moving_s <= self.parameters.longest_s:
             self._begin(now)
@@ -146,7 +162,9 @@ class Segmenter:
         self.moving, self.still_for_s, self._stopped_s, self._moving_s = True, 0.0, None, 0.0
 
     def _stop(self, now: float) -> None:
-        """Stop moving; after a movement too long to be real, the bias is learnt again at the next rest."""
+        """Stop moving; after a movement too long to be real, the bias is learnt again at the next
+        rest.
+        """
         self.moving, self._stopped_s = False, now
         if self._moving_s > self.parameters.longest_s:
             self._rested = False
@@ -155,7 +173,11 @@ class Segmenter:
 
     def _turn(self, slow: Vector, bias: Vector, step: float) -> None:
         """Track the angle of the hand: it is back when little of the largest angle is left."""
-        if self.began_s is None or self.returned or (not self.moving and self.still_for_s > BLOCK_S):
+        if (
+            self.began_s is None
+            or self.returned
+            or (not self.moving and self.still_for_s > BLOCK_S)
+        ):
             return
         for axis in range(3):
             self._turned[axis] += (slow[axis] - bias[axis]) * step
@@ -165,7 +187,9 @@ class Segmenter:
             self.returned, self.returned_s = True, self._last_s or 0.0
 
     def _collect(self, fast: Vector, slow: Vector) -> None:
-        """Add a sample to the blocks, and learn bias and noise from the last ``rest_s`` when a block is full."""
+        """Add a sample to the blocks, and learn bias and noise from the last ``rest_s`` when a
+        block is full.
+        """
         block = self._block
         block.count += 1
         block.moved = block.moved or self.moving
@@ -176,7 +200,8 @@ class Segmenter:
         block.slow[0] += u
         block.slow[1] += v
         block.slow[2] += w
-        block.squares[0] = block.squares[0] + x * x + y * y + z * z  # from left to right: rounding is the same
+        # from left to right: rounding is the same
+        block.squares[0] = block.squares[0] + x * x + y * y + z * z
         block.squares[1] = block.squares[1] + u * u + v * v + w * w
         if block.count < self._block_size:
             return
@@ -186,7 +211,8 @@ class Segmenter:
             self._learn([*self._blocks][:-NEWEST])
 
     def _learn(self, blocks: list[_Block]) -> None:
-        """Learn bias and noise from blocks, if the slow rate was steady in them and near the known bias.
+        """Learn bias and noise from blocks, if the slow rate was steady in them and near the known
+        bias.
 
         At the first rest, earlier movement is forgotten: its bias was only a guess.
         """
@@ -194,7 +220,10 @@ class Segmenter:
         if slow > STILL_RAD_S:
             return
         known = self._rested and self._bias is not None
-        if known and (any(block.moved for block in blocks) or math.dist(level, self._bias or level) > STEADY_RAD_S):
+        if known and (
+            any(block.moved for block in blocks)
+            or math.dist(level, self._bias or level) > STEADY_RAD_S
+        ):
             return
         if not known:
             self._forget()

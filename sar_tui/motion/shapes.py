@@ -16,9 +16,10 @@ TAIL = 0.02
 class ReachShape(msgspec.Struct, frozen=True, kw_only=True):
     """An ideal reach: out to the target, a rest there, and back.
 
-    Its onset is at 0 and its end at ``duration_s``. A minimum-jerk lobe is exactly still outside of them. A lognormal
-    submovement never quite begins or ends: its onset and end are where the speed is 2 % of its phase's peak, as Alt
-    Murphy, Willén & Sunnerhagen (2011, Neurorehabil Neural Repair 25:71-80) bound the movements of patients.
+    Its onset is at 0 and its end at ``duration_s``. A minimum-jerk lobe is exactly still outside of
+    them. A lognormal submovement never quite begins or ends: its onset and end are where the speed
+    is 2 % of its phase's peak, as Alt Murphy, Willén & Sunnerhagen (2011, Neurorehabil Neural
+    Repair 25:71-80) bound the movements of patients.
 
     Args:
         out_s: duration of the way out, s.
@@ -26,8 +27,8 @@ class ReachShape(msgspec.Struct, frozen=True, kw_only=True):
         dwell_s: the rest at the target, s.
         peak_out: largest angular rate on the way out, rad/s, positive.
         peak_back: largest angular rate on the way back, rad/s, negative.
-        submovements: 0 for one minimum-jerk lobe per phase; otherwise the number of lognormal submovements in all,
-            at least two.
+        submovements: 0 for one minimum-jerk lobe per phase; otherwise the number of lognormal
+            submovements in all, at least two.
         twitch: True for an involuntary jerk of 80 ms, 0.9 to 1.2 s before the onset.
         seed: the seed of the submovements and the twitch.
     """
@@ -48,7 +49,9 @@ class ReachShape(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Waveform(NamedTuple):
-    """A reach in steps of 1 ms: time since its onset (s), angular rate (rad/s), angle (rad), acceleration (rad/s²)."""
+    """A reach in steps of 1 ms: time since its onset (s), angular rate (rad/s), angle (rad),
+    acceleration (rad/s²).
+    """
 
     time_s: Floats
     rate: Floats
@@ -57,7 +60,8 @@ class Waveform(NamedTuple):
 
 
 def minimum_jerk(u: Floats) -> Floats:
-    """Return the speed of the smoothest movement, 1 at its peak, at the share ``u`` of its time (Flash & Hogan 1985).
+    """Return the speed of the smoothest movement, 1 at its peak, at the share ``u`` of its time
+    (Flash & Hogan 1985).
 
     30u² − 60u³ + 30u⁴ over its largest value 30/16; 0 outside of 0 to 1.
     """
@@ -66,7 +70,9 @@ def minimum_jerk(u: Floats) -> Floats:
 
 
 def _lognormals(time: Floats, count: int, generator: np.random.Generator) -> Floats:
-    """Return a sum of ``count`` overlapping lognormal speed profiles (Plamondon 1995), each of median 1."""
+    """Return a sum of ``count`` overlapping lognormal speed profiles (Plamondon 1995), each of
+    median 1.
+    """
     speed = np.zeros_like(time)
     begins = np.concatenate(([0.0], np.cumsum(generator.uniform(0.6, 1.0, count - 1))))
     widths = generator.uniform(0.25, 0.4, count)
@@ -79,7 +85,9 @@ def _lognormals(time: Floats, count: int, generator: np.random.Generator) -> Flo
 
 @lru_cache(maxsize=64)
 def _submovements(count: int, seed: int, phase: int) -> tuple[Floats, Floats]:
-    """Return a phase of submovements: time, from 0 to 1 between the 2 % marks, and speed, 1 at its peak."""
+    """Return a phase of submovements: time, from 0 to 1 between the 2 % marks, and speed, 1 at its
+    peak.
+    """
     time = np.linspace(0.0, count + 4.0, 4000)
     speed = _lognormals(time, count, np.random.default_rng([seed, phase]))
     speed /= speed.max()
@@ -112,7 +120,9 @@ def waveform(shape: ReachShape) -> Waveform:
     Raises ValueError for an impossible duration or number of submovements.
     """
     if min(shape.out_s, shape.back_s) <= 0 or shape.dwell_s < 0:
-        raise ValueError("A reach takes time: out_s and back_s must be above 0, dwell_s 0 or above.")
+        raise ValueError(
+            "A reach takes time: out_s and back_s must be above 0, dwell_s 0 or above."
+        )
     if shape.submovements < 0 or shape.submovements == 1:
         raise ValueError("A reach has two phases: submovements must be 0, or 2 and above.")
     time = np.arange(-1.5, shape.duration_s + 1.5, STEP_S)

@@ -1,4 +1,6 @@
-"""The simulated hand of a person whose whole arm moves: requested reaches become reaches of one kind."""
+"""The simulated hand of a person whose whole arm moves: requested reaches become reaches of one
+kind.
+"""
 
 import math
 from bisect import bisect_left
@@ -19,7 +21,9 @@ from sar_tui.motion.trajectories import STEP_S, Movement, measure
 
 
 class _Move(NamedTuple):
-    """A reach: its onset, ns, its strokes, in s from there, and by how much the joints are off the posture after it."""
+    """A reach: its onset, ns, its strokes, in s from there, and by how much the joints are off the
+    posture after it.
+    """
 
     onset_ns: int
     strokes: tuple[Stroke, ...]
@@ -27,7 +31,8 @@ class _Move(NamedTuple):
 
 
 class SimulatedArm(SimulatedHand):
-    """A hand whose reaches are those of a person, of one kind; each has the duration of the requested shape.
+    """A hand whose reaches are those of a person, of one kind; each has the duration of the
+    requested shape.
 
     A reach that is shorter than the person's own is also smaller, by the square root of the time.
 
@@ -45,17 +50,29 @@ class SimulatedArm(SimulatedHand):
         self._made: list[_Move] = []
 
     def move(self, at_ns: int, shape: ReachShape) -> None:
-        """Make a reach with its onset at ``at_ns``, of the shape's duration. Reaches that overlap add up."""
+        """Make a reach with its onset at ``at_ns``, of the shape's duration. Reaches that overlap
+        add up.
+        """
         size = min(1.0, math.sqrt(shape.duration_s / end_of(self._person.back)))
         left = self._made[-1].left if self._made else {}
         generator = np.random.default_rng([self._seed, 3, len(self._made)])
-        out, back, missed = repeated(self._person, generator, 0.0, {joint: off / size for joint, off in left.items()})
+        out, back, missed = repeated(
+            self._person, generator, 0.0, {joint: off / size for joint, off in left.items()}
+        )
         pace = shape.duration_s / end_of(back)
         strokes = tuple(
-            Stroke(stroke.joint, size * stroke.angle, pace * stroke.begin_s, pace * stroke.duration_s, stroke.form)
+            Stroke(
+                stroke.joint,
+                size * stroke.angle,
+                pace * stroke.begin_s,
+                pace * stroke.duration_s,
+                stroke.form,
+            )
             for stroke in (*out, *back)
         )
-        self._made.append(_Move(at_ns, strokes, {joint: size * off for joint, off in missed.items()}))
+        self._made.append(
+            _Move(at_ns, strokes, {joint: size * off for joint, off in missed.items()})
+        )
         still_s = max(stroke.begin_s + STILL[1] * stroke.duration_s for stroke in strokes) + STEP_S
         over_ns = at_ns + math.ceil(still_s * 1e9)
         self._over_ns.append(max(over_ns, self._over_ns[-1]) if self._over_ns else over_ns)
@@ -72,14 +89,18 @@ class SimulatedArm(SimulatedHand):
         return rate + tremor[:, None] * self._along, acceleration
 
     def _measured(self, index: int, start_ns: int) -> tuple[Floats, Floats]:
-        """Return angular rate and acceleration of a block: the same numbers however calls of ``samples`` divide it."""
+        """Return angular rate and acceleration of a block: the same numbers however calls of
+        ``samples`` divide it.
+        """
         time_s = np.arange(index, index + BLOCK) * (self._period_ns / 1e9)
         over = bisect_left(self._over_ns, start_ns + index * self._period_ns)
         posture = dict(self._person.posture)
         for joint, off in self._made[over - 1].left.items() if over else ():
             posture[joint] = posture.get(joint, 0.0) + off
         strokes = [
-            msgspec.structs.replace(stroke, begin_s=stroke.begin_s + (move.onset_ns - start_ns) / 1e9)
+            msgspec.structs.replace(
+                stroke, begin_s=stroke.begin_s + (move.onset_ns - start_ns) / 1e9
+            )
             for move in self._made[over:]
             for stroke in move.strokes
         ]

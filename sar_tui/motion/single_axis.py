@@ -1,4 +1,6 @@
-"""The single-axis detector. It copes with bias, noise, tremor, pauses and any orientation of the sensor."""
+"""The single-axis detector. It copes with bias, noise, tremor, pauses and any orientation of the
+sensor.
+"""
 
 import math
 from collections.abc import Iterator
@@ -22,7 +24,9 @@ CALM_HZ = 5.0
 MARGIN_S = 1.0
 """Time around a stretch of movement in which a reach may begin and end."""
 ACROSS = math.cos(math.radians(80))
-"""An axis more than 80° from z does not show the direction of a reach: its first phase is then the way out."""
+"""An axis more than 80° from z does not show the direction of a reach: its first phase is then the
+way out.
+"""
 
 
 class SingleAxisParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -70,15 +74,17 @@ def find(
 ) -> Detected:
     """Find the reaches in a whole recording.
 
-    Rest gives the bias, the noise and the tremor's frequency. With these removed, phases of movement are found in the
-    rate below 2.5 Hz about their principal axis; two that are opposite and alike are a reach. Its boundaries come from
-    the rate below ``cutoff_hz``.
+    Rest gives the bias, the noise and the tremor's frequency. With these removed, phases of
+    movement are found in the rate below 2.5 Hz about their principal axis; two that are opposite
+    and alike are a reach. Its boundaries come from the rate below ``cutoff_hz``.
 
-    Flags: ``no_rest`` (no rest before it: its bias is a guess), ``gap`` (over 100 ms of samples are missing in it),
-    ``cut`` (the recording begins or ends in it), ``timed_out``, ``reversed`` (out is not the usual way for this hand),
-    ``low_rate`` (too few samples per second for ``cutoff_hz``: it was lowered).
+    Flags: ``no_rest`` (no rest before it: its bias is a guess), ``gap`` (over 100 ms of samples are
+    missing in it), ``cut`` (the recording begins or ends in it), ``timed_out``, ``reversed`` (out
+    is not the usual way for this hand), ``low_rate`` (too few samples per second for ``cutoff_hz``:
+    it was lowered).
 
-    ``grid`` is the recording's even grid, if it is known. Raises ValueError for fewer than 20 samples per second.
+    ``grid`` is the recording's even grid, if it is known. Raises ValueError for fewer than 20
+    samples per second.
     """
     parameters = parameters or SingleAxisParameters()
     grid = grid or even(recording)
@@ -105,7 +111,9 @@ def find(
     return Detected(grid.time_s, rate, grid.rate_hz, reaches, rest.tremor_hz, spectrum=spectrum)
 
 
-def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, hand: Hand) -> Iterator[Bounds]:
+def _reaches(
+    motion: _Motion, group: slice, parameters: SingleAxisParameters, hand: Hand
+) -> Iterator[Bounds]:
     """Yield the reaches in one stretch of movement, about its principal axis."""
     rate_hz = motion.grid.rate_hz
     axis = principal_axis(motion.slow[group])
@@ -114,7 +122,11 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
         axis = axis * math.copysign(1.0, axis[2] * OUTWARDS[hand])
     margin = round(MARGIN_S * rate_hz)
     around = slice(max(0, group.start - margin), group.stop + margin)
-    time, slow, light = motion.grid.time_s[around], motion.slow[around] @ axis, motion.light[around] @ axis
+    time, slow, light = (
+        motion.grid.time_s[around],
+        motion.slow[around] @ axis,
+        motion.light[around] @ axis,
+    )
     calm = smooth(light[:, None], rate_hz, CALM_HZ)[:, 0]
     floor = percentile(np.abs(motion.light[motion.rest.still] @ axis), 95)
     found = phases(
@@ -129,7 +141,9 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
     for out, back in pairs(found, rate_hz, parameters.dwell_s):
         sign = math.copysign(1.0, out.angle)
         onset, arrival = edges(time, sign * light, sign * calm, out.first, out.last, margin, floor)
-        departure, end = edges(time, -sign * light, -sign * calm, back.first, back.last, margin, floor)
+        departure, end = edges(
+            time, -sign * light, -sign * calm, back.first, back.last, margin, floor
+        )
         if min(arrival - onset, end - departure) < parameters.shortest_s:
             continue
         x, y, z = (sign * axis).tolist()
@@ -141,7 +155,9 @@ def _reaches(motion: _Motion, group: slice, parameters: SingleAxisParameters, ha
             axis=(x, y, z),
             flags=("reversed",) if sided and sign < 0 else (),
         )
-        is_cut = out.first + around.start == 0 or back.last + around.start == len(motion.grid.time_s)
+        is_cut = out.first + around.start == 0 or back.last + around.start == len(
+            motion.grid.time_s
+        )
         yield checked(
             bounds,
             motion.grid,

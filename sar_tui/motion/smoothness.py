@@ -1,7 +1,8 @@
 """Smoothness of a movement, from its speed profile.
 
-Each function takes one phase of a movement (out, or back), never both: the rest between them would count as jerk.
-None means that there is no result: the phase is too short, holds no movement, or a sample is not finite.
+Each function takes one phase of a movement (out, or back), never both: the rest between them would
+count as jerk. None means that there is no result: the phase is too short, holds no movement, or a
+sample is not finite.
 """
 
 import math
@@ -27,12 +28,14 @@ _UNIT_APART_S = 0.15
 
 
 def sparc(speed: Floats, rate_hz: float) -> float | None:
-    """Return the spectral arc length: minus the length of the speed's normalised amplitude spectrum, 0 is smoothest.
+    """Return the spectral arc length: minus the length of the speed's normalised amplitude
+    spectrum, 0 is smoothest.
 
-    After Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), "On the analysis of movement smoothness",
-    J NeuroEng Rehabil 12:112, with its settings: the spectrum ends at 10 Hz or where it is last at 5 % of its
-    maximum, whichever comes first; n samples are zero-padded to 2 ** (ceil(log2(n)) + 4). The frequency axis is
-    scaled to 1 over what is left of the spectrum. The same as ``sparc`` of the package monalysa for rates from 20 Hz.
+    After Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet (2015), "On the analysis of
+    movement smoothness", J NeuroEng Rehabil 12:112, with its settings: the spectrum ends at 10 Hz
+    or where it is last at 5 % of its maximum, whichever comes first; n samples are zero-padded to 2
+    ** (ceil(log2(n)) + 4). The frequency axis is scaled to 1 over what is left of the spectrum. The
+    same as ``sparc`` of the package monalysa for rates from 20 Hz.
 
     A minimum-jerk speed of 1 s, sampled at 100 Hz from 0 to 0.99 s, has −1.4058293244.
 
@@ -56,12 +59,14 @@ def sparc(speed: Floats, rate_hz: float) -> float | None:
 
 
 def ldlj(speed: Floats, rate_hz: float) -> float | None:
-    """Return the log dimensionless jerk of a speed profile: −ln(duration³ / peak² · ∫ jerk² dt), 0 is smoothest.
+    """Return the log dimensionless jerk of a speed profile: −ln(duration³ / peak² · ∫ jerk² dt), 0
+    is smoothest.
 
-    Jerk is the second derivative of speed. Same source as ``sparc``, and the same as ``log_dimensionless_jerk`` of
-    monalysa at 100 Hz: the derivative is the second difference over (1 / rate)², the integral a sum over it, and the
-    duration of n samples is n / rate. As such differences depend on the rate, other rates are resampled to 100 Hz
-    first (to the nearest whole number of samples).
+    Jerk is the second derivative of speed. Same source as ``sparc``, and the same as
+    ``log_dimensionless_jerk`` of monalysa at 100 Hz: the derivative is the second difference over
+    (1 / rate)², the integral a sum over it, and the duration of n samples is n / rate. As such
+    differences depend on the rate, other rates are resampled to 100 Hz first (to the nearest whole
+    number of samples).
 
     A minimum-jerk speed of 1 s, sampled at 100 Hz from 0 to 0.99 s, has −5.2241390675.
 
@@ -81,11 +86,12 @@ def ldlj(speed: Floats, rate_hz: float) -> float | None:
 def movement_units(speed: Floats, rate_hz: float) -> int:
     """Return the number of movement units: one for a smooth reach, more with every correction.
 
-    A movement unit is an acceleration and the deceleration after it (von Hofsten 1991, J Mot Behav 23:280-292); fewer
-    peaks of speed are a mark of recovery after stroke (Rohrer et al. 2002, J Neurosci 22:8297-8304). A rise counts
-    from 10 % of the profile's peak, and a peak within 150 ms of the last one counted belongs to it (the latter after
-    Alt Murphy, Willén & Sunnerhagen 2011, Neurorehabil Neural Repair 25:71-80; their 20 mm/s has no angular
-    equivalent, so the rise is relative).
+    A movement unit is an acceleration and the deceleration after it (von Hofsten 1991, J Mot Behav
+    23:280-292); fewer peaks of speed are a mark of recovery after stroke (Rohrer et al. 2002, J
+    Neurosci 22:8297-8304). A rise counts from 10 % of the profile's peak, and a peak within 150 ms
+    of the last one counted belongs to it (the latter after Alt Murphy, Willén & Sunnerhagen 2011,
+    Neurorehabil Neural Repair 25:71-80; their 20 mm/s has no angular equivalent, so the rise is
+    relative).
 
     Args:
         speed: shape (n,), not negative, any unit.
@@ -113,8 +119,9 @@ def _measurable(speed: Floats, rate_hz: float, shortest_s: float) -> Floats | No
 def _resampled(profile: Floats, step_s: float, rate_hz: float) -> tuple[Floats, float]:
     """Return the profile between the same end points in steps of about 1 / rate_hz, and the step.
 
-    Uses a sine series of the profile minus the line through its ends, cut off at half the lower of the two rates:
-    smooth between samples (linear interpolation would be all jerk) and free of aliasing.
+    Uses a sine series of the profile minus the line through its ends, cut off at half the lower of
+    the two rates: smooth between samples (linear interpolation would be all jerk) and free of
+    aliasing.
     """
     steps = len(profile) - 1
     wanted = max(round(steps * step_s * rate_hz), 2)

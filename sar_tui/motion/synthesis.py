@@ -1,4 +1,6 @@
-"""The simulated hand: reaches as measured by a motion sensor on its back, with imperfections of sensor and hand."""
+"""The simulated hand: reaches as measured by a motion sensor on its back, with imperfections of
+sensor and hand.
+"""
 
 import math
 from bisect import bisect_left
@@ -16,16 +18,25 @@ FOREARM_M = 0.3
 ACCELERATION_NOISE_M_S2 = 0.02
 BLOCK = 512
 SINCE, LUCK, TREMOR = 0, 1, 2
-TREMOR_ACROSS, BIAS, RATE_NOISE, ACCELERATION_NOISE = slice(3, 6), slice(6, 9), slice(9, 12), slice(12, 15)
+TREMOR_ACROSS, BIAS, RATE_NOISE, ACCELERATION_NOISE = (
+    slice(3, 6),
+    slice(6, 9),
+    slice(9, 12),
+    slice(12, 15),
+)
 COLUMNS = 15
-"""Columns of the imperfections of samples: seconds since the first, the draw of the loss, rad/s, m/s²."""
+"""Columns of the imperfections of samples: seconds since the first, the draw of the loss, rad/s,
+m/s².
+"""
 
 
 class Profile(Imperfections, frozen=True, kw_only=True):
-    """Imperfections of a sensor and of a hand that turns about one axis. The tremor's main axis is that of the reach.
+    """Imperfections of a sensor and of a hand that turns about one axis. The tremor's main axis is
+    that of the reach.
 
     Args:
-        axis: the axis of the reach in the sensor's axes; of any length. z points out of the back of the hand.
+        axis: the axis of the reach in the sensor's axes; of any length. z points out of the back of
+            the hand.
         saturation_rad_s: a sample with any axis beyond this is not delivered, as with a Phidget.
     """
 
@@ -59,7 +70,9 @@ PROFILES: dict[str, Profile] = {
 
 
 def _frame(axis: Vector) -> tuple[Floats, Floats, Floats]:
-    """Return unit vectors along the axis of the reach, and two across it: the forearm's, and the hand's direction."""
+    """Return unit vectors along the axis of the reach, and two across it: the forearm's, and the
+    hand's direction.
+    """
     length = math.hypot(*axis)
     if length == 0:
         raise ValueError("A reach turns about an axis: it cannot be (0, 0, 0).")
@@ -140,11 +153,14 @@ class SimulatedHand:
             return np.empty((0, COLUMNS))
         if wanted[-1] not in self._blocks or wanted[0] not in self._blocks:
             self._blocks = {
-                block: self._blocks[block] if block in self._blocks else self._drawn(block) for block in wanted
+                block: self._blocks[block] if block in self._blocks else self._drawn(block)
+                for block in wanted
             }
         blocks = [self._blocks[block] for block in wanted]
         offset = wanted.start * BLOCK
-        return (blocks[0] if len(blocks) == 1 else np.concatenate(blocks))[first - offset : last - offset]
+        return (blocks[0] if len(blocks) == 1 else np.concatenate(blocks))[
+            first - offset : last - offset
+        ]
 
     def _drawn(self, block: int) -> Floats:
         """Return the columns of a block. The tremor's frequency wanders a little, as in reality."""
@@ -152,7 +168,11 @@ class SimulatedHand:
         generator = np.random.default_rng([self._seed, 1, block])
         noise, luck = generator.standard_normal((BLOCK, 6)), generator.random(BLOCK)
         since_s = np.arange(block * BLOCK, (block + 1) * BLOCK) * (self._period_ns / 1e9)
-        phase = 2 * math.pi * profile.tremor_hz * since_s + 0.5 * np.sin(2 * since_s) + self._tremor_phase
+        phase = (
+            2 * math.pi * profile.tremor_hz * since_s
+            + 0.5 * np.sin(2 * since_s)
+            + self._tremor_phase
+        )
         return np.column_stack(
             (
                 since_s,
@@ -186,14 +206,22 @@ class SimulatedHand:
         return rate, angle, acceleration
 
     def _motion(self, at: npt.NDArray[np.int64], tremor: Floats) -> tuple[Floats, Floats]:
-        """Return the hand's angular rate, with its tremor (rad/s, shape (n,)), and its acceleration, shape (n, 3)."""
+        """Return the hand's angular rate, with its tremor (rad/s, shape (n,)), and its
+        acceleration, shape (n, 3).
+        """
         turning, angle, acceleration = self._reaches(at)
-        return (turning + tremor)[:, None] * self._along, self._acceleration(turning, angle, acceleration)
+        return (turning + tremor)[:, None] * self._along, self._acceleration(
+            turning, angle, acceleration
+        )
 
     def _acceleration(self, turning: Floats, angle: Floats, acceleration: Floats) -> Floats:
-        """Return the acceleration at the sensor, shape (n, 3): gravity as the hand turns, and the hand's own."""
+        """Return the acceleration at the sensor, shape (n, 3): gravity as the hand turns, and the
+        hand's own.
+        """
         across = np.cos(angle)[:, None] * self._upright - np.sin(angle)[:, None] * self._sideways
-        own = FOREARM_M * (acceleration[:, None] * self._way - (turning**2)[:, None] * self._forearm)
+        own = FOREARM_M * (
+            acceleration[:, None] * self._way - (turning**2)[:, None] * self._forearm
+        )
         felt: Floats = self._parallel + across + own
         return felt
 
@@ -213,7 +241,9 @@ def simulate(
     rest_s: float = 2.0,
     seed: int = 0,
 ) -> Simulation:
-    """Return reaches one after the other, with ``rest_s`` of rest before, between and after them."""
+    """Return reaches one after the other, with ``rest_s`` of rest before, between and after
+    them.
+    """
     hand = SimulatedHand(profile, rate_hz, seed)
     onset_s, truth = rest_s, []
     for shape in shapes:
@@ -222,7 +252,9 @@ def simulate(
         onset_s += shape.duration_s + rest_s
     samples = hand.samples(0, round(onset_s * 1e9))
     share = max(map(abs, profile.axis)) / math.hypot(*profile.axis)
-    saturated = any(share * max(shape.peak_out, -shape.peak_back) > profile.saturation_rad_s for shape in shapes)
+    saturated = any(
+        share * max(shape.peak_out, -shape.peak_back) > profile.saturation_rad_s for shape in shapes
+    )
     return Simulation(recording(samples, flags=("saturated",) if saturated else ()), tuple(truth))
 
 
@@ -236,7 +268,9 @@ class TableRow(NamedTuple):
 
     @property
     def shape(self) -> ReachShape:
-        """A minimum-jerk reach of this row, with durations of its phases such that the hand returns to its start."""
+        """A minimum-jerk reach of this row, with durations of its phases such that the hand returns
+        to its start.
+        """
         share = self.peak_return_rad_s / (self.peak_return_rad_s - self.peak_extension_rad_s)
         return ReachShape(
             out_s=self.reach_time_s * share,
@@ -260,7 +294,14 @@ TABLE_4_1 = (
 
 
 def table_4_1_recording(
-    rate_hz: float = 250.0, still_s: float = 2.0, profile: Profile = PROFILES["clean"], seed: int = 0
+    rate_hz: float = 250.0,
+    still_s: float = 2.0,
+    profile: Profile = PROFILES["clean"],
+    seed: int = 0,
 ) -> Simulation:
-    """Return the eight reaches of Table 4.1 in order, with ``still_s`` of rest before, between and after them."""
-    return simulate([row.shape for row in TABLE_4_1], profile, rate_hz=rate_hz, rest_s=still_s, seed=seed)
+    """Return the eight reaches of Table 4.1 in order, with ``still_s`` of rest before, between and
+    after them.
+    """
+    return simulate(
+        [row.shape for row in TABLE_4_1], profile, rate_hz=rate_hz, rest_s=still_s, seed=seed
+    )

@@ -25,9 +25,10 @@ _NS = 1e9
 class Trace(msgspec.Struct, frozen=True, kw_only=True):
     """One reach for drawing. Times in s since the first point.
 
-    ``rate``: angular rate about the reach's axis, rad/s, without the sensor's bias, positive on the way out.
-    ``rate_hz``: points per second. The way out lasts from ``onset_s`` to ``arrival_s``, the rest at the target (dwell)
-    until ``departure_s``, the way back until ``end_s``. ``label``: its name.
+    ``rate``: angular rate about the reach's axis, rad/s, without the sensor's bias, positive on the
+    way out. ``rate_hz``: points per second. The way out lasts from ``onset_s`` to ``arrival_s``,
+    the rest at the target (dwell) until ``departure_s``, the way back until ``end_s``. ``label``:
+    its name.
     """
 
     rate: list[float]
@@ -52,7 +53,11 @@ def trace_of(
     """
     since_s = (samples["at"] - onset_ns) / _NS
     end_s = (end_ns - onset_ns) / _NS
-    grid = even(recording(samples[(since_s >= -_REST_BEFORE_S) & (since_s <= end_s + _REST_AFTER_S)], onset_ns))
+    grid = even(
+        recording(
+            samples[(since_s >= -_REST_BEFORE_S) & (since_s <= end_s + _REST_AFTER_S)], onset_ns
+        )
+    )
     time = grid.time_s
     inside = (time >= 0) & (time <= end_s)
     if inside.sum() < 2:
@@ -64,7 +69,9 @@ def trace_of(
     stride = math.ceil(shown.sum() / MOST_POINTS)
     light = smooth(rate, grid.rate_hz, min(_SMOOTH_HZ, grid.rate_hz / stride / 3))
     turning = light @ principal_axis(light[inside])
-    out = turning[inside & (time <= arrival_s)].sum() - turning[inside & (time >= departure_s)].sum()
+    out = (
+        turning[inside & (time <= arrival_s)].sum() - turning[inside & (time >= departure_s)].sum()
+    )
     points = turning[shown][::stride] * math.copysign(1.0, out)
     first_s = float(time[shown][0])
     return Trace(

@@ -1,7 +1,9 @@
-"""Simulated reaches that turn the hand about many axes: the sensor's samples, with the true times of each reach.
+"""Simulated reaches that turn the hand about many axes: the sensor's samples, with the true times
+of each reach.
 
-A movement is the angle of every joint at any time. The sensor's orientation and position follow from the chain of
-segments, its angular rate and acceleration from these by differentiation, and the true times from the strokes.
+A movement is the angle of every joint at any time. The sensor's orientation and position follow
+from the chain of segments, its angular rate and acceleration from these by differentiation, and the
+true times from the strokes.
 """
 
 import math
@@ -13,7 +15,14 @@ import numpy as np
 
 from sar_tui.motion.body_model import Joint, Pose, Segment, Site, pose
 from sar_tui.motion.imperfections import Measured, StrappedSensor, ordinary, spoil
-from sar_tui.motion.quaternions import angle, conjugate, from_rotation, multiply, rotate, to_rotation
+from sar_tui.motion.quaternions import (
+    angle,
+    conjugate,
+    from_rotation,
+    multiply,
+    rotate,
+    to_rotation,
+)
 from sar_tui.motion.reach_bounds import Hand
 from sar_tui.motion.reach_kinds import KINDS, plan
 from sar_tui.motion.reach_plans import ReachPlan, repeated
@@ -26,14 +35,17 @@ MOVING = 0.02
 TIMED_S = 0.004
 """Step in which the true times are sought. They are interpolated: their error is below 1 ms."""
 STEP_S = 0.0005
-"""Half the step of differentiation. Its error is below 0.001 rad/s and 0.001 m/s² in the fastest reach."""
+"""Half the step of differentiation. Its error is below 0.001 rad/s and 0.001 m/s² in the fastest
+reach.
+"""
 MARGIN_S = 0.3
 """A lognormal stroke is sought this long before its begin and after its end."""
 SHAKES_IN_S = 0.2
 """Time in which an action tremor rises after an onset, and falls before an end."""
 PLACEMENTS = ("back of the hand", "side", "palm", "askew")
-"""Places of the sensor on the hand: as in the thesis' Figure 4.7; turned by 90° and 180° about the forearm; tilted by
-up to 35° about any axis. All are drawn for the sternum likewise."""
+"""Places of the sensor on the hand: as in the thesis' Figure 4.7; turned by 90° and 180° about the
+forearm; tilted by up to 35° about any axis. All are drawn for the sternum likewise.
+"""
 TILT = math.radians(35)
 
 
@@ -52,21 +64,27 @@ class Tremor(NamedTuple):
     def at(self, time_s: Floats) -> Floats:
         """Return its angle at each time, rad, shape (n,)."""
         angle = self.rate_rad_s / (2.0 * math.pi * self.hz)
-        course: Floats = angle * np.sin(2.0 * math.pi * self.hz * time_s + 0.5 * np.sin(2.0 * time_s) + self.phase)
+        course: Floats = angle * np.sin(
+            2.0 * math.pi * self.hz * time_s + 0.5 * np.sin(2.0 * time_s) + self.phase
+        )
         if self.spans is None:
             return course
-        inside = [np.minimum(time_s - onset, end - time_s) / SHAKES_IN_S for onset, end in self.spans]
+        inside = [
+            np.minimum(time_s - onset, end - time_s) / SHAKES_IN_S for onset, end in self.spans
+        ]
         u = np.clip(np.max(inside, axis=0, initial=0.0), 0.0, 1.0)
         course *= u**3 * (10.0 + u * (6.0 * u - 15.0))
         return course
 
 
 class ReachTimes(NamedTuple):
-    """The true times of a reach, s, from the rate at which the hand turns, about any axis, without its tremor.
+    """The true times of a reach, s, from the rate at which the hand turns, about any axis, without
+    its tremor.
 
-    On the way to the target the hand turns by 2 % or more of its largest rate there from ``onset_s`` to ``arrival_s``,
-    on the way back by 2 % or more of its largest rate there from ``departure_s`` to ``end_s``: so Alt Murphy, Willén &
-    Sunnerhagen (2011, Neurorehabil Neural Repair 25:71-80) bound the movements of patients. Stops may be in between.
+    On the way to the target the hand turns by 2 % or more of its largest rate there from
+    ``onset_s`` to ``arrival_s``, on the way back by 2 % or more of its largest rate there from
+    ``departure_s`` to ``end_s``: so Alt Murphy, Willén & Sunnerhagen (2011, Neurorehabil Neural
+    Repair 25:71-80) bound the movements of patients. Stops may be in between.
     """
 
     onset_s: float
@@ -106,9 +124,10 @@ class Movement(msgspec.Struct, frozen=True):
 class SimulatedReaches(NamedTuple):
     """A recording of simulated reaches, with the truth.
 
-    ``recording``: of the sensor on the hand. ``truth``: onset and end of each reach, s. ``times``: the same with
-    arrival and departure. ``movement`` and ``site``: of what the recording was made; their ``pose`` is the true
-    orientation. ``sternum``: recording of a second sensor, on the sternum; None if not requested.
+    ``recording``: of the sensor on the hand. ``truth``: onset and end of each reach, s. ``times``:
+    the same with arrival and departure. ``movement`` and ``site``: of what the recording was made;
+    their ``pose`` is the true orientation. ``sternum``: recording of a second sensor, on the
+    sternum; None if not requested.
     """
 
     recording: Recording
@@ -132,35 +151,43 @@ def simulate_reaches(
     imperfections: StrappedSensor | None = None,
     sternum: bool = False,
 ) -> SimulatedReaches:
-    """Return reaches of one person one after the other, with ``rest_s`` of rest before, between and after them.
+    """Return reaches of one person one after the other, with ``rest_s`` of rest before, between and
+    after them.
 
     Args:
         kind: a name in ``KINDS``.
-        seed: of the person, and of all that differs from reach to reach. The movement depends on it, the kind, the
-            count and the rest alone, so that the same movement can be seen by any sensor at any place.
+        seed: of the person, and of all that differs from reach to reach. The movement depends on
+            it, the kind, the count and the rest alone, so that the same movement can be seen by any
+            sensor at any place.
         arm: with the sensor. The left arm makes the mirrored movement.
         placement: index in ``PLACEMENTS``.
         accelerometer: False for a sensor that has none.
         rate_hz: samples per second.
         count: number of reaches.
         rest_s: duration of each rest.
-        imperfections: of sensor and hand; those of an ordinary one by this seed if None, which shakes if it points and
-            holds. ``PERFECT`` has none.
+        imperfections: of sensor and hand; those of an ordinary one by this seed if None, which
+            shakes if it points and holds. ``PERFECT`` has none.
         sternum: True for a second sensor, on the sternum.
 
     Raises ValueError for an unknown kind or placement.
     """
     if kind not in KINDS:
-        raise ValueError(f"There is no kind of reach named {kind!r}; there are: {', '.join(KINDS)}.")
+        raise ValueError(
+            f"There is no kind of reach named {kind!r}; there are: {', '.join(KINDS)}."
+        )
     if not 0 <= placement < len(PLACEMENTS):
         raise ValueError(f"There are {len(PLACEMENTS)} placements, from 0: {placement} is none.")
     number = KINDS.index(kind)
     if imperfections is None:
-        imperfections = ordinary(np.random.default_rng([seed, number, 1]), shaking=kind == "point-and-hold")
+        imperfections = ordinary(
+            np.random.default_rng([seed, number, 1]), shaking=kind == "point-and-hold"
+        )
     generator = np.random.default_rng([seed, number, 0])
     person = plan(kind, generator)
     reaches = _session(person, generator, count, rest_s)
-    still = Movement(person.posture, tuple(stroke for reach in reaches for stroke in (*reach.out, *reach.back)))
+    still = Movement(
+        person.posture, tuple(stroke for reach in reaches for stroke in (*reach.out, *reach.back))
+    )
     times = tuple(_times(still, reach) for reach in reaches)
     movement = msgspec.structs.replace(still, tremors=_tremors(imperfections, times, generator))
     until_s = max((stroke.end_s for stroke in movement.strokes), default=0.0) + rest_s
@@ -169,11 +196,15 @@ def simulate_reaches(
     def record(segment: Segment) -> tuple[Site, Recording]:
         site = Site(segment, arm, turned)
         noise = np.random.default_rng([seed, number, 2 if segment == "hand" else 3])
-        return site, _recorded(movement, site, until_s, rate_hz, imperfections, noise, accelerometer)
+        return site, _recorded(
+            movement, site, until_s, rate_hz, imperfections, noise, accelerometer
+        )
 
     site, recording = record("hand")
     truth = tuple((time.onset_s, time.end_s) for time in times)
-    return SimulatedReaches(recording, truth, times, movement, site, record("sternum")[1] if sternum else None)
+    return SimulatedReaches(
+        recording, truth, times, movement, site, record("sternum")[1] if sternum else None
+    )
 
 
 def placed(placement: int, seed: int = 0) -> tuple[float, float, float, float]:
@@ -191,18 +222,27 @@ def placed(placement: int, seed: int = 0) -> tuple[float, float, float, float]:
 def measure(movement: Movement, site: Site, time_s: Floats) -> Measured:
     """Return the output of a perfect sensor on a moving body.
 
-    The angular rate is the change of its orientation q, 2 q* q′, and the acceleration that of its position p, as seen
-    from its axes: q* (p″ + g) q. At rest an accelerometer reports g, 9.81 m/s² upwards.
+    The angular rate is the change of its orientation q, 2 q* q′, and the acceleration that of its
+    position p, as seen from its axes: q* (p″ + g) q. At rest an accelerometer reports g, 9.81 m/s²
+    upwards.
     """
     count = len(time_s)
-    orientation, position = movement.pose(site, np.concatenate((time_s - STEP_S, time_s, time_s + STEP_S)))
+    orientation, position = movement.pose(
+        site, np.concatenate((time_s - STEP_S, time_s, time_s + STEP_S))
+    )
     before, now, after = (orientation[i * count : (i + 1) * count] for i in range(3))
     rate = to_rotation(multiply(conjugate(before), after)) / (2.0 * STEP_S)
-    curve = (position[:count] - 2.0 * position[count : 2 * count] + position[2 * count :]) / STEP_S**2
-    return Measured(time_s, rate, rotate(conjugate(now), curve + np.array((0.0, 0.0, GRAVITY_M_S2))))
+    curve = (
+        position[:count] - 2.0 * position[count : 2 * count] + position[2 * count :]
+    ) / STEP_S**2
+    return Measured(
+        time_s, rate, rotate(conjugate(now), curve + np.array((0.0, 0.0, GRAVITY_M_S2)))
+    )
 
 
-def _session(person: ReachPlan, generator: np.random.Generator, count: int, rest_s: float) -> list[_Reach]:
+def _session(
+    person: ReachPlan, generator: np.random.Generator, count: int, rest_s: float
+) -> list[_Reach]:
     """Return the strokes of all reaches of a person, with a rest before each."""
     reaches: list[_Reach] = []
     left: dict[Joint, float] = {}
@@ -216,8 +256,14 @@ def _session(person: ReachPlan, generator: np.random.Generator, count: int, rest
 
 def _times(movement: Movement, reach: _Reach) -> ReachTimes:
     """Return the true times of a reach in a movement without tremor."""
-    arrival_s, departure_s = max(stroke.end_s for stroke in reach.out), min(stroke.begin_s for stroke in reach.back)
-    begin_s, end_s = min(stroke.begin_s for stroke in reach.out), max(stroke.end_s for stroke in reach.back)
+    arrival_s, departure_s = (
+        max(stroke.end_s for stroke in reach.out),
+        min(stroke.begin_s for stroke in reach.back),
+    )
+    begin_s, end_s = (
+        min(stroke.begin_s for stroke in reach.out),
+        max(stroke.end_s for stroke in reach.back),
+    )
     turn_s = (arrival_s + departure_s) / 2.0
     onset, arrival = _moving(movement, begin_s - MARGIN_S, turn_s)
     departure, end = _moving(movement, turn_s, end_s + MARGIN_S)
@@ -225,7 +271,9 @@ def _times(movement: Movement, reach: _Reach) -> ReachTimes:
 
 
 def _moving(movement: Movement, from_s: float, to_s: float) -> tuple[float, float]:
-    """Return from when to when the hand turns at ``MOVING`` or more of its largest rate between two times."""
+    """Return from when to when the hand turns at ``MOVING`` or more of its largest rate between two
+    times.
+    """
     time_s = np.arange(from_s, to_s + TIMED_S, TIMED_S)
     orientation = movement.pose(Site(), time_s).orientation
     speed = angle(multiply(conjugate(orientation[:-1]), orientation[1:]))
@@ -233,13 +281,25 @@ def _moving(movement: Movement, from_s: float, to_s: float) -> tuple[float, floa
     above = np.flatnonzero(speed >= level)
     middle_s = time_s[:-1] + TIMED_S / 2.0
     first, last = int(above[0]), int(above[-1])
-    onset = np.interp(level, speed[first - 1 : first + 1], middle_s[first - 1 : first + 1]) if first else from_s
-    stop = np.interp(level, speed[[last + 1, last]], middle_s[[last + 1, last]]) if last + 1 < len(speed) else to_s
+    onset = (
+        np.interp(level, speed[first - 1 : first + 1], middle_s[first - 1 : first + 1])
+        if first
+        else from_s
+    )
+    stop = (
+        np.interp(level, speed[[last + 1, last]], middle_s[[last + 1, last]])
+        if last + 1 < len(speed)
+        else to_s
+    )
     return float(onset), float(stop)
 
 
-def _tremors(hand: StrappedSensor, times: Sequence[ReachTimes], generator: np.random.Generator) -> tuple[Tremor, ...]:
-    """Return the tremors of a hand: mostly of the forearm, half as much of the wrist, a quarter of a period later."""
+def _tremors(
+    hand: StrappedSensor, times: Sequence[ReachTimes], generator: np.random.Generator
+) -> tuple[Tremor, ...]:
+    """Return the tremors of a hand: mostly of the forearm, half as much of the wrist, a quarter of
+    a period later.
+    """
     phases = generator.uniform(0.0, 2.0 * math.pi, 2).tolist()
     spans = tuple((time.onset_s, time.end_s) for time in times)
     kinds = (
@@ -269,5 +329,7 @@ def _recorded(
     time_s = np.arange(math.ceil(until_s * rate_hz)) / rate_hz
     output = spoil(measure(movement, site, time_s), sensor, rate_hz, generator)
     return Recording(
-        time_s=output.time_s, rate=output.rate, acceleration=output.acceleration if accelerometer else None
+        time_s=output.time_s,
+        rate=output.rate,
+        acceleration=output.acceleration if accelerometer else None,
     )

@@ -11,14 +11,17 @@ REST_S = 1.0
 
 
 def trunk_excursion_deg(recording: Recording, onset_s: float, end_s: float) -> float | None:
-    """Return the largest angle of the sternum from its orientation at the onset of a reach, in degrees.
+    """Return the largest angle of the sternum from its orientation at the onset of a reach, in
+    degrees.
 
-    It is an angle about any axis: leaning forward, to the side, and turning all count. After a stroke, many people move
-    the trunk even to reach targets within arm's length ("Use of the trunk for reaching targets placed within and beyond
-    the reach in adult hemiparesis", Levin et al. 2002, Exp Brain Res). Such studies measure displacement; this is a
-    rotation, so the figures cannot be compared.
+    It is an angle about any axis: leaning forward, to the side, and turning all count. After a
+    stroke, many people move the trunk even to reach targets within arm's length ("Use of the trunk
+    for reaching targets placed within and beyond the reach in adult hemiparesis", Levin et al.
+    2002, Exp Brain Res). Such studies measure displacement; this is a rotation, so the figures
+    cannot be compared.
 
-    None if the recording does not cover the reach, misses more than `grid.GAP_S` of it, or has no rest of ``REST_S``.
+    None if the recording does not cover the reach, misses more than `grid.GAP_S` of it, or has no
+    rest of ``REST_S``.
 
     Args:
         recording: of the sensor on the sternum, with a rest, on the clock of the hand's sensor.
@@ -37,10 +40,12 @@ def trunk_excursion_deg(recording: Recording, onset_s: float, end_s: float) -> f
 
 
 def compensation_share(trunk_deg: float | None, hand_deg: float | None) -> float | None:
-    """Return the trunk's share in the turning of a reach: its excursion over the sum of its and the hand's, 0 to 1.
+    """Return the trunk's share in the turning of a reach: its excursion over the sum of its and the
+    hand's, 0 to 1.
 
-    It is defined here, to compare a person with themselves; the share that studies report is of displacement. The
-    sensor on the hand turns with the trunk too, so the share stays below one half unless the arm hardly moves.
+    It is defined here, to compare a person with themselves; the share that studies report is of
+    displacement. The sensor on the hand turns with the trunk too, so the share stays below one half
+    unless the arm hardly moves.
 
     None if either excursion is not known, or both are 0.
     """

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 
 def turning_points(values: Sequence[float], swing: float) -> list[int]:
-    """Return the indices of the extremes between which the signal moves by ``swing`` (above 0) or more, alternating.
+    """Return the indices of the extremes between which the signal moves by ``swing`` (above 0) or
+    more, alternating.
 
-    Smaller movements the other way belong to the swing that they interrupt. The first index is where the first swing
-    starts, the last where the last swing ends; empty without a swing.
+    Smaller movements the other way belong to the swing that they interrupt. The first index is
+    where the first swing starts, the last where the last swing ends; empty without a swing.
     """
     found: list[int] = []
     low = high = 0

@@ -16,13 +16,17 @@ def lengths(vectors: Floats) -> Floats:
 
 
 def mean_of(vectors: Floats) -> Floats:
-    """Return the mean of vectors, shape (n, 3) with n of at least 1. The same numbers as ``numpy.mean``, sooner."""
+    """Return the mean of vectors, shape (n, 3) with n of at least 1. The same numbers as
+    ``numpy.mean``, sooner.
+    """
     found: Floats = np.add.reduce(vectors, axis=0) / len(vectors)
     return found
 
 
 def finite_only(time_s: Floats, vectors: Floats) -> tuple[Floats, Floats]:
-    """Return times, shape (n,), and vectors, shape (n, 3), without those that have a number that is not finite."""
+    """Return times, shape (n,), and vectors, shape (n, 3), without those that have a number that is
+    not finite.
+    """
     finite = np.isfinite(vectors)
     if finite.all():
         return time_s, vectors

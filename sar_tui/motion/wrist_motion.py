@@ -1,4 +1,6 @@
-"""A wrist's orientation over minutes, made of shifts, rhythms and sway, and what a motion sensor on it measures."""
+"""A wrist's orientation over minutes, made of shifts, rhythms and sway, and what a motion sensor on
+it measures.
+"""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +13,9 @@ from sar_tui.motion.samples import Floats, Recording
 from sar_tui.motion.synthesis import ACCELERATION_NOISE_M_S2, FOREARM_M, GRAVITY_M_S2
 
 Angles = tuple[float, float, float]
-"""Turn about the vertical, elevation of the forearm, and its rotation (pronation): in degrees, or in m for a place."""
+"""Turn about the vertical, elevation of the forearm, and its rotation (pronation): in degrees, or
+in m for a place.
+"""
 
 WANDER_HZ = 0.3
 """Frequency and amplitude of a rhythm wander below this frequency."""
@@ -26,7 +30,9 @@ BIAS_WALK_RAD_S = math.radians(0.01)
 
 
 class Trip(NamedTuple):
-    """A movement out to a place and back to where it began, from its onset to its end, in s: a reach by its shape."""
+    """A movement out to a place and back to where it began, from its onset to its end, in s: a
+    reach by its shape.
+    """
 
     from_s: float
     to_s: float
@@ -35,9 +41,10 @@ class Trip(NamedTuple):
 class WristMotion:
     """The trajectory of a wrist, which movements are added to.
 
-    The sensor's x points to the right, its y along the forearm to the fingers and its z out of the back of the hand.
-    The orientation takes them to the room's: the turn about the vertical, then the elevation about x, then the
-    forearm's rotation about y. With all three 0 the forearm lies flat, palm down.
+    The sensor's x points to the right, its y along the forearm to the fingers and its z out of the
+    back of the hand. The orientation takes them to the room's: the turn about the vertical, then
+    the elevation about x, then the forearm's rotation about y. With all three 0 the forearm lies
+    flat, palm down.
 
     Args:
         lasts_s: duration.
@@ -62,11 +69,17 @@ class WristMotion:
         self._angles += np.radians(posture)
 
     def sway(self, sd: Angles, from_hz: float, to_hz: float) -> None:
-        """Add random movement in a band of frequencies all the time, of standard deviations in degrees."""
+        """Add random movement in a band of frequencies all the time, of standard deviations in
+        degrees.
+        """
         self._angles += np.radians(sd) * self._band_noise(from_hz, to_hz, 3)
 
-    def shift(self, at_s: float, by: Angles, takes_s: float, *, elbow_m: Angles = (0.0, 0.0, 0.0)) -> None:
-        """Add a minimum-jerk change of posture by some degrees, and of the elbow's place by some m, that stays."""
+    def shift(
+        self, at_s: float, by: Angles, takes_s: float, *, elbow_m: Angles = (0.0, 0.0, 0.0)
+    ) -> None:
+        """Add a minimum-jerk change of posture by some degrees, and of the elbow's place by some m,
+        that stays.
+        """
         first = self._index(at_s)
         share = np.clip((self._edge_s[first:, None] - at_s) / takes_s, 0.0, 1.0)
         done = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
@@ -94,7 +107,8 @@ class WristMotion:
             to_s: its end.
             hz: its mean frequency.
             swing: amplitude of each angle, in degrees.
-            harmonics: relative amplitude of the first, the second, ... harmonic; each begins at a phase of its own.
+            harmonics: relative amplitude of the first, the second, ... harmonic; each begins at a
+                phase of its own.
             lags: delay of each angle as a share of the period.
             frequency_cv: coefficient of variation of the frequency.
             amplitude_cv: coefficient of variation of the amplitude.
@@ -109,7 +123,10 @@ class WristMotion:
         phase = 2 * math.pi * np.cumsum(pace)[:, None] / self._rate_hz
         ramp_s = min(RAMP_S, (to_s - from_s) / 3)
         swell = np.clip(np.minimum(time_s - from_s, to_s - time_s) / ramp_s, 0.0, 1.0)
-        size = (np.sin(swell * math.pi / 2) ** 2 * np.maximum(0.0, 1.0 + amplitude_cv * self._wander[part, 1]))[:, None]
+        size = (
+            np.sin(swell * math.pi / 2) ** 2
+            * np.maximum(0.0, 1.0 + amplitude_cv * self._wander[part, 1])
+        )[:, None]
         starts = self.generator.uniform(0.0, 2 * math.pi, len(harmonics))
         starts[0] = 0.0
         for number, (share, start) in enumerate(zip(harmonics, starts, strict=True), start=1):
@@ -129,7 +146,9 @@ class WristMotion:
         own = np.gradient(speed, 1.0 / self._rate_hz, axis=0)
         felt = rotate(conjugate(middle), own + np.array([0.0, 0.0, GRAVITY_M_S2]))
         noise = self.generator.standard_normal((len(rate), 6))
-        walk = np.cumsum(self.generator.standard_normal((len(rate), 3)), axis=0) / math.sqrt(self._rate_hz)
+        walk = np.cumsum(self.generator.standard_normal((len(rate), 3)), axis=0) / math.sqrt(
+            self._rate_hz
+        )
         bias = BIAS_RAD_S * self.generator.standard_normal(3) + BIAS_WALK_RAD_S * walk
         return Recording(
             time_s=np.arange(len(rate)) / self._rate_hz,
@@ -141,7 +160,9 @@ class WristMotion:
         """Return the orientation at each edge of a sample, shape (n + 1, 4)."""
         turn, elevation, rotation = (
             from_rotation(self._angles[:, [column]] * axis)
-            for column, axis in enumerate(np.array([(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]))
+            for column, axis in enumerate(
+                np.array([(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+            )
         )
         return multiply(turn, multiply(elevation, rotation))
 

@@ -1,1 +1,3 @@
-"""The operator's panel (Wizard of Oz): the participant's view, pending proposals, and all commands."""
+"""The operator's panel (Wizard of Oz): the participant's view, pending proposals, and all
+commands.
+"""

@@ -59,8 +59,8 @@ class Act(NamedTuple):
         topic, message: as sent.
         by: who did it, if it was somebody else.
         when: what a remark waits for: "after the response".
-        state: ``sent`` until the session confirms it; ``received``; a remark is then ``queued`` and ``under way``;
-            ``done`` only when it has happened.
+        state: ``sent`` until the session confirms it; ``received``; a remark is then ``queued`` and
+            ``under way``; ``done`` only when it has happened.
         latency: time (ns) from the key to the session.
         why: why it failed.
         action: id of the action that it is about.
@@ -111,7 +111,11 @@ class Act(NamedTuple):
         text, at = self._named(doing(self.text)), self.message.at
         is_slow = now - at > SLOW
         if self.state == "done":
-            link = f" · link {max(0, self.latency) / MS:.0f} ms" if self.latency is not None and not self.by else ""
+            link = (
+                f" · link {max(0, self.latency) / MS:.0f} ms"
+                if self.latency is not None and not self.by
+                else ""
+            )
             return Line(at, f"{self._named(self.text)}{link}", "good")
         if self.state == "failed":
             return Line(at, f"{text}: {self.why}", "bad")
@@ -124,14 +128,19 @@ class Act(NamedTuple):
         return Line(at, f"{text} …")
 
     def _named(self, text: str) -> str:
-        return cut(f"{self.by}: {text}" if self.by else text, _LONGEST)  # leave room for the outcome
+        # leave room for the outcome
+        return cut(f"{self.by}: {text}" if self.by else text, _LONGEST)
 
     def is_echoed_by(self, frame: Frame) -> bool:
-        """Return True if the session has published this act. It sets the actor and may correct the time."""
+        """Return True if the session has published this act. It sets the actor and may correct the
+        time.
+        """
         return self.topic == frame.topic.name and _content(self.message) == _content(frame.message)
 
     def received(self, frame: Frame) -> "Act":
-        """Return the act after the session has published it. Changes of mode and notes need nothing more."""
+        """Return the act after the session has published it. Changes of mode and notes need nothing
+        more.
+        """
         is_done = self.topic in (MODE.name, NOTE_ADDED.name)
         return self._replace(
             state="done" if is_done else "received",
@@ -155,7 +164,9 @@ class Act(NamedTuple):
         return self._said(message)
 
     def _carried_out(self, message: Any) -> "Act":
-        """Return a command after it was carried out: the key of the mark that is on a trial removes it."""
+        """Return a command after it was carried out: the key of the mark that is on a trial removes
+        it.
+        """
         is_removed = isinstance(message, TrialMarked) and not message.mark
         text = self.text.replace("Marked", "Unmarked", 1) if is_removed else self.text
         return self._replace(state="done", text=text)
@@ -168,22 +179,30 @@ class Act(NamedTuple):
                 return self._replace(state="done")
             case Dropped(id=self.action, reason="vetoed") if self._is_mine(message):
                 return self._replace(state="done")
-            case ArbiterState() if any(one.id == self.action and self._is_mine(one) for one in message.queued):
+            case ArbiterState() if any(
+                one.id == self.action and self._is_mine(one) for one in message.queued
+            ):
                 return self._replace(state="done")
             case Halt(action=self.action, reason="vetoed"):
                 return self._replace(state="under way")
             case OutputReport(action=self.action, state="failed") if self.state == "under way":
                 return self.failed(f"not confirmed: {message.output}")
-            case ArbiterState() if self.state == "under way" and not _is_current(message, self.action):
+            case ArbiterState() if self.state == "under way" and not _is_current(
+                message, self.action
+            ):
                 return self._replace(state="done")
         return self
 
     def _said(self, message: Any) -> "Act":
         match message:
             case ArbiterState() if self.state == "received":
-                action = next((one.id for one in reversed(message.queued) if self._is_remark(one)), "")
+                action = next(
+                    (one.id for one in reversed(message.queued) if self._is_remark(one)), ""
+                )
                 return self._replace(state="queued", action=action) if action else self
-            case Action() if (self.state == "received" and self._is_remark(message)) or message.id == self.action:
+            case Action() if (
+                self.state == "received" and self._is_remark(message)
+            ) or message.id == self.action:
                 return self._replace(state="under way", action=message.id)
             case Dropped(id=self.action):
                 return self.failed(f"not done ({message.reason})")
@@ -192,11 +211,16 @@ class Act(NamedTuple):
         return self
 
     def _reported(self, report: OutputReport) -> "Act":
-        """Follow the parts of a remark. Text on a screen counts as shown at once: it stays until other text comes."""
+        """Follow the parts of a remark. Text on a screen counts as shown at once: it stays until
+        other text comes.
+        """
         part = (report.output, report.part)
         if report.state == "queued":
             return self._replace(parts=self.parts | {part})
-        why = {"failed": f"not confirmed: {report.output}", "aborted": "stopped before its end"}.get(report.state, "")
+        why = {
+            "failed": f"not confirmed: {report.output}",
+            "aborted": "stopped before its end",
+        }.get(report.state, "")
         is_over = report.state != "started" or report.part == "show"
         after = self._replace(parts=self.parts - {part}, why=self.why or why) if is_over else self
         if after.parts or not is_over:
@@ -217,7 +241,9 @@ class Act(NamedTuple):
 
 
 def doing(text: str) -> str:
-    """Return the text of an act that has not happened yet: "Approving feedback" for "Approved feedback"."""
+    """Return the text of an act that has not happened yet: "Approving feedback" for "Approved
+    feedback".
+    """
     first, _, rest = text.partition(" ")
     word = first.rstrip(":")
     return f"{_DOING.get(word, word)}{first[len(word) :]} {rest}".strip()
@@ -236,7 +262,9 @@ def _is_done(act: Any, frame: Frame) -> bool:  # noqa: PLR0911
         case "resume":
             return isinstance(message, Waiting) and message.stage != "paused"
         case "end":
-            return isinstance(message, SessionEnded) or (isinstance(message, Waiting) and message.stage == "ended")
+            return isinstance(message, SessionEnded) or (
+                isinstance(message, Waiting) and message.stage == "ended"
+            )
         case "skip":
             if act.reason == "step":
                 return isinstance(message, StepEnded) and message.number == act.value

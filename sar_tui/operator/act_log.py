@@ -28,12 +28,22 @@ class ActLog:
         self._kinds = KindsOfAction()
 
     def awaits_outcome(self, now: int) -> bool:
-        """Return True while the lines may change without a message of the session: a missing outcome is noted late."""
-        return any(act.is_open and now - act.message.at <= 2 * SLOW for act in (*self.acts, *self.others))
+        """Return True while the lines may change without a message of the session: a missing
+        outcome is noted late.
+        """
+        return any(
+            act.is_open and now - act.message.at <= 2 * SLOW for act in (*self.acts, *self.others)
+        )
 
     def lines(self, now: int) -> list[Line]:
-        """Return all lines with the outcomes so far. A stop that has arrived has a line of its own (`stop.Stop`)."""
-        acts = [act for act in (*self.acts, *self.others) if act.state != "received" or not is_stop(act.message)]
+        """Return all lines with the outcomes so far. A stop that has arrived has a line of its own
+        (`stop.Stop`).
+        """
+        acts = [
+            act
+            for act in (*self.acts, *self.others)
+            if act.state != "received" or not is_stop(act.message)
+        ]
         return [*(act.line(now) for act in acts), *self._reports]
 
     def report(self, at: int, text: str) -> Line:
@@ -42,20 +52,29 @@ class ActLog:
         self._reports = [*self._reports, line][-MAX_LINES:]
         return line
 
-    def add(self, text: str, topic: Topic[Any], message: Message, when: str = "", typed: str = "") -> None:
+    def add(
+        self, text: str, topic: Topic[Any], message: Message, when: str = "", typed: str = ""
+    ) -> None:
         """Log an act that was sent."""
-        self.acts = [*self.acts, Act(text, topic.name, message, when=when, typed=typed)][-MAX_LINES:]
+        self.acts = [*self.acts, Act(text, topic.name, message, when=when, typed=typed)][
+            -MAX_LINES:
+        ]
 
     def unused_text(self, topic: Topic[Any], action: str = "") -> str:
-        """Return the text typed last for a topic, or for a decision on an action, if it was refused; else empty."""
-        last = next((act for act in reversed(self.acts) if act.is_typed_for(topic.name, action)), None)
+        """Return the text typed last for a topic, or for a decision on an action, if it was
+        refused; else empty.
+        """
+        last = next(
+            (act for act in reversed(self.acts) if act.is_typed_for(topic.name, action)), None
+        )
         return last.unused_text if last else ""
 
     def rejoined(self) -> None:
         """Forget what the session will send again, and give up acts whose outcome was missed."""
         self.others = []
         self.acts = [
-            act.failed("the outcome is not known") if act.is_open and not act.is_pending else act for act in self.acts
+            act.failed("the outcome is not known") if act.is_open and not act.is_pending else act
+            for act in self.acts
         ]
 
     def receive(self, frame: Frame, me: Welcome) -> None:
@@ -87,6 +106,7 @@ class ActLog:
                 return  # it was confirmed before the connection was lost
         if text := act_text(message, me, self._kinds):
             by = "you" if message.actor == me.name else short_name(message.actor)
-            timed = replace(message, at=message.at or frame.at)  # the therapist's keys have no time stamp
+            # the therapist's keys have no time stamp
+            timed = replace(message, at=message.at or frame.at)
             act = Act(text, frame.topic.name, timed, by=by).received(frame)
             self.others = [*self.others, act][-MAX_LINES:]

@@ -16,7 +16,11 @@ from sar_tui.model.messages import (
 )
 
 _MAX_KINDS = 500
-_COMMANDS = {"skip": "Skipped the prompt", "repeat": "Repeated the prompt", "end": "Ended the session"}
+_COMMANDS = {
+    "skip": "Skipped the prompt",
+    "repeat": "Repeated the prompt",
+    "end": "Ended the session",
+}
 
 
 class KindsOfAction:
@@ -44,13 +48,19 @@ def is_stop(message: Any) -> bool:
 
 
 def act_text(message: Message, me: Welcome, kinds: KindsOfAction) -> str:  # noqa: PLR0911
-    """Return the text of an act; empty for a pause, its end and a stop, which have lines of their own."""
+    """Return the text of an act; empty for a pause, its end and a stop, which have lines of their
+    own.
+    """
     match message:
         case Decision():
             return _decision(message, kinds[message.action])
         case Remark():
             to = f" to {me.participants[message.seat]}" if len(me.participants) > 1 else ""
-            return f"Said{to} “{message.text}”" if message.text else f"Gesture: {message.gesture.replace('_', ' ')}"
+            return (
+                f"Said{to} “{message.text}”"
+                if message.text
+                else f"Gesture: {message.gesture.replace('_', ' ')}"
+            )
         case ModeChanged():
             return f"{message.kind.capitalize()}: {message.mode}"
         case NoteAdded():

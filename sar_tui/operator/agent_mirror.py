@@ -63,7 +63,9 @@ class AgentMirror:
         if state.is_quiet:
             self.widget.hold()
         if cue and cue is not before.cue:
-            self.widget.cue(cue.gaze, state.theme.gestures.get(cue.gesture) if state.theme else None)
+            self.widget.cue(
+                cue.gaze, state.theme.gestures.get(cue.gesture) if state.theme else None
+            )
 
     def _show_text(self, agent: AgentState, before: AgentState) -> None:
         text = self._fit_text(agent)
@@ -81,7 +83,9 @@ class AgentMirror:
             self.widget.say(more, joins=True)
 
     def _fit_text(self, agent: AgentState) -> tuple[str, str]:
-        """Return the text that fits here, where there is less size: of joined texts, the end is shown."""
+        """Return the text that fits here, where there is less size: of joined texts, the end is
+        shown.
+        """
         parent = self.widget.parent
         size = parent.content_size if isinstance(parent, Widget) else Size(0, 0)
         width = size.width - WIDTH - _MARGINS

@@ -75,7 +75,9 @@ class WizardApp(BaseApp):
 
 
 def run_wizard(app: WizardApp, report: Callable[[str], object]) -> int:
-    """Run the panel in this terminal or browser and return the exit code. ``report`` is called with the failure."""
+    """Run the panel in this terminal or browser and return the exit code. ``report`` is called with
+    the failure.
+    """
     code = app.run_here()
     if app.failure:
         with contextlib.suppress(OSError):  # the terminal may be gone

@@ -40,9 +40,11 @@ CONFIRM_SECONDS = 3
 
 
 class Commands:
-    """One operator's commands: knows the session's state, sends acts through the peer, keeps the log.
+    """One operator's commands: knows the session's state, sends acts through the peer, keeps the
+    log.
 
-    Methods that take ``at``, the key's time stamp (ns, session clock), return True if an act was sent.
+    Methods that take ``at``, the key's time stamp (ns, session clock), return True if an act was
+    sent.
 
     Attributes:
         state: the session as this panel knows it.
@@ -74,7 +76,10 @@ class Commands:
         if isinstance(event, list) and self.state.welcome:
             for frame in event:
                 self.log.receive(frame, self.state.welcome)
-                if isinstance(frame.message, PeerRequestRefused) and frame.message.actor == self.state.welcome.name:
+                if (
+                    isinstance(frame.message, PeerRequestRefused)
+                    and frame.message.actor == self.state.welcome.name
+                ):
                     self._sent_decisions = {}
             self._report_painted({each.proposal.id for each in self.pending})
 
@@ -82,10 +87,16 @@ class Commands:
     def pending(self) -> tuple[PendingApproval, ...]:
         """Proposals that wait for an operator, most urgent first; none while the link is down."""
         state = self.state
-        return proposal_view.by_urgency(state.arbiter.pending) if state.arbiter and state.is_connected else ()
+        return (
+            proposal_view.by_urgency(state.arbiter.pending)
+            if state.arbiter and state.is_connected
+            else ()
+        )
 
     def refusal(self, act: Message | None = None) -> str:
-        """Return why an act would be refused; empty if it would be accepted. Without one, any that needs control."""
+        """Return why an act would be refused; empty if it would be accepted. Without one, any that
+        needs control.
+        """
         state = self.state
         if not state.is_connected:
             return "There is no connection."
@@ -93,17 +104,26 @@ class Commands:
             return ""
         if state.welcome and state.welcome.role == "observer":
             return "You are an observer: you can only stop the agent."
-        return "" if state.has_control else f"{short_name(state.holder)} has control; {self.control_key} takes it."
+        return (
+            ""
+            if state.has_control
+            else f"{short_name(state.holder)} has control; {self.control_key} takes it."
+        )
 
     def sent_decision(self, id: str) -> str:
-        """Return the decision sent for a proposal; empty if none was, or it seems not to have arrived."""
+        """Return the decision sent for a proposal; empty if none was, or it seems not to have
+        arrived.
+        """
         text, at = self._sent_decisions.get(id, ("", 0))
         return text if text and self.peer and self.peer.now() - at < SLOW else ""
 
-    # --- proposals -------------------------------------------------------------------------------------------
+    # --- proposals
+    # -------------------------------------------------------------------------------------------
 
     def report_seen(self, approval: PendingApproval, at: int) -> None:
-        """Note that a proposal is on the screen, and report it once if this operator may decide on it."""
+        """Note that a proposal is on the screen, and report it once if this operator may decide on
+        it.
+        """
         if self.shown[0] != approval.proposal.id:  # a slow screen may report it twice
             self.shown = (approval.proposal.id, at)
         if approval.proposal.id not in self._painted:
@@ -113,25 +133,35 @@ class Commands:
                 action=approval.proposal.id, seat=approval.proposal.seat, at=at
             )
             self._reported &= pending
-            self._sent_decisions = {id: sent for id, sent in self._sent_decisions.items() if id in pending}
+            self._sent_decisions = {
+                id: sent for id, sent in self._sent_decisions.items() if id in pending
+            }
         self._report_painted({approval.proposal.id})
 
     def _report_painted(self, ids: Set[str]) -> None:
-        """Report proposals that are or were on the screen, if this operator may decide on them now."""
+        """Report proposals that are or were on the screen, if this operator may decide on them
+        now.
+        """
         if self.peer and not self.refusal():
             for id in (ids & self._painted.keys()) - self._reported:
                 self._reported.add(id)
                 self.peer.send(PROPOSAL_SEEN, self._painted[id])
 
-    def decide(self, approval: PendingApproval, verdict: Literal["accept", "veto"], at: int) -> bool:
+    def decide(
+        self, approval: PendingApproval, verdict: Literal["accept", "veto"], at: int
+    ) -> bool:
         """Approve or veto a proposal."""
         text = "Approved" if verdict == "accept" else "Vetoed"
-        return self._send_decision(text, approval, Decision(action=approval.proposal.id, verdict=verdict), at)
+        return self._send_decision(
+            text, approval, Decision(action=approval.proposal.id, verdict=verdict), at
+        )
 
     def change_valence(self, approval: PendingApproval, valence: Valence, at: int) -> bool:
         """Send a proposal with the face, gesture and tone of another valence."""
         decision = Decision(action=approval.proposal.id, verdict="edit", valence=valence)
-        return self._send_decision(f"{valence.capitalize()} face, same words:", approval, decision, at)
+        return self._send_decision(
+            f"{valence.capitalize()} face, same words:", approval, decision, at
+        )
 
     def edit(self, approval: PendingApproval, text: str, at: int) -> bool:
         """Send a proposal with another text, gesture or level. Unchanged, it is approved."""
@@ -170,26 +200,35 @@ class Commands:
             self.log.report(at, "Too soon: that proposal had only just appeared. Nothing was sent.")
             return False
         text = f"{text} {approval.proposal.kind}"
-        is_sent = self.send(text, DECISION, replace(decision, seat=approval.proposal.seat), at, typed)
+        is_sent = self.send(
+            text, DECISION, replace(decision, seat=approval.proposal.seat), at, typed
+        )
         if is_sent:
             self._sent_decisions[decision.action] = (text, at)
         return is_sent
 
-    # --- the session -------------------------------------------------------------------------------------------
+    # --- the session
+    # -------------------------------------------------------------------------------------------
 
     def command(self, text: str, command: Any, at: int, **more: Any) -> bool:
         """Send a command to the session (see `SessionCommand`). ``text``: for the log."""
         return self.send(text, COMMAND, SessionCommand(command=command, **more), at)
 
     def prompt_command(self, text: str, command: Literal["skip", "repeat"], at: int) -> bool:
-        """Skip or repeat the prompt that is shown or about to appear; skip a question, or a rest that must be taken."""
+        """Skip or repeat the prompt that is shown or about to appear; skip a question, or a rest
+        that must be taken.
+        """
         waiting = self.state.waiting
         if waiting and waiting.step and command == "skip":
             if waiting.step.step.required and not self.refusal():
-                self.log.report(at, "Nobody else can answer that: the session waits for it. Nothing was sent.")
+                self.log.report(
+                    at, "Nobody else can answer that: the session waits for it. Nothing was sent."
+                )
                 return False
             what = "question" if waiting.step.step.is_question else "step"
-            return self.command(f"Skipped the {what}", command, at, reason="step", value=waiting.step.number)
+            return self.command(
+                f"Skipped the {what}", command, at, reason="step", value=waiting.step.number
+            )
         if waiting and waiting.stage == "rest" and command == "skip":
             return self.command("Ended the rest", command, at, reason="rest")
         if waiting and waiting.stage != "trial" and not self.refusal():
@@ -198,7 +237,8 @@ class Commands:
         return self.command(text, command, at)
 
     def may_resume(self, at: int) -> bool:
-        """Return True if the pause key takes effect: it must be pressed twice to end a participant's pause.
+        """Return True if the pause key takes effect: it must be pressed twice to end a
+        participant's pause.
 
         A key that is held down or bounces counts once.
         """
@@ -228,10 +268,15 @@ class Commands:
         return self.command(f"Level {level} → {level + step}", "level", at, value=level + step)
 
     def _is_level(self, level: int, at: int) -> bool:
-        """Return True if the session can have a level; else log the nearest one that it can have."""
+        """Return True if the session can have a level; else log the nearest one that it can
+        have.
+        """
         welcome = self.state.welcome
         parameters, levels = (welcome.parameters, welcome.levels) if welcome else ({}, 1)
-        least, most = int(parameters.get("min_level", 1)), min(levels, int(parameters.get("max_level", levels)))
+        least, most = (
+            int(parameters.get("min_level", 1)),
+            min(levels, int(parameters.get("max_level", levels))),
+        )
         if least <= level <= most:
             return True
         limit = f"Level {least} is the lowest" if level < least else f"Level {most} is the highest"
@@ -241,7 +286,9 @@ class Commands:
     def _sent_level(self) -> int | None:
         """Return the last level that was sent and is not confirmed yet."""
         pending = [act for act in self.log.acts if act.topic == COMMAND.name and act.is_pending]
-        return next((act.message.value for act in reversed(pending) if act.message.command == "level"), None)
+        return next(
+            (act.message.value for act in reversed(pending) if act.message.command == "level"), None
+        )
 
     def hold(self, at: int) -> bool:
         """Let only the operator change the level, or restore the mode that was set before."""
@@ -255,7 +302,8 @@ class Commands:
         before = self._mode_before_hold or usual
         return self.send(f"Level: {before}", MODE, ModeChanged(kind="difficulty", mode=before), at)
 
-    # --- speech and notes ----------------------------------------------------------------------------------------
+    # --- speech and notes
+    # ----------------------------------------------------------------------------------------
 
     def pick(self, item: Item, at: int) -> bool:
         """Send the act of a palette item."""
@@ -267,13 +315,21 @@ class Commands:
         return self.send(item.log_text, item.topic, item.message, at)
 
     def _mark(self, item: Item, name: str, at: int) -> bool:
-        """Mark the trial. Another mark is replaced only if the key is pressed twice for the same trial."""
+        """Mark the trial. Another mark is replaced only if the key is pressed twice for the same
+        trial.
+        """
         now = self.state.trial_mark
         if now.present not in ("", name) and self._mark_asked != (now, name) and not self.refusal():
             self._mark_asked = now, name
-            titles = {mark.name: mark.title.lower() for mark in self.state.welcome.marks} if self.state.welcome else {}
+            titles = (
+                {mark.name: mark.title.lower() for mark in self.state.welcome.marks}
+                if self.state.welcome
+                else {}
+            )
             present = titles.get(now.present, now.present)
-            self.log.report(at, f"Marked as {present} already. The same key again: {item.text.lower()} instead.")
+            self.log.report(
+                at, f"Marked as {present} already. The same key again: {item.text.lower()} instead."
+            )
             return False
         self._mark_asked = (TrialMark(), "")
         return self.send(item.log_text, COMMAND, item.message, at)
@@ -308,10 +364,13 @@ class Commands:
         """Add an event mark to the record."""
         return self.send(f"Event: {label}", NOTE_ADDED, NoteAdded(label=label), at)
 
-    # --- sending ---------------------------------------------------------------------------------------------------
+    # --- sending
+    # ---------------------------------------------------------------------------------------------------
 
     def send(self, text: str, topic: Topic[Any], message: Any, at: int, typed: str = "") -> bool:
-        """Send an act, or log why not. ``text``: for the log; ``typed``: what the operator typed for it."""
+        """Send an act, or log why not. ``text``: for the log; ``typed``: what the operator typed
+        for it.
+        """
         if reason := self.refusal(message):
             self.log.report(at, f"{reason} Nothing was sent.")
             return False
@@ -329,7 +388,9 @@ def takes_valence(approval: PendingApproval) -> bool:
 
 
 def editable(approval: PendingApproval, state: SessionState) -> str:
-    """Return the part of a proposal that can be edited: its level, its text without the name, or its gesture."""
+    """Return the part of a proposal that can be edited: its level, its text without the name, or
+    its gesture.
+    """
     if approval.level is not None:
         return str(approval.level)
     name = addressed(state, approval.proposal.seat, "")

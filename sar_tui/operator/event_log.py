@@ -7,7 +7,9 @@ Tone = Literal["plain", "good", "bad"]
 
 
 class Line(NamedTuple):
-    """Line of the log: time (ns, session clock; 0 if unknown), text, tone, and how often in a row it happened."""
+    """Line of the log: time (ns, session clock; 0 if unknown), text, tone, and how often in a row
+    it happened.
+    """
 
     at: int
     text: str
@@ -21,7 +23,9 @@ class Line(NamedTuple):
 
 
 def append(lines: tuple[Line, ...], line: Line) -> tuple[Line, ...]:
-    """Return the log with one more line. A repetition is counted instead, so that it pushes nothing else out."""
+    """Return the log with one more line. A repetition is counted instead, so that it pushes nothing
+    else out.
+    """
     if lines and (lines[-1].text, lines[-1].tone) == (line.text, line.tone):
         return (*lines[:-1], line._replace(times=lines[-1].times + 1))
     return (*lines, line)[-MAX_LINES:]

@@ -73,7 +73,12 @@ _ACTS = {
     PROPOSAL_SEEN.name: "a report that a proposal was seen",
 }
 _SETTINGS = {"threshold": "the goal", "feedback_every": "the number of attempts between feedback"}
-_LEVEL_REASONS = {"success": "goal reached", "failure": "goal missed", "operator": "an operator", "mark": "a mark"}
+_LEVEL_REASONS = {
+    "success": "goal reached",
+    "failure": "goal missed",
+    "operator": "an operator",
+    "mark": "a mark",
+}
 
 
 def short_name(name: str) -> str:
@@ -90,7 +95,11 @@ def stopper(actor: str, me: Welcome | None) -> str:
     """Return who stopped the agent, for the log: the participant does so by F2."""
     if actor == "participant":
         return f"{participant_name(me) if me else 'The participant'} pressed F2"
-    return "You stopped the agent" if me and actor == me.name else f"{short_name(actor)} stopped the agent"
+    return (
+        "You stopped the agent"
+        if me and actor == me.name
+        else f"{short_name(actor)} stopped the agent"
+    )
 
 
 def event_line(frame: Frame, me: Welcome | None, before: ArbiterState | None) -> Line | None:
@@ -139,7 +148,9 @@ def _text(topic: str, message: Any, me: str, before: ArbiterState | None) -> _Te
 
 def _setting_changed(change: SettingChanged) -> str:
     name = _SETTINGS.get(change.name, change.name)
-    return f"The {short_name(change.actor)} set {name} to {change.value:g} from the next attempt on."
+    return (
+        f"The {short_name(change.actor)} set {name} to {change.value:g} from the next attempt on."
+    )
 
 
 def _markers(change: MarkersChanged) -> _Text | None:
@@ -151,7 +162,9 @@ def _markers(change: MarkersChanged) -> _Text | None:
 
 
 def _pause_or_resume(act: SessionCommand, me: Welcome | None) -> _Text | None:
-    """Describe a pause, its end or a skipped attempt, unless this operator did it: the log has that already."""
+    """Describe a pause, its end or a skipped attempt, unless this operator did it: the log has that
+    already.
+    """
     is_skipped = act.command == "skip" and act.reason == "attempt"
     if me is None or act.actor == me.name or not (is_skipped or act.command in ("pause", "resume")):
         return None
@@ -189,7 +202,9 @@ def _presence(changed: OperatorChanged, me: str) -> _Text:
 
 def _dropped(dropped: Dropped, before: ArbiterState | None) -> _Text | None:
     """Describe a dropped proposal, except a veto, one left to the operator, and a filler."""
-    waiting = (*(approval.proposal for approval in before.pending), *before.queued) if before else ()
+    waiting = (
+        (*(approval.proposal for approval in before.pending), *before.queued) if before else ()
+    )
     kind = next((each.kind for each in waiting if each.id == dropped.id), "proposal")
     text = _DROPPED.get(dropped.reason)
     if not text or kind == "filler":
@@ -198,14 +213,18 @@ def _dropped(dropped: Dropped, before: ArbiterState | None) -> _Text | None:
 
 
 def _unapproved(action: Action) -> _Text | None:
-    """Describe an action that was done because nobody decided on it; the others can be seen and heard."""
+    """Describe an action that was done because nobody decided on it; the others can be seen and
+    heard.
+    """
     if action.ground == "deadline" and action.mode == "approve":
         return f"Nobody decided in time: the {action.kind} was sent unchanged.", "bad"
     return None
 
 
 def _level_decided(decided: LevelDecided, me: str, before: ArbiterState | None) -> _Text | None:
-    """Describe a decision on the level, unless an operator approved it (logged as an act) or did not veto it."""
+    """Describe a decision on the level, unless an operator approved it (logged as an act) or did
+    not veto it.
+    """
     pending = before.pending if before else ()
     mode = next((approval.mode for approval in pending if approval.proposal.id == decided.id), "")
     if decided.decision == "accepted" and (decided.ground == "operator" or mode == "veto"):
@@ -220,7 +239,9 @@ def _level_decided(decided: LevelDecided, me: str, before: ArbiterState | None) 
 def _ground(decided: LevelDecided, me: str) -> str:
     if decided.ground == "operator":
         return "you" if decided.actor == me else short_name(decided.actor)
-    return {"deadline": "nobody decided in time", "no operator": "no operator"}.get(decided.ground, "nobody decided")
+    return {"deadline": "nobody decided in time", "no operator": "no operator"}.get(
+        decided.ground, "nobody decided"
+    )
 
 
 def _level_changed(changed: LevelChanged) -> _Text | None:

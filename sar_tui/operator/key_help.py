@@ -38,7 +38,9 @@ def palette_page(page: Page, width: int, rows: int) -> Content:
     for row in range(min(rows, len(page.items))):
         for index in (row, row + rows) if is_wide else (row,):
             if index < len(page.items):
-                parts += _item(page.items[index], (index + 1) % 10, column, pads=is_wide and index == row)
+                parts += _item(
+                    page.items[index], (index + 1) % 10, column, pads=is_wide and index == row
+                )
         parts.append(("\n", ""))
     return Content.assemble(*parts[:-1])
 
@@ -46,7 +48,10 @@ def palette_page(page: Page, width: int, rows: int) -> Content:
 def _item(item: Item, number: int, width: int, *, pads: bool) -> list[Piece]:
     text = cut(f"{'▶ ' if item.is_current else ''}{item.text}", width - 3)
     style = "$text-muted" if item.topic is None else ""
-    return [(f"{number} ", "$accent bold"), (f"{set_cell_size(text, width - 1)} " if pads else text, style)]
+    return [
+        (f"{number} ", "$accent bold"),
+        (f"{set_cell_size(text, width - 1)} " if pads else text, style),
+    ]
 
 
 def palette_keys(file: KeymapFile) -> str:
@@ -55,7 +60,9 @@ def palette_keys(file: KeymapFile) -> str:
 
 
 def question(name: str, state: SessionState, file: KeymapFile) -> str:
-    """Return a question with the key that confirms it; empty if there is none, or it no longer applies."""
+    """Return a question with the key that confirms it; empty if there is none, or it no longer
+    applies.
+    """
     if not name or (name == "resume" and not state.is_their_pause):
         return ""
     key = key_label(_CONFIRMING.get(name, name), file)
@@ -92,7 +99,12 @@ def help_sheet(file: KeymapFile, *, is_observer: bool) -> Content:
     half = (len(rows) + 1) // 2
     parts: list[Piece] = []
     for left, right in zip_longest(rows[:half], rows[half:], fillvalue=(("", ""), ("", ""))):
-        parts += [*left, (" " * (_COLUMN - len(left[0][0]) - len(left[1][0])), ""), *right, ("\n", "")]
+        parts += [
+            *left,
+            (" " * (_COLUMN - len(left[0][0]) - len(left[1][0])), ""),
+            *right,
+            ("\n", ""),
+        ]
     return Content.assemble(*parts)
 
 
@@ -108,7 +120,9 @@ def _keys(command: KeyCommand, file: KeymapFile) -> str:
 
 
 def _description(command: KeyCommand, file: KeymapFile) -> str:
-    """Return the description; of an event mark, its name. Empty for a command without a line of its own."""
+    """Return the description; of an event mark, its name. Empty for a command without a line of its
+    own.
+    """
     if command.id.startswith("event-"):
         number = int(command.id.removeprefix("event-")) - 1
         return f"Event: {file.events[number]}" if number < len(file.events) else ""

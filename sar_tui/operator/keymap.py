@@ -1,4 +1,6 @@
-"""Key commands of the panel, and the file in which an operator changes keys, phrases and event marks."""
+"""Key commands of the panel, and the file in which an operator changes keys, phrases and event
+marks.
+"""
 
 import unicodedata
 from pathlib import Path
@@ -45,14 +47,54 @@ KEY_COMMANDS = (
     KeyCommand("approve", "enter", "approve", "Approve", "Approve", "Proposals"),
     KeyCommand("veto", "x,delete", "veto", "Veto", "Veto", "Proposals"),
     KeyCommand("edit", "e", "edit", "Edit", "Edit the text or level", "Proposals"),
-    KeyCommand("positive", "plus", "valence('positive')", "Positive", "A positive face, same words", "Proposals"),
-    KeyCommand("neutral", "equals_sign", "valence('neutral')", "Neutral", "A neutral face, same words", "Proposals"),
-    KeyCommand("negative", "minus", "valence('negative')", "Negative", "A negative face, same words", "Proposals"),
+    KeyCommand(
+        "positive",
+        "plus",
+        "valence('positive')",
+        "Positive",
+        "A positive face, same words",
+        "Proposals",
+    ),
+    KeyCommand(
+        "neutral",
+        "equals_sign",
+        "valence('neutral')",
+        "Neutral",
+        "A neutral face, same words",
+        "Proposals",
+    ),
+    KeyCommand(
+        "negative",
+        "minus",
+        "valence('negative')",
+        "Negative",
+        "A negative face, same words",
+        "Proposals",
+    ),
     KeyCommand("next", "right,down", "select(1)", "Next", "Next proposal", "Proposals", acts=False),
-    KeyCommand("previous", "left,up", "select(-1)", "Previous", "Previous proposal", "Proposals", acts=False),
-    KeyCommand("stop", "f2", "stop", "Stop", "Stop the agent at once", "Session", acts=False, in_footer=True),
+    KeyCommand(
+        "previous",
+        "left,up",
+        "select(-1)",
+        "Previous",
+        "Previous proposal",
+        "Proposals",
+        acts=False,
+    ),
+    KeyCommand(
+        "stop",
+        "f2",
+        "stop",
+        "Stop",
+        "Stop the agent at once",
+        "Session",
+        acts=False,
+        in_footer=True,
+    ),
     KeyCommand("pause", "space", "pause", "Pause", "Pause or resume", "Session", in_footer=True),
-    KeyCommand("skip", "s", "skip", "Skip", "Skip prompt, question, rest", "Session", in_footer=True),
+    KeyCommand(
+        "skip", "s", "skip", "Skip", "Skip prompt, question, rest", "Session", in_footer=True
+    ),
     KeyCommand("repeat", "r", "repeat", "Repeat", "Repeat this prompt", "Session", in_footer=True),
     KeyCommand("level-up", "u", "level(1)", "Up", "Level up", "Session", in_footer=True),
     KeyCommand("level-down", "d", "level(-1)", "Down", "Level down", "Session", in_footer=True),
@@ -60,12 +102,19 @@ KEY_COMMANDS = (
     KeyCommand("end", "end", "end", "End", "End the session (asks once)", "Session"),
     *(
         KeyCommand(
-            f"pick-{number % 10}", str(number % 10), f"pick({index})", "", f"Number {number} of the palette", "Palette"
+            f"pick-{number % 10}",
+            str(number % 10),
+            f"pick({index})",
+            "",
+            f"Number {number} of the palette",
+            "Palette",
         )
         for index, number in enumerate(range(1, 11))
     ),
     KeyCommand("page", "tab", "page(1)", "Page", "Next page", "Palette", acts=False),
-    KeyCommand("page-back", "shift+tab", "page(-1)", "Page back", "Previous page", "Palette", acts=False),
+    KeyCommand(
+        "page-back", "shift+tab", "page(-1)", "Page back", "Previous page", "Palette", acts=False
+    ),
     KeyCommand("phrases", "p", "show('phrases')", "Phrases", "Phrases", "Palette", acts=False),
     KeyCommand("gestures", "g", "show('gestures')", "Gestures", "Gestures", "Palette", acts=False),
     KeyCommand("marks", "m", "show('marks')", "Marks", "Trial marks", "Palette", acts=False),
@@ -86,7 +135,9 @@ KEY_COMMANDS = (
     ),
     KeyCommand("seat", "a", "seat", "Seat", "Switch participant", "Speech and notes"),
     KeyCommand("control", "b", "take_control", "Control", "Take control", "Panel"),
-    KeyCommand("keys", "f1,question_mark", "keys", "Keys", "All keys", "Panel", acts=False, in_footer=True),
+    KeyCommand(
+        "keys", "f1,question_mark", "keys", "Keys", "All keys", "Panel", acts=False, in_footer=True
+    ),
     KeyCommand("close", "q", "close", "Leave", "Leave the panel (asks once)", "Panel", acts=False),
     KeyCommand("leave", "escape", "leave", "Close", "Close what is open", "Panel", acts=False),
 )
@@ -95,7 +146,14 @@ KEY_COMMANDS = (
 def bindings() -> list[Binding]:
     """Return Textual's bindings, with ids by which they can be remapped."""
     return [
-        Binding(c.keys, c.action, c.label or c.description, show=c.in_footer, id=PREFIX + c.id, priority=c.id == "stop")
+        Binding(
+            c.keys,
+            c.action,
+            c.label or c.description,
+            show=c.in_footer,
+            id=PREFIX + c.id,
+            priority=c.id == "stop",
+        )
         for c in KEY_COMMANDS
     ]
 
@@ -119,7 +177,12 @@ def is_key(key: str) -> bool:
     *modifiers, name = key.split("+")
     if not set(modifiers) <= {"ctrl", "shift", "alt"}:
         return False
-    return key in _KNOWN or name in _KNOWN or name in _CHARACTERS or (len(name) == 1 and name.isalnum())
+    return (
+        key in _KNOWN
+        or name in _KNOWN
+        or name in _CHARACTERS
+        or (len(name) == 1 and name.isalnum())
+    )
 
 
 def _textual_name(key: str) -> str:
@@ -131,11 +194,14 @@ def _textual_name(key: str) -> str:
 
 
 _NAMES = {"escape": "Esc", "delete": "Del", "left": "←", "right": "→", "up": "↑", "down": "↓"}
-_CHARACTERS = {_textual_name(chr(code)): chr(code) for code in range(33, 127) if not chr(code).isalnum()}
+_CHARACTERS = {
+    _textual_name(chr(code)): chr(code) for code in range(33, 127) if not chr(code).isalnum()
+}
 """Punctuation by the names of its keys."""
 _KNOWN = {key.value for key in Keys if "<" not in key.value}
 
-# --- the operator's file -----------------------------------------------------------------------------------------
+# --- the operator's file
+# -----------------------------------------------------------------------------------------
 
 FILE = "wizard-keys.toml"
 """Name of the file in the data folder."""
@@ -146,7 +212,9 @@ _FORMER_IDS = {"baton": "control"}
 
 
 class KeymapFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Content of the file: keys by command id, phrases (a text or a table), names of event marks."""
+    """Content of the file: keys by command id, phrases (a text or a table), names of event
+    marks.
+    """
 
     keys: dict[str, str] = {}
     phrases: tuple[str | Phrase, ...] = ()
@@ -168,7 +236,9 @@ class KeymapFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def read(folder: Path) -> tuple[KeymapFile, str]:
-    """Read the operator's file. If something is wrong with it, return the defaults and a sentence that says what."""
+    """Read the operator's file. If something is wrong with it, return the defaults and a sentence
+    that says what.
+    """
     path = folder / FILE
     try:
         file = msgspec.toml.decode(path.read_bytes(), type=KeymapFile)
@@ -197,4 +267,6 @@ def _problem(file: KeymapFile) -> str:
             if key in taken:
                 return f"the key {key_name(key)} is used for both {taken[key]} and {command.id}"
             taken[key] = command.id
-    return next((found for phrase in file.own_phrases if (found := phrase_problem(phrase.text))), "")
+    return next(
+        (found for phrase in file.own_phrases if (found := phrase_problem(phrase.text))), ""
+    )

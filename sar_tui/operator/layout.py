@@ -41,7 +41,9 @@ _BROAD = 120
 """Columns from which the attempts are plotted beside palette and log."""
 _PALETTE_ROWS = 5
 _GAP, _LINK_SHARE = 2, 0.6
-"""Columns between the session and the link in the header, and the largest share of the link (see `operator.tcss`)."""
+"""Columns between the session and the link in the header, and the largest share of the link (see
+`operator.tcss`).
+"""
 _SHORTEST_ABSENCE_S = 1.0
 """Shorter silences of the terminal are not worth a line in the log."""
 _JUST_NOW_S = 10
@@ -49,7 +51,8 @@ _JUST_NOW_S = 10
 
 
 class PanelLayout(OrderedScreen[str]):
-    """Base of the panel's screen: everything that it shows. The result is an error message if no link can be made.
+    """Base of the panel's screen: everything that it shows. The result is an error message if no
+    link can be made.
 
     Args:
         connect: makes the link, given the function that receives what comes over it.
@@ -98,7 +101,8 @@ class PanelLayout(OrderedScreen[str]):
         self._absence: Line | None = None
         self._drawn_at = 0
 
-    # --- beginning and ending ----------------------------------------------------------------------------------
+    # --- beginning and ending
+    # ----------------------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="header"):
@@ -149,14 +153,18 @@ class PanelLayout(OrderedScreen[str]):
             self.commands.peer.close(says_goodbye=not self.app.has_lost_terminal)
 
     def _on_link(self, event: PeerEvent) -> None:
-        """Receive from the link, which knows no app: an exception here must end the app with a message."""
+        """Receive from the link, which knows no app: an exception here must end the app with a
+        message.
+        """
         try:
             self.receive(event)
         except Exception as error:
             self.app._handle_exception(error)
 
     def receive(self, event: PeerEvent) -> None:
-        """Handle an event of the link. Draw at once, or with the next frame if the last drawing was too recent."""
+        """Handle an event of the link. Draw at once, or with the next frame if the last drawing was
+        too recent.
+        """
         theme = self.commands.state.theme
         self.commands.receive(event)
         if isinstance(event, Welcome):
@@ -170,13 +178,16 @@ class PanelLayout(OrderedScreen[str]):
             self.call_later(self._tick)
 
     def _report_absence(self) -> None:
-        """Say in the log that this terminal was away, once it is back; the session may not have told it of its loss."""
+        """Say in the log that this terminal was away, once it is back; the session may not have
+        told it of its loss.
+        """
         if self.commands.peer is None or not self.commands.state.is_connected:
             return
         seconds = self.app.terminal_probe.take_longest_silence() / SECOND
         if seconds >= _SHORTEST_ABSENCE_S:
             text = (
-                f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session may have gone on without it."
+                f"This terminal did not answer for {seconds:.0f} s. Meanwhile the session may "
+                "have gone on without it."
             )
             self._absence = self.commands.log.report(self.commands.peer.now(), text)
             self.is_stale = True
@@ -191,7 +202,9 @@ class PanelLayout(OrderedScreen[str]):
 
     @property
     def is_covered(self) -> bool:
-        """True if something hides the panel, so that the operator cannot see what a key would do."""
+        """True if something hides the panel, so that the operator cannot see what a key would
+        do.
+        """
         return self.query_one("#key-help").display or self.query_one(TooSmallNotice).display
 
     @property
@@ -219,24 +232,36 @@ class PanelLayout(OrderedScreen[str]):
 
     @property
     def chosen(self) -> PendingApproval | None:
-        """The proposal that keys apply to: the shown or selected one while it waits, then the most urgent.
+        """The proposal that keys apply to: the shown or selected one while it waits, then the most
+        urgent.
 
-        A new proposal does not take its place, because a key that is on its way is not meant for it.
+        A new proposal does not take its place, because a key that is on its way is not meant for
+        it.
         """
         pending = self.commands.pending
-        undecided = [each for each in pending if not self.commands.sent_decision(each.proposal.id)] or list(pending)
+        undecided = [
+            each for each in pending if not self.commands.sent_decision(each.proposal.id)
+        ] or list(pending)
         selected = (each for each in undecided if each.proposal.id == self.selected)
         return next(selected, undecided[0] if undecided else None)
 
-    # --- drawing -------------------------------------------------------------------------------------------------
+    # --- drawing
+    # -------------------------------------------------------------------------------------------------
 
     def _tick(self) -> None:
-        """Draw if something has changed, a countdown is shown, or an outcome is awaited, which may be too late."""
+        """Draw if something has changed, a countdown is shown, or an outcome is awaited, which may
+        be too late.
+        """
         if not self.is_mounted or host_now() - self._drawn_at < FRAME_SECONDS * SECOND / 2:
             return
         self._report_absence()
         counts_down = any(each.deadline is not None for each in self.commands.pending)
-        if self.is_stale or counts_down or self._awaits_outcome or proposal_view.scheduled_action(self.commands.state):
+        if (
+            self.is_stale
+            or counts_down
+            or self._awaits_outcome
+            or proposal_view.scheduled_action(self.commands.state)
+        ):
             self.draw()
 
     @property
@@ -245,7 +270,9 @@ class PanelLayout(OrderedScreen[str]):
         if (peer := self.commands.peer) is None:
             return False
         now = peer.now()
-        return self.commands.log.awaits_outcome(now) or any(stop.is_awaited(now) for stop in self.commands.state.stops)
+        return self.commands.log.awaits_outcome(now) or any(
+            stop.is_awaited(now) for stop in self.commands.state.stops
+        )
 
     def draw(self) -> None:
         """Bring the screen up to date."""
@@ -256,7 +283,9 @@ class PanelLayout(OrderedScreen[str]):
         now = peer.now()
         self._agent.show(state, now)
         title = "What they see and hear"
-        self.query_one("#agent-frame").border_title = title if state.theme else f"{title}: {status_view.UNKNOWN}"
+        self.query_one("#agent-frame").border_title = (
+            title if state.theme else f"{title}: {status_view.UNKNOWN}"
+        )
         link = status_view.link_status(state, self.commands.control_key)
         width = self._width("header")
         room = width - min(cell_len(link.plain), round(_LINK_SHARE * width)) - _GAP
@@ -267,18 +296,26 @@ class PanelLayout(OrderedScreen[str]):
         self._draw_palette()
         log = self.query_one("#log")
         stops = [stop.line(now) for stop in state.stops]
-        lines = sorted([*state.log, *stops, *self.commands.log.lines(now)], key=partial(self._place_in_log, now))
+        lines = sorted(
+            [*state.log, *stops, *self.commands.log.lines(now)],
+            key=partial(self._place_in_log, now),
+        )
         wall = self._wall_time()
         times = partial(status_view.time_of_day, now=now, wall=wall)
-        self._put("log", status_view.log_lines(lines, self._width("log"), log.content_size.height, times))
+        self._put(
+            "log", status_view.log_lines(lines, self._width("log"), log.content_size.height, times)
+        )
         self._draw_trend()
         question = key_help.question(self.question, state, self.file)
-        footer = key_help.footer(self.file, question, self._width("footer"), is_observer=self.is_observer)
+        footer = key_help.footer(
+            self.file, question, self._width("footer"), is_observer=self.is_observer
+        )
         self._put("footer", footer)
         self._put("key-help", key_help.help_sheet(self.file, is_observer=self.is_observer))
 
     def _place_in_log(self, now: int, line: Line) -> tuple[bool, int]:
-        """Return what lines are ordered by: their time, but what was just told of an absence stays the newest.
+        """Return what lines are ordered by: their time, but what was just told of an absence stays
+        the newest.
 
         The lines of joining again come after it, and a low log shows no more than those.
         """
@@ -289,9 +326,14 @@ class PanelLayout(OrderedScreen[str]):
         strip, commands, approval = self.query_one(ProposalStrip), self.commands, self.chosen
         loss = status_view.link_loss(commands.state)
         strip.configure(
-            self.entry_label, is_pending=approval is not None, is_alarm=bool(loss), is_tall=self.has_class("tall")
+            self.entry_label,
+            is_pending=approval is not None,
+            is_alarm=bool(loss),
+            is_tall=self.has_class("tall"),
         )
-        if self.edited and all(each.proposal.id != self.edited.proposal.id for each in commands.pending):
+        if self.edited and all(
+            each.proposal.id != self.edited.proposal.id for each in commands.pending
+        ):
             strip.draw_expired_edit(self.edited, commands, now)
         elif approval is None:
             self.selected = ""
@@ -314,7 +356,11 @@ class PanelLayout(OrderedScreen[str]):
             self._put("palette", Content("\n".join(wrap(strip.entry.value, width, _PALETTE_ROWS))))
             return
         page, number, count = self.find_page()
-        to = addressee(self.commands.state, self.seat) if page.kind in ("phrases", "gestures") else ""
+        to = (
+            addressee(self.commands.state, self.seat)
+            if page.kind in ("phrases", "gestures")
+            else ""
+        )
         to = f" ·{to} ({key_help.key_label('seat', self.file)})" if to else ""
         self._put("palette-title", Content(f"{page.title} {number + 1}/{count}{to}"))
         self._put("palette", key_help.palette_page(page, width, _PALETTE_ROWS))
@@ -325,10 +371,14 @@ class PanelLayout(OrderedScreen[str]):
             return
         several = len(state.welcome.participants) > 1
         plot.border_title = (
-            f"Attempts of {state.welcome.participants.get(self.seat, self.seat)}" if several else "Attempts"
+            f"Attempts of {state.welcome.participants.get(self.seat, self.seat)}"
+            if several
+            else "Attempts"
         )
         size = plot.content_size
-        plot.show(trend(state.seat(self.seat).attempts, state.welcome.metric, size.width, size.height))
+        plot.show(
+            trend(state.seat(self.seat).attempts, state.welcome.metric, size.width, size.height)
+        )
 
     def find_page(self) -> tuple[palette.Page, int, int]:
         """Return the palette's open page, its index and the number of pages."""

@@ -6,13 +6,28 @@ import msgspec
 
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.topics import COMMAND, DECISION, MODE, REMARK
-from sar_tui.model.messages import Action, ControlledKind, Decision, Message, Mode, ModeChanged, Remark, SessionCommand
+from sar_tui.model.messages import (
+    Action,
+    ControlledKind,
+    Decision,
+    Message,
+    Mode,
+    ModeChanged,
+    Remark,
+    SessionCommand,
+)
 from sar_tui.operator.keymap import KeymapFile
 from sar_tui.operator.phrases import Filled, addressed, addressee, fill, slot_values, theme_phrases
 from sar_tui.operator.session_state import SessionState
 
 PER_PAGE = 10
-CONTROLLED_KINDS: tuple[ControlledKind, ...] = ("feedback", "encouragement", "instruction", "gesture", "difficulty")
+CONTROLLED_KINDS: tuple[ControlledKind, ...] = (
+    "feedback",
+    "encouragement",
+    "instruction",
+    "gesture",
+    "difficulty",
+)
 MODES: tuple[Mode, ...] = ("autonomous", "veto", "approve", "manual")
 _MEANINGS: dict[Mode, str] = {
     "autonomous": "the agent decides",
@@ -71,7 +86,11 @@ def pages(state: SessionState, book: PhraseBook, seat: str) -> list[Page]:
         for begin in range(0, len(phrases), PER_PAGE):
             filled = [fill(phrase, values) for phrase in phrases[begin : begin + PER_PAGE]]
             more = f" {begin // PER_PAGE + 1}" if len(phrases) > PER_PAGE else ""
-            found.append(Page("phrases", heading + more, tuple(_phrase(each, state, seat) for each in filled)))
+            found.append(
+                Page(
+                    "phrases", heading + more, tuple(_phrase(each, state, seat) for each in filled)
+                )
+            )
     if not found:
         found.append(Page("phrases", "Phrases", (), "The theme's phrases are not known yet."))
     return [*found, _gestures(state, seat), _marks(state), _modes(state), _queue(state)]
@@ -80,7 +99,9 @@ def pages(state: SessionState, book: PhraseBook, seat: str) -> list[Page]:
 def _phrase(filled: Filled, state: SessionState, seat: str) -> Item:
     if filled.missing:
         return Item(filled.text, why=f"{{{filled.missing}}} is not known yet")
-    remark = msgspec.structs.replace(filled.phrase.remark(addressed(state, seat, filled.text)), seat=seat)
+    remark = msgspec.structs.replace(
+        filled.phrase.remark(addressed(state, seat, filled.text)), seat=seat
+    )
     return Item(filled.text, f"Said{addressee(state, seat)} “{filled.text}”", REMARK, remark)
 
 
@@ -97,7 +118,12 @@ def _gestures(state: SessionState, seat: str) -> Page:
 def _marks(state: SessionState) -> Page:
     marks = state.welcome.marks[:PER_PAGE] if state.welcome else ()
     items = [
-        Item(mark.title, f"Marked: {mark.title.lower()}", COMMAND, SessionCommand(command="mark", reason=mark.name))
+        Item(
+            mark.title,
+            f"Marked: {mark.title.lower()}",
+            COMMAND,
+            SessionCommand(command="mark", reason=mark.name),
+        )
         for mark in marks
     ]
     return Page("marks", "Marks", tuple(items), "This task has no marks.")
@@ -111,7 +137,9 @@ def _modes(state: SessionState) -> Page:
             after = MODES[(MODES.index(mode) + 1) % len(MODES)]
             log_text, change = f"{kind.capitalize()}: {after}", ModeChanged(kind=kind, mode=after)
             items.append(Item(f"{kind}: {mode}, {_MEANINGS[mode]}", log_text, MODE, change))
-    return Page("modes", "Modes: a number changes one", tuple(items), "The modes are not known yet.")
+    return Page(
+        "modes", "Modes: a number changes one", tuple(items), "The modes are not known yet."
+    )
 
 
 def _queue(state: SessionState) -> Page:
@@ -128,9 +156,18 @@ def _queue(state: SessionState) -> Page:
         )
         for action, is_current in (*current, *queued)
     ]
-    return Page("queue", "Queue: a number cancels one", tuple(items[:PER_PAGE]), "Nothing is under way or queued.")
+    return Page(
+        "queue",
+        "Queue: a number cancels one",
+        tuple(items[:PER_PAGE]),
+        "Nothing is under way or queued.",
+    )
 
 
 def _action(action: Action) -> str:
-    said = f"“{action.text or action.spoken}”" if action.text or action.spoken else action.gesture or action.tone
+    said = (
+        f"“{action.text or action.spoken}”"
+        if action.text or action.spoken
+        else action.gesture or action.tone
+    )
     return f"{action.kind} {said}"

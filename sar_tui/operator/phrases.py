@@ -3,7 +3,7 @@
 import re
 import string
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import msgspec
 
@@ -41,11 +41,15 @@ class Phrase(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def remark(self, text: str) -> Remark:
         """Return the remark that says this phrase. ``text``: with the slots filled."""
-        return Remark(text=text, valence=self.valence, gesture=self.gesture, face=self.face, gaze=self.gaze)
+        return Remark(
+            text=text, valence=self.valence, gesture=self.gesture, face=self.face, gaze=self.gaze
+        )
 
 
 class Filled(NamedTuple):
-    """Phrase with its text as said now; or with its text as written and the slot that has no value yet."""
+    """Phrase with its text as said now; or with its text as written and the slot that has no value
+    yet.
+    """
 
     phrase: Phrase
     text: str
@@ -75,14 +79,18 @@ def fill(phrase: Phrase, values: dict[str, str]) -> Filled:
 
 
 def fill_slots(text: str, values: dict[str, str]) -> tuple[str, str]:
-    """Fill the slots of a typed text. Return it with a slot that has no value yet, if any; other braces stay."""
+    """Fill the slots of a typed text. Return it with a slot that has no value yet, if any; other
+    braces stay.
+    """
     missing = [name for name in SLOTS if f"{{{name}}}" in text and name not in values]
     filled = re.sub(rf"{{({'|'.join(SLOTS)})}}", lambda found: values.get(found[1], found[0]), text)
     return filled, missing[0] if missing else ""
 
 
 def slot_values(state: SessionState, seat: str) -> dict[str, str]:
-    """Return the known values of the slots for a participant, as participants read them: times in seconds."""
+    """Return the known values of the slots for a participant, as participants read them: times in
+    seconds.
+    """
     values: dict[str, str] = {}
     welcome, ended = state.welcome, state.seat(seat).attempt
     if welcome is None:
@@ -129,8 +137,11 @@ def theme_phrases(theme: Theme) -> dict[str, list[Phrase]]:
 
 
 def _phrase(theme: Theme, key: str, text: str) -> Phrase:
-    """Return a phrase with the face and gesture that the theme gives its key, and the valence of its name."""
+    """Return a phrase with the face and gesture that the theme gives its key, and the valence of
+    its name.
+    """
     manner = theme.manner(key)
-    named = next((valence for valence in ("positive", "neutral", "negative") if key.startswith(valence)), None)
+    named = next((valence for valence in get_args(Valence) if key.startswith(valence)), None)
+    gaze = "" if manner.gaze == "ahead" else manner.gaze
     plain = text.replace("{", "{{").replace("}", "}}")
-    return Phrase(plain, named, manner.gesture, manner.face, "" if manner.gaze == "ahead" else manner.gaze)  # type: ignore[arg-type]
+    return Phrase(plain, named, manner.gesture, manner.face, gaze)

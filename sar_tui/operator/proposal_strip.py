@@ -16,7 +16,8 @@ from sar_tui.operator.widgets import CachedStatic, TypedInput
 
 
 class ProposalStrip(Vertical):
-    """One proposal with its time and keys; the others; and, while something is typed, the text field.
+    """One proposal with its time and keys; the others; and, while something is typed, the text
+    field.
 
     Args:
         file: the operator's keys.
@@ -68,7 +69,9 @@ class ProposalStrip(Vertical):
     def draw_empty(self, state: SessionState, loss: str, now: int) -> None:
         """Draw why nothing waits. ``loss``: the notice while the link is down."""
         leave_key = key_help.key_label("close", self._file)
-        self._put("proposal", proposal_view.nothing_pending(state, loss, now, self._width, leave_key))
+        self._put(
+            "proposal", proposal_view.nothing_pending(state, loss, now, self._width, leave_key)
+        )
         self._put("decision-keys", Content(""))
         self._put("entry-label", Content(self._label))
         self._put("others", Content(""))
@@ -76,7 +79,12 @@ class ProposalStrip(Vertical):
 
     def draw_proposal(self, approval: PendingApproval, commands: Commands, now: int) -> None:
         """Draw a proposal that waits."""
-        state, pending, width, id = commands.state, commands.pending, self._width, approval.proposal.id
+        state, pending, width, id = (
+            commands.state,
+            commands.pending,
+            self._width,
+            approval.proposal.id,
+        )
         self._time_given = {
             each.proposal.id: self._time_given.get(each.proposal.id, each.deadline - now)
             for each in pending
@@ -95,20 +103,31 @@ class ProposalStrip(Vertical):
         self._frame(title, self._subtitle(state, "" if self._label else others))
 
     def draw_expired_edit(self, edited: PendingApproval, commands: Commands, now: int) -> None:
-        """Draw the proposal that is being edited although it no longer waits: the text is not meant for the next."""
+        """Draw the proposal that is being edited although it no longer waits: the text is not meant
+        for the next.
+        """
         is_late = edited.deadline is not None and edited.deadline <= now
         why = "Time is up" if is_late else "No longer pending"
         others = proposal_view.other_proposals(commands.pending, None, now, self._width)
         self._put("proposal", proposal_view.expired_edit(edited, self._width))
         self._put("entry-label", Content(f"{why}:", [Span(0, len(why) + 1, "$warning bold")]))
         self._put("others", Content(others))
-        self._frame(f"{edited.proposal.kind.upper()} · {why.lower()}", self._subtitle(commands.state, others))
+        self._frame(
+            f"{edited.proposal.kind.upper()} · {why.lower()}",
+            self._subtitle(commands.state, others),
+        )
 
     def _subtitle(self, state: SessionState, others: str = "") -> str:
-        """Return the other proposals if they have no line of their own, else how to send typed text, else the modes."""
+        """Return the other proposals if they have no line of their own, else how to send typed
+        text, else the modes.
+        """
         if others and not self._is_tall:
             return cut(others, self._width - 4)
-        return "Enter sends, Esc cancels" if self._label else proposal_view.mode_summary(state, self._width - 4)
+        return (
+            "Enter sends, Esc cancels"
+            if self._label
+            else proposal_view.mode_summary(state, self._width - 4)
+        )
 
     def _frame(self, title: str, subtitle: str) -> None:
         """Set the border's texts; as `Content`, because they may hold brackets."""

@@ -11,7 +11,13 @@ from sar_tui.operator.session_state import SessionState
 from sar_tui.operator.text_charts import Piece, bar, cut, two_lines
 
 _TONES = {"positive": "$success", "neutral": "$neutral", "negative": "$warning"}
-_RANKS: dict[str, int] = {"feedback": 0, "encouragement": 1, "instruction": 2, "difficulty": 3, "gesture": 4}
+_RANKS: dict[str, int] = {
+    "feedback": 0,
+    "encouragement": 1,
+    "instruction": 2,
+    "difficulty": 3,
+    "gesture": 4,
+}
 _TOGETHER = SECOND // 2
 """Proposals whose deadlines are this close were made together."""
 _SIMPLE = ("approve", "veto", "edit")
@@ -20,7 +26,9 @@ _DECISION_KEYS = ("approve", "veto", "edit", "positive", "neutral", "negative")
 
 def by_urgency(pending: tuple[PendingApproval, ...]) -> tuple[PendingApproval, ...]:
     """Sort proposals by deadline; of those due together, put first what takes longest to read."""
-    timed = sorted((each for each in pending if each.deadline is not None), key=lambda each: each.deadline or 0)
+    timed = sorted(
+        (each for each in pending if each.deadline is not None), key=lambda each: each.deadline or 0
+    )
     ranks: dict[str, tuple[int, int]] = {}
     group, begins = 0, 0
     for approval in timed:
@@ -32,9 +40,15 @@ def by_urgency(pending: tuple[PendingApproval, ...]) -> tuple[PendingApproval, .
 
 
 def title(approval: PendingApproval, number: int, count: int, to: str) -> str:
-    """Return a proposal's title: kind, addressee, valence, mode, changes, and its number if there are several."""
+    """Return a proposal's title: kind, addressee, valence, mode, changes, and its number if there
+    are several.
+    """
     proposal = approval.proposal
-    parts = [proposal.kind.upper() + to, *filter(None, (proposal.valence, proposal.degree)), approval.mode]
+    parts = [
+        proposal.kind.upper() + to,
+        *filter(None, (proposal.valence, proposal.degree)),
+        approval.mode,
+    ]
     parts += [proposal.evidence] if proposal.evidence else []
     return " · ".join(parts) + (f" · {number} of {count}" if count > 1 else "")
 
@@ -44,7 +58,11 @@ def proposal_text(proposal: Proposal | Action, level: int | None) -> str:
     if level is not None:
         return f"{proposal.text or f'Level {level}'}, from the next attempt on"
     text = proposal.text or proposal.spoken
-    return f"“{text}”" if text else f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
+    return (
+        f"“{text}”"
+        if text
+        else f"[{(proposal.gesture or proposal.tone or proposal.face).replace('_', ' ')}]"
+    )
 
 
 def time_left(approval: PendingApproval, now: int) -> str:
@@ -74,7 +92,9 @@ def body(approval: PendingApproval, now: int, given: int | None, width: int) -> 
         return Content.assemble(*parts, (time, "$accent bold"))
     full, empty = bar((approval.deadline - now) / given, width - 27)
     urgent = "$warning" if approval.deadline - now < SECOND else "$accent"
-    return Content.assemble(*parts, (full, urgent), (empty, "$text-muted"), (f"  {time}", f"{urgent} bold"))
+    return Content.assemble(
+        *parts, (full, urgent), (empty, "$text-muted"), (f"  {time}", f"{urgent} bold")
+    )
 
 
 def decision_keys(file: KeymapFile, *, has_words: bool) -> Content:
@@ -93,12 +113,16 @@ def decision_keys(file: KeymapFile, *, has_words: bool) -> Content:
 
 
 def control_hint(state: SessionState, file: KeymapFile) -> Content:
-    """Return the text shown instead of those keys to an operator without control, or an observer."""
+    """Return the text shown instead of those keys to an operator without control, or an
+    observer.
+    """
     if state.welcome and state.welcome.role == "observer":
         return Content.assemble(("You are an observer.", "$text-muted"))
     control = next(command for command in KEY_COMMANDS if command.id == "control")
     key = key_name(file.keys_of(control)[0])
-    return Content.assemble((f"{short_name(state.holder)} decides; {key} takes control.", "$text-muted"))
+    return Content.assemble(
+        (f"{short_name(state.holder)} decides; {key} takes control.", "$text-muted")
+    )
 
 
 def scheduled_action(state: SessionState) -> Action | None:
@@ -108,34 +132,51 @@ def scheduled_action(state: SessionState) -> Action | None:
 
 
 def expired_edit(approval: PendingApproval, width: int) -> Content:
-    """Return a proposal that is edited but no longer pending, and what can be done with the text."""
+    """Return a proposal that is edited but no longer pending, and what can be done with the
+    text.
+    """
     has_words = approval.level is None and approval.proposal.text
     what = "Enter twice says it anyway, Esc discards it." if has_words else "Esc discards it."
     words = two_lines(proposal_text(approval.proposal, approval.level), width)
     return Content.assemble(
-        (words, "$text-muted"), ("\n", ""), (cut(f"Nothing was sent. {what}", width), "$warning bold")
+        (words, "$text-muted"),
+        ("\n", ""),
+        (cut(f"Nothing was sent. {what}", width), "$warning bold"),
     )
 
 
-def nothing_pending(state: SessionState, loss: str, now: int, width: int, leave_key: str) -> Content:
+def nothing_pending(
+    state: SessionState, loss: str, now: int, width: int, leave_key: str
+) -> Content:
     """Return why nothing is pending: no proposal, no link, or the end of the session."""
     if state.ended:
         report = " For the report: sar-tui report wizard last"
-        return Content.assemble((f"The session is over. {leave_key} leaves.", "bold"), (report, "$text-muted"))
+        return Content.assemble(
+            (f"The session is over. {leave_key} leaves.", "bold"), (report, "$text-muted")
+        )
     if loss:
         return Content.assemble((two_lines(loss, width), "$warning bold"))
     if state.arbiter is None:
         return Content.assemble(("Proposals are not known yet.", "$text-muted"))
     if (action := scheduled_action(state)) and action.due > now:
-        words = two_lines(f"Nothing is pending. The {action.kind} is decided: {proposal_text(action, None)}", width)
-        return Content.assemble((words, ""), (f"\ngoes out in {(action.due - now) / SECOND:.1f} s", "$accent bold"))
+        words = two_lines(
+            f"Nothing is pending. The {action.kind} is decided: {proposal_text(action, None)}",
+            width,
+        )
+        return Content.assemble(
+            (words, ""), (f"\ngoes out in {(action.due - now) / SECOND:.1f} s", "$accent bold")
+        )
     if all(mode == "autonomous" for mode in state.arbiter.modes.values()):
-        return Content.assemble(("Nothing is pending: the agent decides everything by itself.", "$text-muted"))
+        return Content.assemble(
+            ("Nothing is pending: the agent decides everything by itself.", "$text-muted")
+        )
     who = "you" if state.has_control else short_name(state.holder) or "an operator"
     return Content.assemble((f"Nothing is pending for {who}.", "$text-muted"))
 
 
-def other_proposals(pending: tuple[PendingApproval, ...], chosen: PendingApproval | None, now: int, width: int) -> str:
+def other_proposals(
+    pending: tuple[PendingApproval, ...], chosen: PendingApproval | None, now: int, width: int
+) -> str:
     """Return the other proposals with their times, on one line."""
     others = [
         f"{_time(each, now)}{each.proposal.kind} {proposal_text(each.proposal, each.level)}"

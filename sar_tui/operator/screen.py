@@ -34,7 +34,8 @@ class PanelScreen(PanelLayout):
         super().__init__(*args, **options)
         self._typing: Callable[[str, int], bool] | None = None
 
-    # --- proposals -----------------------------------------------------------------------------------------------
+    # --- proposals
+    # -----------------------------------------------------------------------------------------------
 
     @property
     def _at(self) -> int:
@@ -74,14 +75,20 @@ class PanelScreen(PanelLayout):
             self.draw()
 
     def action_edit(self) -> None:
-        """Edit the proposal. If it has just gone, let the operator type anyway, so that letters do not act as keys."""
+        """Edit the proposal. If it has just gone, let the operator type anyway, so that letters do
+        not act as keys.
+        """
         if approval := self.chosen:
             self.selected = approval.proposal.id
             unused = self.commands.log.unused_text(DECISION, approval.proposal.id)
             text = unused or editable(approval, self.commands.state)
-            self._open_entry("Edit:", text, lambda text, at: self._edited(approval, text, at), edited=approval)
+            self._open_entry(
+                "Edit:", text, lambda text, at: self._edited(approval, text, at), edited=approval
+            )
         else:
-            self.commands.log.report(self._at, "No proposal is pending: the agent will say what you type.")
+            self.commands.log.report(
+                self._at, "No proposal is pending: the agent will say what you type."
+            )
             self.action_say()
 
     def _edited(self, approval: PendingApproval, text: str, at: int) -> bool:
@@ -91,10 +98,13 @@ class PanelScreen(PanelLayout):
         what = "Nothing was sent; Enter says it anyway." if has_words else "Nothing was sent."
         self.commands.log.report(at, f"Too late: it was already decided. {what}")
         if has_words:
-            self._open_entry("Say:", text, lambda text, at: self.commands.say(text, approval.proposal.seat, at))
+            self._open_entry(
+                "Say:", text, lambda text, at: self.commands.say(text, approval.proposal.seat, at)
+            )
         return not has_words
 
-    # --- the session ---------------------------------------------------------------------------------------------
+    # --- the session
+    # ---------------------------------------------------------------------------------------------
 
     def action_stop(self) -> None:
         self._show_result(self.commands.command("Stopped", "stop", self._at))
@@ -132,11 +142,15 @@ class PanelScreen(PanelLayout):
 
     def _confirm(self, question: str) -> bool:
         """Ask a question, or return True if it was asked already."""
-        was_asked, self.question = self.question == question, "" if self.question == question else question
+        was_asked, self.question = (
+            self.question == question,
+            "" if self.question == question else question,
+        )
         self.draw()
         return was_asked
 
-    # --- palette, speech, notes -----------------------------------------------------------------------------------
+    # --- palette, speech, notes
+    # -----------------------------------------------------------------------------------
 
     def action_pick(self, index: int) -> None:
         items = self.find_page()[0].items
@@ -150,14 +164,20 @@ class PanelScreen(PanelLayout):
         self.draw()
 
     def action_show(self, kind: str) -> None:
-        page = next(p for p in palette.pages(self.commands.state, self.phrase_book, self.seat) if p.kind == kind)
+        page = next(
+            p
+            for p in palette.pages(self.commands.state, self.phrase_book, self.seat)
+            if p.kind == kind
+        )
         self.page = (page.kind, page.title)
         self.draw()
 
     def action_seat(self) -> None:
         welcome = self.commands.state.welcome
         if names := sorted(welcome.participants if welcome else ()):
-            self.seat = names[(names.index(self.seat) + 1) % len(names)] if self.seat in names else names[0]
+            self.seat = (
+                names[(names.index(self.seat) + 1) % len(names)] if self.seat in names else names[0]
+            )
             self.draw()
 
     def action_say(self) -> None:
@@ -169,7 +189,9 @@ class PanelScreen(PanelLayout):
     def action_note(self) -> None:
         began = self._at
         unused = self.commands.log.unused_text(NOTE_ADDED)
-        self._open_entry("Note:", unused, lambda text, at: self.commands.note(text, began), max_length=_MAX_NOTE)
+        self._open_entry(
+            "Note:", unused, lambda text, at: self.commands.note(text, began), max_length=_MAX_NOTE
+        )
 
     def action_event(self, index: int) -> None:
         if index < len(self.file.events):
@@ -201,7 +223,8 @@ class PanelScreen(PanelLayout):
         self.is_stale = True
         self.draw()
 
-    # --- typing ------------------------------------------------------------------------------------------------
+    # --- typing
+    # ------------------------------------------------------------------------------------------------
 
     def takes(self, event: events.Key | events.Paste) -> bool:
         if not self._typing or self.is_covered:
@@ -231,7 +254,8 @@ class PanelScreen(PanelLayout):
         Args:
             label: text in front of it.
             text: initial content.
-            then: called with the text and the time stamp of Enter; returns True if the field can be closed.
+            then: called with the text and the time stamp of Enter; returns True if the field can be
+                closed.
             max_length: longest text, in characters.
             edited: the proposal that is edited.
         """

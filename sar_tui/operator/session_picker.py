@@ -25,7 +25,10 @@ from sar_tui.widgets.key_footer import KeyFooter
 from sar_tui.widgets.option_list import OptionList
 
 LOOK_SECONDS = 1.0
-HOW_TO_START = "No session of this data folder can be joined. Start one with: sar-tui run TASK -p CODE --operator"
+HOW_TO_START = (
+    "No session of this data folder can be joined. Start one with: sar-tui run TASK -p "
+    "CODE --operator"
+)
 
 
 def own_name() -> str:
@@ -33,7 +36,9 @@ def own_name() -> str:
     return login_name() or "operator"
 
 
-def panel(where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path) -> PanelScreen:
+def panel(
+    where: JoinableSession | Invitation, name: str, role: Role, theme: Theme, folder: Path
+) -> PanelScreen:
     """Return the panel of a session. Called on the event loop that runs it."""
     join = functools.partial(connect, where, name, role, loop=asyncio.get_running_loop())
     return PanelScreen(join, theme, folder)
@@ -93,12 +98,19 @@ class ChooseScreen(Screen[JoinableSession | None]):
         chosen = box.highlighted or 0
         box.clear_options()
         box.add_options(
-            [Option(f"{live.description}   {live.session}", id=live.session) for live in self._found.values()]
+            [
+                Option(f"{live.description}   {live.session}", id=live.session)
+                for live in self._found.values()
+            ]
         )
         if self._found:
             box.highlighted = min(chosen, len(self._found) - 1)
         box.display = bool(self._found)
-        elsewhere = f"\n\nThere is a session of another data folder: {self._others[0]}" if self._others else ""
+        elsewhere = (
+            f"\n\nThere is a session of another data folder: {self._others[0]}"
+            if self._others
+            else ""
+        )
         self.query_one("#hint", Static).update(
             "Enter joins." if self._found else f"{HOW_TO_START}{elsewhere}\n\nWaiting for one …"
         )

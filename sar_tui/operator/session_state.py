@@ -1,4 +1,6 @@
-"""State of the session as the panel knows it, computed from what the link brings. Pure: no screen, no clock."""
+"""State of the session as the panel knows it, computed from what the link brings. Pure: no screen,
+no clock.
+"""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -70,7 +72,9 @@ TRACE_SECONDS = 8
 
 
 class Seat(msgspec.Struct, frozen=True):
-    """Results of one participant: the last trials, attempts and mark, and the hand's angular speed (rad/s)."""
+    """Results of one participant: the last trials, attempts and mark, and the hand's angular speed
+    (rad/s).
+    """
 
     trials: tuple[TrialEnded, ...] = ()
     attempts: tuple[AttemptEnded, ...] = ()
@@ -128,7 +132,10 @@ class SessionState(msgspec.Struct, frozen=True):
         """Return the state after an event of the link."""
         if isinstance(event, Welcome):
             return SessionState(
-                connection=self.connection, welcome=event, theme=self.theme, trial_mark=event.trial_mark
+                connection=self.connection,
+                welcome=event,
+                theme=self.theme,
+                trial_mark=event.trial_mark,
             )
         if isinstance(event, MotionTrace):
             return self._add_motion(event)
@@ -144,7 +151,11 @@ class SessionState(msgspec.Struct, frozen=True):
     @property
     def is_quiet(self) -> bool:
         """True while a response is awaited and the participant's screen must not move."""
-        return bool(self.waiting and self.waiting.stage == "trial" and self.waiting.what in agent_state.AWAITED)
+        return bool(
+            self.waiting
+            and self.waiting.stage == "trial"
+            and self.waiting.what in agent_state.AWAITED
+        )
 
     @property
     def is_paused(self) -> bool:
@@ -153,7 +164,9 @@ class SessionState(msgspec.Struct, frozen=True):
 
     @property
     def is_their_pause(self) -> bool:
-        """True if the participant paused or gave a reason, or if it is not known who paused and why."""
+        """True if the participant paused or gave a reason, or if it is not known who paused and
+        why.
+        """
         if not self.is_paused or self.waiting is None:
             return False
         reason = self.waiting.reason
@@ -190,10 +203,13 @@ class SessionState(msgspec.Struct, frozen=True):
     def _add_motion(self, trace: MotionTrace) -> "SessionState":
         length = max(1, round(trace.hz * TRACE_SECONDS))
         seat = self.seat(trace.seat)
-        return self.with_seat(trace.seat, replace(seat, rates=(*seat.rates, *trace.rates)[-length:]))
+        return self.with_seat(
+            trace.seat, replace(seat, rates=(*seat.rates, *trace.rates)[-length:])
+        )
 
 
-# --- the task ------------------------------------------------------------------------------------------------------
+# --- the task
+# ------------------------------------------------------------------------------------------------------
 
 
 def _on_waiting(state: SessionState, waiting: Waiting) -> SessionState:
@@ -229,7 +245,9 @@ def _on_trial(state: SessionState, trial: TrialEnded) -> SessionState:
 def _on_mark(state: SessionState, marked: TrialMarked) -> SessionState:
     seat = state.seat(marked.seat)
     trials = tuple(
-        replace(t, correct=marked.correct) if (t.attempt, t.trial) == (marked.attempt, marked.trial) else t
+        replace(t, correct=marked.correct)
+        if (t.attempt, t.trial) == (marked.attempt, marked.trial)
+        else t
         for t in seat.trials
     )
     return state.with_seat(marked.seat, replace(seat, trials=trials, mark=marked.mark))
@@ -253,12 +271,15 @@ def _on_sensor(state: SessionState, changed: SensorChanged) -> SessionState:
     return replace(state, sensor=changed)
 
 
-# --- the agent -----------------------------------------------------------------------------------------------------
+# --- the agent
+# -----------------------------------------------------------------------------------------------------
 
 
 def _on_report(state: SessionState, report: OutputReport) -> SessionState:
     if report.part == "say" and report.state in ("started", "failed"):
-        return replace(state, voice=report.detail or "it failed" if report.state == "failed" else "")
+        return replace(
+            state, voice=report.detail or "it failed" if report.state == "failed" else ""
+        )
     return state
 
 
@@ -267,7 +288,11 @@ def _on_output_opened(state: SessionState, opened: OutputOpened) -> SessionState
 
 
 def _on_action(state: SessionState, _: Action) -> SessionState:
-    return replace(state, stops=tuple(stop._replace(is_past=True) for stop in state.stops)) if state.stops else state
+    return (
+        replace(state, stops=tuple(stop._replace(is_past=True) for stop in state.stops))
+        if state.stops
+        else state
+    )
 
 
 def _on_halt(state: SessionState, halt: Halt) -> SessionState:
@@ -289,7 +314,8 @@ def _on_theme(state: SessionState, applied: ThemeApplied) -> SessionState:
     return replace(state, theme=applied.theme)
 
 
-# --- operators and observers ----------------------------------------------------------------------------------------
+# --- operators and observers
+# ----------------------------------------------------------------------------------------
 
 
 def _on_presence(state: SessionState, changed: OperatorChanged) -> SessionState:

@@ -44,7 +44,8 @@ _SIGNS = {"plain": ("·", "$text-muted"), "good": ("✓", "$success"), "bad": ("
 
 
 def session_line(state: SessionState, width: int = 200) -> str:
-    """Return the task, the participants and the progress of the session, in at most ``width`` columns.
+    """Return the task, the participants and the progress of the session, in at most ``width``
+    columns.
 
     If the line is too long, the task and the participants are cut or left out: the level stays.
     """
@@ -73,7 +74,9 @@ def _shortened(progress: str) -> str:
 
 
 def _attempt_name(state: SessionState, attempt: int) -> str:
-    """Return the attempt as the participant's screen counts it: during feedback, still the one that ended."""
+    """Return the attempt as the participant's screen counts it: during feedback, still the one that
+    ended.
+    """
     welcome, waiting = state.welcome, state.waiting
     done = [seat.attempt.attempt for seat in state.seats.values() if seat.attempt]
     if waiting and waiting.stage in ("answer", "review") and done:
@@ -92,7 +95,9 @@ def link_status(state: SessionState, control_key: str = "b") -> Content:
     if state.ended:
         return Content.assemble(("session over", "$text-muted"))
     if connection != "connected":
-        text = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}[connection]
+        text = {"connecting": "connecting", "lost": "connection lost", "ended": "no connection"}[
+            connection
+        ]
         return Content.assemble((f"○ {text}", "$warning bold"))
     me = state.welcome.name if state.welcome else ""
     others = [name for name in state.peers if name not in (me, state.holder)]
@@ -100,7 +105,11 @@ def link_status(state: SessionState, control_key: str = "b") -> Content:
     parts: list[Piece] = [("● ", "$success")]
     if state.welcome and state.welcome.role == "observer":
         parts.append(("you are observing", "bold"))
-        parts.append((f" · {short_name(state.holder)} in control", "$text-muted") if state.holder else ("", ""))
+        parts.append(
+            (f" · {short_name(state.holder)} in control", "$text-muted")
+            if state.holder
+            else ("", "")
+        )
     elif state.holder == me and me:
         parts.append(("in control", "$success bold"))
     elif state.holder:
@@ -111,7 +120,11 @@ def link_status(state: SessionState, control_key: str = "b") -> Content:
     else:
         parts.append(("nobody in control", "$warning bold"))
         parts.append((f" · {control_key} takes it", "$text-muted"))
-    parts.extend((f" · {short_name(name)}", "$text-muted") for name in others if state.peers[name] == "operator")
+    parts.extend(
+        (f" · {short_name(name)}", "$text-muted")
+        for name in others
+        if state.peers[name] == "operator"
+    )
     if watchers:
         watch = f"{watchers[0]} watches" if len(watchers) == 1 else f"{len(watchers)} watch"
         parts.append((f" · {watch}", "$text-muted"))
@@ -130,16 +143,21 @@ def link_loss(state: SessionState) -> str:
         return f"There is no connection yet: {connection.why}"
     if connection.state != "lost":
         return ""
-    modes = {"autonomous": "by itself (autonomous)", "silent": "by itself, without anything that needs an operator"}
+    modes = {
+        "autonomous": "by itself (autonomous)",
+        "silent": "by itself, without anything that needs an operator",
+    }
     how = modes.get(str(parameters.get("operator_lost")), "by itself")
     return f"Connection lost{why}. If it still runs, the session goes on {how}. Reconnecting."
 
 
-# --- the participant ----------------------------------------------------------------------------------
+# --- the participant
+# ----------------------------------------------------------------------------------
 
 
 def activity(state: SessionState, width: int, now: int = 0) -> Content:
-    """Return what the session waits for, the prompt, each participant's results, and what the agent does.
+    """Return what the session waits for, the prompt, each participant's results, and what the agent
+    does.
 
     ``now``: on the session's clock (ns).
     """
@@ -149,7 +167,9 @@ def activity(state: SessionState, width: int, now: int = 0) -> Content:
     style = "$warning bold reverse" if state.is_their_pause else "bold"
     rows: list[list[Piece]] = [[(cut(waiting_text(state), width), style)], _prompt(state, width)]
     for name in seats:
-        label = f"{cut(state.welcome.participants.get(name, name), _LABEL)} " if len(seats) > 1 else ""
+        label = (
+            f"{cut(state.welcome.participants.get(name, name), _LABEL)} " if len(seats) > 1 else ""
+        )
         rows += _seat(state, state.seat(name), label, width, is_short=len(seats) > 1)
     rows.append(_agent(state, width, now))
     return Content.assemble(*[piece for row in rows for piece in (*row, ("\n", ""))][:-1])
@@ -164,12 +184,25 @@ def waiting_text(state: SessionState) -> str:
         return f"Session: {UNKNOWN}"
     text = _WAITING[waiting.what]
     if waiting.step:
-        text = f"{text}: {waiting.step.step.text}" if waiting.step.step.is_question else waiting.step.step.text
-    if waiting.what == "answer" and state.arbiter and any(one.deadline for one in state.arbiter.pending):
+        text = (
+            f"{text}: {waiting.step.step.text}"
+            if waiting.step.step.is_question
+            else waiting.step.step.text
+        )
+    if (
+        waiting.what == "answer"
+        and state.arbiter
+        and any(one.deadline for one in state.arbiter.pending)
+    ):
         text = "Waits for a decision"
     if waiting.what == "enter" and waiting.until:
         text = "The next attempt begins by itself"
-    if state.is_paused and waiting.reason in ("", *PAUSE_REASONS) and state.pauser and state.welcome:
+    if (
+        state.is_paused
+        and waiting.reason in ("", *PAUSE_REASONS)
+        and state.pauser
+        and state.welcome
+    ):
         theirs = state.pauser == PARTICIPANT
         text = f"{participant_name(state.welcome) if theirs else short_name(state.pauser)} paused"
     if reason := _REASONS.get(waiting.reason):
@@ -185,12 +218,18 @@ def _prompt(state: SessionState, width: int) -> list[Piece]:
     return [("Prompt  ", "$text-muted"), (cut(state.prompt.text, width - 8), "$accent bold")]
 
 
-def _seat(state: SessionState, seat: Seat, label: str, width: int, *, is_short: bool) -> list[list[Piece]]:
-    """Return one participant's rows: responses, times, the last attempt, and the motion of a hand."""
+def _seat(
+    state: SessionState, seat: Seat, label: str, width: int, *, is_short: bool
+) -> list[list[Piece]]:
+    """Return one participant's rows: responses, times, the last attempt, and the motion of a
+    hand.
+    """
     room = width - len(label)
     head: Piece = (label, "$accent bold")
     done: list[Piece] = (
-        text_charts.responses(seat.trials, room) if seat.trials else [("No response yet", "$text-muted")]
+        text_charts.responses(seat.trials, room)
+        if seat.trials
+        else [("No response yet", "$text-muted")]
     )
     times = _times(state, seat, room)
     attempt = _attempt(state, seat, room, is_short=is_short)
@@ -232,9 +271,18 @@ def _attempt(state: SessionState, seat: Seat, width: int, *, is_short: bool) -> 
 def _hand(state: SessionState, seat: Seat, width: int) -> list[Piece]:
     if not seat.rates:
         known = state.sensor is not None
-        return [(f"Motion sensor: {state.sensor.state}" if known and state.sensor else "", "$text-muted")]
+        return [
+            (
+                f"Motion sensor: {state.sensor.state}" if known and state.sensor else "",
+                "$text-muted",
+            )
+        ]
     last = f" {abs(seat.rates[-1]):.1f} rad/s"
-    return [("Hand ", "$text-muted"), (text_charts.motion(seat.rates, width - 5 - len(last)), "$accent"), (last, "")]
+    return [
+        ("Hand ", "$text-muted"),
+        (text_charts.motion(seat.rates, width - 5 - len(last)), "$accent"),
+        (last, ""),
+    ]
 
 
 def current_stop(state: SessionState) -> Stop | None:
@@ -255,13 +303,21 @@ def _agent(state: SessionState, width: int, now: int) -> list[Piece]:
     current = state.arbiter.current if state.arbiter else None
     if not state.agent.acting:
         return [("The agent is idle", "$text-muted")]
-    return [("▶ The agent speaks" if current is None or current.spoken else "▶ The agent moves", "$accent bold")]
+    return [
+        (
+            "▶ The agent speaks" if current is None or current.spoken else "▶ The agent moves",
+            "$accent bold",
+        )
+    ]
 
 
-# --- the log -----------------------------------------------------------------------------------------------------
+# --- the log
+# -----------------------------------------------------------------------------------------------------
 
 
-def log_lines(lines: list[Line], width: int, rows: int, time_of_day: Callable[[int], str]) -> Content:
+def log_lines(
+    lines: list[Line], width: int, rows: int, time_of_day: Callable[[int], str]
+) -> Content:
     """Return the last lines, newest at the bottom, each with its time of day."""
     parts: list[Piece] = []
     for line in lines[-rows:] if rows > 0 else []:
@@ -270,7 +326,10 @@ def log_lines(lines: list[Line], width: int, rows: int, time_of_day: Callable[[i
         parts += [
             (time, "$text-muted"),
             (f"{sign} ", style),
-            (cut(line.text_with_count, width - len(time) - 2), "$warning" if line.tone == "bad" else ""),
+            (
+                cut(line.text_with_count, width - len(time) - 2),
+                "$warning" if line.tone == "bad" else "",
+            ),
             ("\n", ""),
         ]
     return Content.assemble(*parts[:-1])
@@ -284,4 +343,8 @@ def time_of_day(at: int, now: int, wall: datetime) -> str:
         now: the present (ns, session clock).
         wall: the present, as a date and time.
     """
-    return f"{wall - timedelta(microseconds=(now - at) // 1000):%H:%M:%S}" if at else " " * len("00:00:00")
+    return (
+        f"{wall - timedelta(microseconds=(now - at) // 1000):%H:%M:%S}"
+        if at
+        else " " * len("00:00:00")
+    )

@@ -7,7 +7,9 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.operator.event_log import Line, Tone
 
 UNCONFIRMED = 3 * SECOND
-"""An output that has not reported by then is named. Outputs give up earlier (see `outputs.node.STOP_TIMEOUT`)."""
+"""An output that has not reported by then is named. Outputs give up earlier (see
+`outputs.node.STOP_TIMEOUT`).
+"""
 
 
 class Stop(NamedTuple):
@@ -35,14 +37,18 @@ class Stop(NamedTuple):
             return self
         failed = (*self.failed, (stopped.output, stopped.detail)) if stopped.detail else self.failed
         awaited = self.awaited - {stopped.output}
-        return self._replace(awaited=awaited, failed=failed, still_at=max(self.still_at, stopped.at))
+        return self._replace(
+            awaited=awaited, failed=failed, still_at=max(self.still_at, stopped.at)
+        )
 
     def is_awaited(self, now: int) -> bool:
         """Return True while the outcome may change without a message of the session."""
         return bool(self.awaited) and now - self.at <= 2 * UNCONFIRMED
 
     def outcome(self, now: int) -> tuple[str, Tone]:
-        """Return what is known at ``now`` (ns): stopping, stopped, or which output has not confirmed it."""
+        """Return what is known at ``now`` (ns): stopping, stopped, or which output has not
+        confirmed it.
+        """
         late = sorted(self.awaited) if now - self.at > UNCONFIRMED else []
         names = [*(name for name, _ in self.failed), *late]
         if names:

@@ -14,7 +14,9 @@ Piece = tuple[str, str]
 
 
 def responses(trials: Sequence[TrialEnded], width: int) -> list[Piece]:
-    """Return the last responses, newest last: a tick, a cross, or a dash for none, and the stimulus."""
+    """Return the last responses, newest last: a tick, a cross, or a dash for none, and the
+    stimulus.
+    """
     pieces: list[Piece] = []
     for trial in reversed(trials):
         sign, style = _result(trial)
@@ -45,7 +47,8 @@ def sparkline(values: Sequence[float | None], width: int) -> str:
         return "·" * len(shown)
     least, span = min(known), (max(known) - min(known)) or 1.0
     return "".join(
-        "·" if value is None else _STEPS[round((value - least) / span * (len(_STEPS) - 1))] for value in shown
+        "·" if value is None else _STEPS[round((value - least) / span * (len(_STEPS) - 1))]
+        for value in shown
     )
 
 
@@ -54,7 +57,10 @@ def motion(rates: Sequence[float], width: int) -> str:
     if not rates or width <= 0:
         return ""
     size = max(1, ceil(len(rates) / width))
-    tops = [max(abs(rate) for rate in rates[begin : begin + size]) for begin in range(0, len(rates), size)]
+    tops = [
+        max(abs(rate) for rate in rates[begin : begin + size])
+        for begin in range(0, len(rates), size)
+    ]
     scale = max(1.0, *tops)
     return "".join(_STEPS[round(top / scale * (len(_STEPS) - 1))] for top in tops[-width:])
 
@@ -74,7 +80,9 @@ def cut(text: str, width: int) -> str:
 
 
 def wrap(text: str, width: int, rows: int) -> list[str]:
-    """Return a text on at most ``rows`` lines of ``width`` columns, with an ellipsis if it is cut."""
+    """Return a text on at most ``rows`` lines of ``width`` columns, with an ellipsis if it is
+    cut.
+    """
     lines: list[str] = []
     for paragraph in text.splitlines() if width > 0 else []:
         rest = paragraph.split()
@@ -84,7 +92,11 @@ def wrap(text: str, width: int, rows: int) -> list[str]:
     if len(lines) <= rows:
         return lines
     last = lines[rows - 1] if rows else ""
-    return [*lines[: rows - 1], f"{set_cell_size(last, min(cell_len(last), width - 1)).rstrip()}…"] if rows else []
+    return (
+        [*lines[: rows - 1], f"{set_cell_size(last, min(cell_len(last), width - 1)).rstrip()}…"]
+        if rows
+        else []
+    )
 
 
 def _line(words: list[str], width: int) -> tuple[str, list[str]]:
@@ -99,6 +111,8 @@ def _line(words: list[str], width: int) -> tuple[str, list[str]]:
 
 
 def two_lines(text: str, width: int) -> str:
-    """Return a text on exactly two lines, so that nothing below them moves, with an ellipsis if it is cut."""
+    """Return a text on exactly two lines, so that nothing below them moves, with an ellipsis if it
+    is cut.
+    """
     first, rest = _line(text.split(), width)
     return f"{first}\n{cut(' '.join(rest), width)}"

@@ -1,4 +1,6 @@
-"""The results and levels of the session's attempts, as a plot beside the log where there is room."""
+"""The results and levels of the session's attempts, as a plot beside the log where there is
+room.
+"""
 
 from collections.abc import Sequence
 
@@ -10,7 +12,9 @@ from sar_tui.reports.attempt_results import MARKERS, result_name
 from sar_tui.reports.attempts_plot import BARS, attempts_figure
 
 
-def trend(attempts: Sequence[AttemptEnded], metric: Metric | None, width: int, height: int) -> Content:
+def trend(
+    attempts: Sequence[AttemptEnded], metric: Metric | None, width: int, height: int
+) -> Content:
     """Return the plot of one participant's attempts.
 
     Args:
@@ -31,7 +35,9 @@ def trend(attempts: Sequence[AttemptEnded], metric: Metric | None, width: int, h
         width=width,
         height=height,
         color=False,
-        results=[result_name(attempt.outcome, attempt.metric, attempt.goal, metric) for attempt in scored],
+        results=[
+            result_name(attempt.outcome, attempt.metric, attempt.goal, metric) for attempt in scored
+        ],
     )
     plot = Content(figure)
     for name, marker in MARKERS.items():

@@ -12,7 +12,8 @@ class CachedStatic(Static):
 
     Args:
         id: the widget's id.
-        fits_content: lay out the screen again when the text changes, because its width follows the text.
+        fits_content: lay out the screen again when the text changes, because its width follows the
+            text.
     """
 
     def __init__(self, id: str, *, fits_content: bool = False) -> None:

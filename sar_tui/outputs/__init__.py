@@ -1,1 +1,3 @@
-"""Outputs: speech, tones, servos, robots. The output for the screen belongs to the app, in ``app/``."""
+"""Outputs: speech, tones, servos, robots. The output for the screen belongs to the app, in
+``app/``.
+"""

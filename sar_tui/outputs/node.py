@@ -6,7 +6,17 @@ from sar_tui.loop.bus import Bus, Topic
 from sar_tui.loop.clock import Handle, VirtualClock
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.paced_clock import PacedClock
-from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.loop.topics import (
+    ACTION,
+    ATTEMPT_ENDED,
+    CUE,
+    HALT,
+    OUTPUT,
+    PROMPT,
+    REPORT,
+    STOPPED,
+    THEME,
+)
 from sar_tui.model import messages as m
 from sar_tui.model.messages import ActionPart, PartState
 from sar_tui.model.theme import Theme
@@ -15,14 +25,18 @@ from sar_tui.outputs.output import Output, OutputError, Report
 from sar_tui.outputs.report_validation import as_text, describe, valid_report
 
 TIMEOUT = 20 * SECOND
-"""An output that has not reported the outcome of a part by then is stopped; longer texts get more time."""
+"""An output that has not reported the outcome of a part by then is stopped; longer texts get more
+time.
+"""
 PER_CHARACTER = 150 * MS
 STOP_TIMEOUT = 2 * SECOND
 """A part that is not over by then, after a stop, has failed."""
 _NO_OUTCOME = "It did not report the outcome."
 _NO_OUTCOME_SIMULATED = (
-    f"{_NO_OUTCOME} In this simulation time jumped over its work, because it requested a timer of self.clock. If it "
-    "waits for a device, let it request none when self.simulated is True, or report without the device."
+    f"{_NO_OUTCOME} In this simulation time jumped over its work, because it requested a timer of "
+    "self.clock. If it "
+    "waits for a device, let it request none when self.simulated is True, or report without the "
+    "device."
 )
 CLOSE = "close"
 """Place of a `Fault` of an output that could not be closed."""
@@ -46,7 +60,9 @@ class _Unstopped(NamedTuple):
 
 
 class _Stop:
-    """A stop under way: when it was requested, the parts that are left, when the last one ended, and failures."""
+    """A stop under way: when it was requested, the parts that are left, when the last one ended,
+    and failures.
+    """
 
     def __init__(self, asked: int, now: int) -> None:
         self.asked = asked
@@ -56,22 +72,26 @@ class _Stop:
 
 
 class OutputNode(Node):
-    """Connects the loop to an output. Reports each part as ``queued``, and once as over, whatever the output does.
+    """Connects the loop to an output. Reports each part as ``queued``, and once as over, whatever
+    the output does.
 
-    An output that raises or never reports has failed; the session continues. In a simulation an output that requests no
-    timer of the clock works on a thread of its own: the clock keeps real time until it reports.
+    An output that raises or never reports has failed; the session continues. In a simulation an
+    output that requests no timer of the clock works on a thread of its own: the clock keeps real
+    time until it reports.
 
     Args:
         output: the medium.
         address: its address in the settings.
         theme: the first theme.
-        cues: for an output of tones, those of `theme.TONES` that it plays: ``go`` with each prompt, ``end`` after an
-            attempt, ``success`` with praise.
+        cues: for an output of tones, those of `theme.TONES` that it plays: ``go`` with each prompt,
+            ``end`` after an attempt, ``success`` with praise.
     """
 
     emits: ClassVar[tuple[Topic[Any], ...]] = (OUTPUT, REPORT, STOPPED)
 
-    def __init__(self, output: Output, address: str, theme: Theme, cues: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, output: Output, address: str, theme: Theme, cues: tuple[str, ...] = ()
+    ) -> None:
         super().__init__()
         self.name = output.name
         self.output = output
@@ -95,7 +115,10 @@ class OutputNode(Node):
         except BaseException as error:
             self._raise_if_interrupted(error)
             self._open_error = f"It could not be opened ({describe(error)})."
-        self.emit(OUTPUT, m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))))
+        self.emit(
+            OUTPUT,
+            m.OutputOpened(output=self.name, address=self._address, can=tuple(sorted(self._can))),
+        )
 
     def detach(self) -> None:
         """Close the output; parts that are not over are aborted."""
@@ -105,7 +128,9 @@ class OutputNode(Node):
             self._closed = True
             try:
                 self.output.close()
-            except BaseException as error:  # the session is over, and the other outputs must still be closed
+            except (
+                BaseException
+            ) as error:  # the session is over, and the other outputs must still be closed
                 self._raise_if_interrupted(error)
                 self.bus.report(self.name, CLOSE, error)
 
@@ -145,7 +170,8 @@ class OutputNode(Node):
         """Stop the output. The outcome and the duration are reported when every part is over."""
         clock = self.bus.clock
         halted = {key: opened for key, opened in self._open.items() if halt.action in ("", key[0])}
-        lasting = {key: opened for key, opened in halted.items() if key[1] != "show"}  # text may stay on the screen
+        # text may stay on the screen
+        lasting = {key: opened for key, opened in halted.items() if key[1] != "show"}
         if halt.reason == "stopped":
             self._stopping = self._stopping or _Stop(halt.asked, clock.now())
             self._stopping.left |= lasting
@@ -153,7 +179,11 @@ class OutputNode(Node):
             self.output.stop(halt.action)
         except BaseException as error:
             self._raise_if_interrupted(error)
-            why = as_text(error) if isinstance(error, OutputError) else f"It could not be stopped ({describe(error)})."
+            why = (
+                as_text(error)
+                if isinstance(error, OutputError)
+                else f"It could not be stopped ({describe(error)})."
+            )
             if self._stopping and halt.reason == "stopped":
                 self._stopping.details.append(why)
             for key in halted:
@@ -163,7 +193,9 @@ class OutputNode(Node):
         self._report_stop()
 
     def _raise_if_interrupted(self, error: BaseException) -> None:
-        """Raise a Ctrl-C during a simulation. In a live session none is raised; the error is the output's own."""
+        """Raise a Ctrl-C during a simulation. In a live session none is raised; the error is the
+        output's own.
+        """
         if isinstance(error, KeyboardInterrupt) and isinstance(self.bus.clock, VirtualClock):
             raise error
 
@@ -197,7 +229,8 @@ class OutputNode(Node):
             if not self._uses_clock:
                 clock.begin_work((self.name, action, part))
 
-    # --- reports of the output -------------------------------------------------------------------------------
+    # --- reports of the output
+    # -------------------------------------------------------------------------------
 
     def _receive(self, report: Report) -> None:
         """Called from any thread."""
@@ -220,19 +253,36 @@ class OutputNode(Node):
 
     def _forget_unstopped(self, report: Report) -> None:
         """Forget a part that may go on when the output reports, late, that it is over."""
-        action, part, state, detail = (getattr(report, name, None) for name in ("action", "part", "state", "detail"))
+        action, part, state, detail = (
+            getattr(report, name, None) for name in ("action", "part", "state", "detail")
+        )
         if state in _OVER and _is_proof(state, detail):
             self._unstopped = {
-                key: late for key, late in self._unstopped.items() if (late.action, key) != (action, part)
+                key: late
+                for key, late in self._unstopped.items()
+                if (late.action, key) != (action, part)
             }
 
     def _parts_of(self, report: Report) -> dict[_Key, _Open]:
-        """Return the open parts that a report is about: all parts of its action if it names none that exists."""
+        """Return the open parts that a report is about: all parts of its action if it names none
+        that exists.
+        """
         action, part = getattr(report, "action", None), getattr(report, "part", None)
         known = isinstance(part, str) and part in get_args(ActionPart)
-        return {key: opened for key, opened in self._open.items() if key[0] == action and (key[1] == part or not known)}
+        return {
+            key: opened
+            for key, opened in self._open.items()
+            if key[0] == action and (key[1] == part or not known)
+        }
 
-    def _end(self, action: str, part: ActionPart, state: PartState, detail: str = "", at: int | None = None) -> None:
+    def _end(
+        self,
+        action: str,
+        part: ActionPart,
+        state: PartState,
+        detail: str = "",
+        at: int | None = None,
+    ) -> None:
         if opened := self._open.pop((action, part), None):
             opened.give_up.cancel()
             if isinstance(self.bus.clock, PacedClock):
@@ -250,7 +300,9 @@ class OutputNode(Node):
 
     def _give_up(self, action: str, part: ActionPart) -> None:
         if (action, part) in self._open and not self._closed:
-            self._fail_unstopped(action, part, _NO_OUTCOME_SIMULATED if self._uses_clock else _NO_OUTCOME)
+            self._fail_unstopped(
+                action, part, _NO_OUTCOME_SIMULATED if self._uses_clock else _NO_OUTCOME
+            )
             try:
                 self.output.stop(action)
             except BaseException as error:  # it has failed already
@@ -269,15 +321,27 @@ class OutputNode(Node):
         """Report a stop once, when everything that was under way is over."""
         if (stop := self._stopping) and not stop.left:
             self._stopping = None
-            detail = " ".join(dict.fromkeys([*stop.details, *(late.why for late in self._unstopped.values())]))
-            self.bus.post(STOPPED, m.OutputStopped(output=self.name, asked=stop.asked, at=stop.at, detail=detail))
+            detail = " ".join(
+                dict.fromkeys([*stop.details, *(late.why for late in self._unstopped.values())])
+            )
+            self.bus.post(
+                STOPPED,
+                m.OutputStopped(output=self.name, asked=stop.asked, at=stop.at, detail=detail),
+            )
 
-    def _report(self, action: str, part: ActionPart, state: PartState, at: int, detail: str = "") -> None:
+    def _report(
+        self, action: str, part: ActionPart, state: PartState, at: int, detail: str = ""
+    ) -> None:
         self.bus.post(
-            REPORT, m.OutputReport(action=action, output=self.name, part=part, state=state, at=at, detail=detail)
+            REPORT,
+            m.OutputReport(
+                action=action, output=self.name, part=part, state=state, at=at, detail=detail
+            ),
         )
 
 
 def _is_proof(state: PartState, detail: object) -> bool:
-    """Return True if a report proves that nothing before it goes on: it began, or it ended without a doubt."""
+    """Return True if a report proves that nothing before it goes on: it began, or it ended without
+    a doubt.
+    """
     return state in ("started", "done") or (state == "aborted" and not detail)

@@ -1,4 +1,6 @@
-"""Outputs by name: the included ones, and those of plug-ins (entry points of the group ``sar_tui.outputs``)."""
+"""Outputs by name: the included ones, and those of plug-ins (entry points of the group
+``sar_tui.outputs``).
+"""
 
 import difflib
 from collections.abc import Callable, Sequence
@@ -18,22 +20,30 @@ GROUP = "sar_tui.outputs"
 SCREEN = "screen"
 """The face and the text on the screen. The app makes this output itself."""
 _checked: dict[tuple[str, str], tuple[object, Output]] = {}
-"""Outputs that plug-ins made for a check, with their factory: reused on opening, as making one may take time."""
+"""Outputs that plug-ins made for a check, with their factory: reused on opening, as making one may
+take time.
+"""
 
 
 def output_names() -> list[str]:
-    """Return the names that ``open_outputs`` knows. Each output defines the text after the colon."""
+    """Return the names that ``open_outputs`` knows. Each output defines the text after the
+    colon.
+    """
     return sorted({SCREEN, *_SHIPPED, *(entry.name for entry in entry_points(group=GROUP))})
 
 
 def check_outputs(addresses: Sequence[str], speech: str = "sound") -> None:
-    """Raise OutputError, with one clear sentence, for an address that is unknown, invalid or used twice."""
+    """Raise OutputError, with one clear sentence, for an address that is unknown, invalid or used
+    twice.
+    """
     kinds = [_split(address)[0] for address in addresses]
     for kind in kinds:
         if kind not in (known := output_names()):
             near = difflib.get_close_matches(kind, known, 1)
             hint = f" Did you mean {near[0]}?" if near else ""
-            raise OutputError(f'There is no output "{kind}".{hint} Choose one of: {", ".join(known)}.')
+            raise OutputError(
+                f'There is no output "{kind}".{hint} Choose one of: {", ".join(known)}.'
+            )
         if kinds.count(kind) > 1:
             raise OutputError(f"The output {kind} is named twice.")
     from sar_tui.outputs.sound.mixer import check_sound
@@ -58,22 +68,30 @@ def open_outputs(addresses: Sequence[str], speech: str, theme: Theme) -> list[Ou
     Raises:
         OutputError: an address is invalid, or a plug-in cannot be loaded.
     """
-    return [OutputNode(output, address, theme, cues) for output, address, cues in _make(addresses, speech)]
+    return [
+        OutputNode(output, address, theme, cues)
+        for output, address, cues in _make(addresses, speech)
+    ]
 
 
-def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tuple[Output, str, tuple[str, ...]]]:
+def _make(
+    addresses: Sequence[str], speech: str, keep: bool = False
+) -> list[tuple[Output, str, tuple[str, ...]]]:
     from sar_tui.outputs.sound.mixer import Sound
 
     for forgotten in _checked.keys() - {_split(address) for address in addresses}:
         del _checked[forgotten]
     made: list[tuple[Output, str, tuple[str, ...]]] = []
     sound = Sound(speech)  # shared, so that tones and speech never overlap
-    for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):  # tones before speech
+    # tones before speech
+    for address in sorted(addresses, key=lambda address: _split(address)[0] != "tones"):
         kind, text = _split(address)
         if kind == SCREEN and text:
             raise OutputError(f'The screen has nothing after its name; it was given "{text}".')
         if kind in _SHIPPED:
-            made.append((_SHIPPED[kind](text, sound), address, _cues(text) if kind == "tones" else ()))
+            made.append(
+                (_SHIPPED[kind](text, sound), address, _cues(text) if kind == "tones" else ())
+            )
         elif kind != SCREEN:
             made.append((_plugged_in(kind, text), address, ()))
     _check_names(made, [SCREEN] if SCREEN in addresses else [])
@@ -83,10 +101,15 @@ def _make(addresses: Sequence[str], speech: str, keep: bool = False) -> list[tup
 
 
 def _check_names(made: list[tuple[Output, str, tuple[str, ...]]], taken: list[str]) -> None:
-    """Raise OutputError if two outputs have the same name, which identifies an output in the log."""
+    """Raise OutputError if two outputs have the same name, which identifies an output in the
+    log.
+    """
     for output, address, _ in made:
         if output.name in taken:
-            raise OutputError(f'Another output is called "{output.name}" as well as {address}: leave one of them out.')
+            raise OutputError(
+                f'Another output is called "{output.name}" as well as {address}: leave one of '
+                "them out."
+            )
         taken.append(output.name)
 
 
@@ -117,14 +140,20 @@ def _plugged_in(kind: str, text: str) -> Output:
                 raise
             except PLUGIN_ERRORS as error:
                 why = f"{type(error).__name__}: {error}"
-                raise OutputError(f"The output {kind} ({entry.value}) cannot be loaded: {why}.") from error
+                raise OutputError(
+                    f"The output {kind} ({entry.value}) cannot be loaded: {why}."
+                ) from error
             if not isinstance(output, Output):
                 raise OutputError(f"The output {kind} ({entry.value}) is not an Output.")
             if not isinstance(name := getattr(output, "name", ""), str) or not name:
                 raise OutputError(f"The output {kind} ({entry.value}) has no name.")
-            if not isinstance(output.can, frozenset | set) or not output.can <= set(get_args(ActionPart)):
+            if not isinstance(output.can, frozenset | set) or not output.can <= set(
+                get_args(ActionPart)
+            ):
                 parts = ", ".join(get_args(ActionPart))
-                raise OutputError(f"The can of the output {kind} ({entry.value}) is not a frozenset of: {parts}.")
+                raise OutputError(
+                    f"The can of the output {kind} ({entry.value}) is not a frozenset of: {parts}."
+                )
             _checked[kind, text] = make, output
             return output
     raise OutputError(f'There is no output "{kind}". Choose one of: {", ".join(output_names())}.')
@@ -134,7 +163,9 @@ def _speech(text: str, sound: "Sound") -> Output:
     from sar_tui.outputs.speech import Speech
 
     if text:
-        raise OutputError(f'Speech has nothing after its name; "{text}" belongs to the setting speech.')
+        raise OutputError(
+            f'Speech has nothing after its name; "{text}" belongs to the setting speech.'
+        )
     return Speech(sound)
 
 

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 
 class PromptTones(Node):
-    """Plays the tones of prompts, on the sound card or into files. A session without such tones starts no process.
+    """Plays the tones of prompts, on the sound card or into files. A session without such tones
+    starts no process.
 
     On a virtual clock nothing is played.
 

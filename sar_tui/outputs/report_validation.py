@@ -20,7 +20,9 @@ def valid_report(report: Any, since: int, now: int) -> Report | None:
         since, now: the range of valid times (ns).
     """
     try:
-        value = Report(report.action, report.part, report.state, int(report.at), as_text(report.detail))
+        value = Report(
+            report.action, report.part, report.state, int(report.at), as_text(report.detail)
+        )
         known = value.part in get_args(ActionPart) and value.state in get_args(PartState)
     except Exception:
         return None

@@ -1,4 +1,6 @@
-"""A robot on a ROS system that speaks, moves and looks. It is reached through the rosbridge protocol."""
+"""A robot on a ROS system that speaks, moves and looks. It is reached through the rosbridge
+protocol.
+"""
 
 import secrets
 from collections import deque
@@ -18,11 +20,15 @@ from sar_tui.outputs.ros_topics import STRING, RobotReport, parse_address, plain
 PATIENCE = 3 * SECOND
 """Time after opening in which a request may wait for the first connection."""
 SETTLE = 500 * MS
-"""Pause after connecting before anything is sent: ROS needs a moment to discover a new publisher."""
+"""Pause after connecting before anything is sent: ROS needs a moment to discover a new
+publisher.
+"""
 ANSWER = 2 * SECOND
 """Time in which a robot must report that it has started."""
 CONFIRM = 1500 * MS
-"""Time in which it must confirm a stop. Less than `node.STOP_TIMEOUT`, so that this failure is the one reported."""
+"""Time in which it must confirm a stop. Less than `node.STOP_TIMEOUT`, so that this failure is the
+one reported.
+"""
 LONGEST = 15 * SECOND
 """Time that a request may take beyond its expected duration."""
 A_CHARACTER = 100 * MS
@@ -32,8 +38,16 @@ A_CHARACTER = 100 * MS
 class _Request:
     """A request to the robot."""
 
-    def __init__(self, action: str, part: ActionPart, topic: str, message: dict[str, str], lasts: int) -> None:
-        self.action, self.part, self.topic, self.message, self.lasts = action, part, topic, message, lasts
+    def __init__(
+        self, action: str, part: ActionPart, topic: str, message: dict[str, str], lasts: int
+    ) -> None:
+        self.action, self.part, self.topic, self.message, self.lasts = (
+            action,
+            part,
+            topic,
+            message,
+            lasts,
+        )
         self.sent: int | None = None
         self.started: int | None = None
         self.is_stopping = False
@@ -44,8 +58,8 @@ class Ros(Output):
     """A robot on a ROS system. Everything except sending happens on the clock's thread.
 
     Args:
-        address: ``ros://HOST[:PORT]``, and after a question mark the options of `ros_topics.Topics`. Raises
-            OutputError if it is invalid.
+        address: ``ros://HOST[:PORT]``, and after a question mark the options of
+            `ros_topics.Topics`. Raises OutputError if it is invalid.
     """
 
     name = "ros"
@@ -57,7 +71,11 @@ class Ros(Output):
         self._begin()
 
     def _begin(self) -> None:
-        self._queues: dict[ActionPart, deque[_Request]] = {"say": deque(), "gesture": deque(), "gaze": deque()}
+        self._queues: dict[ActionPart, deque[_Request]] = {
+            "say": deque(),
+            "gesture": deque(),
+            "gaze": deque(),
+        }
         self._token = secrets.token_hex(3)
         self._ready_at: int | None = None
         self._stop_pending = self._was_lost = False
@@ -91,24 +109,37 @@ class Ros(Output):
         """Have the robot move. The theme's keyframes are sent, too."""
         gesture = self.theme.gestures.get(name)
         if gesture is None:
-            self.report(action, "gesture", "failed", f"The theme {self.theme.name} has no gesture {plain(name)}.")
+            self.report(
+                action,
+                "gesture",
+                "failed",
+                f"The theme {self.theme.name} has no gesture {plain(name)}.",
+            )
             return
         moves = {"gesture": name, "keyframes": gesture.keyframes}
-        self._request(action, "gesture", self._topics.gesture, moves, name, gesture.duration_ms * MS)
+        self._request(
+            action, "gesture", self._topics.gesture, moves, name, gesture.duration_ms * MS
+        )
 
     def gaze(self, action: str, where: str) -> None:
         """Have the robot look somewhere."""
         self._request(action, "gaze", self._topics.gaze, {"gaze": where}, where, 0)
 
     def stop(self, action: str = "") -> None:
-        """Ask the robot to stop. Its request is aborted when it confirms, or after a while as not confirmed.
+        """Ask the robot to stop. Its request is aborted when it confirms, or after a while as not
+        confirmed.
 
-        The next request waits for that. A stop that cannot be sent now is sent before anything else. Raises
-        OutputError if the robot may still be performing a request that was given up.
+        The next request waits for that. A stop that cannot be sent now is sent before anything
+        else. Raises OutputError if the robot may still be performing a request that was given up.
         """
         if self._bridge is None:
             return
-        stopped = [request for queue in self._queues.values() for request in queue if action in ("", request.action)]
+        stopped = [
+            request
+            for queue in self._queues.values()
+            for request in queue
+            if action in ("", request.action)
+        ]
         sent = [request for request in stopped if request.sent is not None]
         is_sent = False
         if sent or not action:
@@ -122,7 +153,9 @@ class Ros(Output):
                 self._end(request, "failed", now, self._stop_failure)
             elif not request.is_stopping:
                 request.is_stopping = True
-                self._set_timer(request, now + CONFIRM, partial(self._overdue, self._bridge, request))
+                self._set_timer(
+                    request, now + CONFIRM, partial(self._overdue, self._bridge, request)
+                )
         if action:
             self._advance_all(self._bridge)
         elif self._was_lost and not is_sent:
@@ -138,7 +171,8 @@ class Ros(Output):
             bridge, self._bridge = self._bridge, None
             bridge.close()
 
-    # --- on the connection's thread: stamp and pass on ------------------------------------------------------
+    # --- on the connection's thread: stamp and pass on
+    # ------------------------------------------------------
 
     def _on_change(self, bridge: Bridge) -> None:
         self.clock.call_soon(partial(self._connection_changed, bridge, bridge.is_connected))
@@ -151,7 +185,8 @@ class Ros(Output):
         else:
             self.clock.call_soon(partial(self._reported, bridge, report, at))
 
-    # --- on the clock's thread ------------------------------------------------------------------------------
+    # --- on the clock's thread
+    # ------------------------------------------------------------------------------
 
     def _connection_changed(self, bridge: Bridge, connected: bool) -> None:
         if bridge is not self._bridge:
@@ -169,14 +204,22 @@ class Ros(Output):
             self._was_lost = True
             self._stop_pending |= request.is_stopping
             self._unended[request.part] = request
-            self._end(request, "failed", now, f"The connection to the robot at {self._address} was lost.")
+            self._end(
+                request, "failed", now, f"The connection to the robot at {self._address} was lost."
+            )
         self._advance_all(bridge)
 
     def _reported(self, bridge: Bridge, report: RobotReport, at: int) -> None:
         if bridge is not self._bridge:
             return
-        sent = [request for request in self._under_way if request.sent is not None and request.sent <= at]
-        about = [request for request in sent if self._is_about(report, request.action, request.part)]
+        sent = [
+            request
+            for request in self._under_way
+            if request.sent is not None and request.sent <= at
+        ]
+        about = [
+            request for request in sent if self._is_about(report, request.action, request.part)
+        ]
         self._forget_unended(report, {request.part for request in about})
         begun = [request for request in about if request.started is not None]
         waiting = [request for request in about if request.started is None]
@@ -188,18 +231,25 @@ class Ros(Output):
                 why = report.detail or ("The robot failed." if report.state == "failed" else "")
                 if request.is_stopping and not why:
                     self._unended.clear()
-                self._end(request, "aborted" if request.is_stopping and not why else report.state, at, why)
+                self._end(
+                    request, "aborted" if request.is_stopping and not why else report.state, at, why
+                )
                 self._advance(request.part)
 
     def _forget_unended(self, report: RobotReport, parts: set[ActionPart]) -> None:
-        """Forget requests that were given up and are over now: the robot reports so late, or has begun the next one."""
+        """Forget requests that were given up and are over now: the robot reports so late, or has
+        begun the next one.
+        """
         self._unended = {
             part: request
             for part, request in self._unended.items()
-            if part not in parts and (report.state == "started" or not self._is_about(report, request.action, part))
+            if part not in parts
+            and (report.state == "started" or not self._is_about(report, request.action, part))
         }
 
-    def _request(self, action: str, part: ActionPart, topic: str, what: dict[str, Any], text: str, lasts: int) -> None:
+    def _request(
+        self, action: str, part: ActionPart, topic: str, what: dict[str, Any], text: str, lasts: int
+    ) -> None:
         if self._bridge is None:
             return
         message = self._topics.message(self._id(action), what, text)
@@ -215,7 +265,9 @@ class Ros(Output):
                 self._advance(part, due)
 
     def _advance(self, part: ActionPart, due: int = 0) -> None:
-        """Send the next requests of a part that are due, or fail them. The time is at least ``due``."""
+        """Send the next requests of a part that are due, or fail them. The time is at least
+        ``due``.
+        """
         queue, bridge = self._queues[part], cast(Bridge, self._bridge)
         while queue and queue[0].sent is None:
             request, now = queue[0], max(self.clock.now(), due)
@@ -229,7 +281,9 @@ class Ros(Output):
 
     def _is_to_wait(self, bridge: Bridge, now: int) -> bool:
         if self._ready_at is None:
-            return bridge.is_connected or now < self._patience  # `_connection_changed` has yet to be called
+            return (
+                bridge.is_connected or now < self._patience
+            )  # `_connection_changed` has yet to be called
         return now < self._ready_at
 
     def _overdue(self, bridge: Bridge, request: _Request) -> None:
@@ -264,7 +318,8 @@ class Ros(Output):
     def _report(self, request: _Request, state: PartState, at: int, detail: str = "") -> None:
         self._send_report(Report(request.action, request.part, state, at, detail))
 
-    # --- stopping and helpers --------------------------------------------------------------------------------
+    # --- stopping and helpers
+    # --------------------------------------------------------------------------------
 
     def _send_stop(self, action: str) -> bool:
         message = self._topics.message(action and self._id(action), {}, "stop")
@@ -275,7 +330,9 @@ class Ros(Output):
         return (unnamed or report.id == self._id(action)) and report.part in ("", part)
 
     def _id(self, action: str) -> str:
-        """Return an action's id for the robot. It is unique to this session, so late reports of others are ignored."""
+        """Return an action's id for the robot. It is unique to this session, so late reports of
+        others are ignored.
+        """
         return f"{action}-{self._token}"
 
     @property
@@ -285,7 +342,9 @@ class Ros(Output):
         return sorted(sent, key=lambda request: request.sent or 0)
 
     def _may_go_on(self, request: _Request, now: int) -> bool:
-        """Return True if the robot may perform a request that was given up: it started it, or still has time to."""
+        """Return True if the robot may perform a request that was given up: it started it, or still
+        has time to.
+        """
         return request.started is not None or now < (request.sent or 0) + request.lasts + LONGEST
 
     @property
@@ -298,4 +357,7 @@ class Ros(Output):
 
     @property
     def _not_connected(self) -> str:
-        return f"The robot is not connected: there is no ROS bridge at {self._address}. Start rosbridge there."
+        return (
+            f"The robot is not connected: there is no ROS bridge at {self._address}. Start "
+            "rosbridge there."
+        )

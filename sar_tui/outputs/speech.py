@@ -17,11 +17,11 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 class Speech(Output):
     """Speaks with the theme's voice, in its language. ``sound`` is shared with the tones.
 
-    ``started`` is when the first samples of the utterance are fed to the sound card (they are heard up to 40 ms
-    later), ``done`` when the last have left its buffer; synthesis comes before ``started``. An utterance fails without
-    a speech engine, a voice for the language or a sound card, if the voice cannot read the text, and if the engine
-    hangs or crashes. The next utterance gets a new engine. After three failures in a row that are not due to the text,
-    speech stays off.
+    ``started`` is when the first samples of the utterance are fed to the sound card (they are heard
+    up to 40 ms later), ``done`` when the last have left its buffer; synthesis comes before
+    ``started``. An utterance fails without a speech engine, a voice for the language or a sound
+    card, if the voice cannot read the text, and if the engine hangs or crashes. The next utterance
+    gets a new engine. After three failures in a row that are not due to the text, speech stays off.
     """
 
     name = "speech"
@@ -43,7 +43,10 @@ class Speech(Output):
         if not text:
             problem = "There is nothing to say: the text is empty."
         elif len(text) > LONGEST:
-            text, problem = "", f"The text is too long to be spoken: {len(text)} characters, of at most {LONGEST}."
+            text, problem = (
+                "",
+                f"The text is too long to be spoken: {len(text)} characters, of at most {LONGEST}.",
+            )
         self._sound.say(action, text, self._voicing, problem)
 
     def stop(self, action: str = "") -> None:
@@ -56,7 +59,10 @@ class Speech(Output):
     def _voicing(self) -> Voicing:
         voice, language = self.theme.voice, self.theme.language
         return Voicing(
-            language.lower().replace("_", "-"), voice.names.get(language, ""), voice.rate_in(language), voice.volume
+            language.lower().replace("_", "-"),
+            voice.names.get(language, ""),
+            voice.rate_in(language),
+            voice.volume,
         )
 
 

@@ -11,8 +11,9 @@ from sar_tui.outputs.sound.mixer import Sound
 class Tones(Output):
     """Plays the theme's tones. ``sound`` is shared with speech; requests are played in order.
 
-    ``started`` is when the first samples are fed to the sound card (they are heard up to 40 ms later), ``done`` when
-    the last have left its buffer. Tones are prepared in advance. A tone fails without a sound card.
+    ``started`` is when the first samples are fed to the sound card (they are heard up to 40 ms
+    later), ``done`` when the last have left its buffer. Tones are prepared in advance. A tone fails
+    without a sound card.
     """
 
     name = "tones"

@@ -13,7 +13,8 @@ EVER = -(2**63)
 class KeptSamples:
     """The newest samples of a sensor, in blocks.
 
-    In a replay the same samples can be divided differently among blocks, so the oldest are cut by their stamps.
+    In a replay the same samples can be divided differently among blocks, so the oldest are cut by
+    their stamps.
     """
 
     def __init__(self) -> None:

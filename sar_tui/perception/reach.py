@@ -1,4 +1,6 @@
-"""Perception of reaches: turns the samples of the hand's sensor into one reach, out and back (thesis 4.2.2)."""
+"""Perception of reaches: turns the samples of the hand's sensor into one reach, out and back
+(thesis 4.2.2).
+"""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -43,12 +45,15 @@ from sar_tui.perception.trunk import Trunk
 from sar_tui.rules.held_key import HeldKey
 
 REST = 3 * SECOND
-"""Time before a reach from which samples are kept, since the reach before at the most: the hand at rest shows the
-sensor's bias."""
+"""Time before a reach from which samples are kept, since the reach before at the most: the hand at
+rest shows the sensor's bias.
+"""
 TAIL = 4 * SECOND
 """Longest wait for the hand to come to rest after the key that ends a reach."""
 SETTLED_S = 0.85
-"""Stillness after which the hand counts as at rest; longer if the fixed-threshold detector needs more."""
+"""Stillness after which the hand counts as at rest; longer if the fixed-threshold detector needs
+more.
+"""
 MARGIN_S = 0.05
 """Added to the stillness that the fixed-threshold detector needs."""
 PATIENCE = 300 * MS
@@ -58,11 +63,12 @@ UNMOVED = 1500 * MS
 
 
 class ReachPerception(TimedNode):
-    """Watches the hand from the key that starts a reach to the key that ends it, and reports the reach.
+    """Watches the hand from the key that starts a reach to the key that ends it, and reports the
+    reach.
 
-    A reach without that second key (forgotten, or not asked for) ends by itself when the hand is back and has rested
-    for ``still_ms``, at the latest at the time-out. A reach out of turn is reported as soon as it is seen, and not
-    measured.
+    A reach without that second key (forgotten, or not asked for) ends by itself when the hand is
+    back and has rested for ``still_ms``, at the latest at the time-out. A reach out of turn is
+    reported as soon as it is seen, and not measured.
 
     Args:
         analysis: how reaches are found and measured.
@@ -110,14 +116,21 @@ class ReachPerception(TimedNode):
     def session_started(self, session: SessionStarted) -> None:
         """Measure as the rules of the session did when it began."""
         if session.rules < 5:
-            detector = "single-axis" if self._analysis.detector == "orientation" else self._analysis.detector
-            self._analysis = msgspec.structs.replace(self._analysis, measures_version=1, detector=detector)
+            detector = (
+                "single-axis"
+                if self._analysis.detector == "orientation"
+                else self._analysis.detector
+            )
+            self._analysis = msgspec.structs.replace(
+                self._analysis, measures_version=1, detector=detector
+            )
         self._starts_at_home = session.rules >= 6
         if self._starts_at_home:
             orientation = msgspec.structs.replace(self._analysis.orientation, home_s=0.0)
             self._analysis = msgspec.structs.replace(self._analysis, orientation=orientation)
 
-    # --- the sensor ----------------------------------------------------------------------------------------
+    # --- the sensor
+    # ----------------------------------------------------------------------------------------
 
     @on(SENSOR)
     def sensor_changed(self, sensor: SensorChanged) -> None:
@@ -128,7 +141,11 @@ class ReachPerception(TimedNode):
             self._kept.clear()
             self._over = EVER
             self._rate_hz = sensor.rate_hz
-        elif self._prompt and sensor.state in ("saturated", "error") and sensor.state not in self._flags:
+        elif (
+            self._prompt
+            and sensor.state in ("saturated", "error")
+            and sensor.state not in self._flags
+        ):
             self._flags.append(sensor.state)
 
     @on(IMU)
@@ -161,7 +178,9 @@ class ReachPerception(TimedNode):
             self._trunk.add(block.samples, REST if self._prompt is None else None)
 
     def foresee(self, samples: Samples, ends: Sequence[int]) -> int | None:
-        """Return the first of ``ends`` at which a reach will be reported (see `inputs.simulated_sensor.Foresight`)."""
+        """Return the first of ``ends`` at which a reach will be reported (see
+        `inputs.simulated_sensor.Foresight`).
+        """
         if self._prompt is None:
             return None
         if self._foreseen is None or not self._foreseen.continues_with(samples[: ends[-1]]):
@@ -175,8 +194,12 @@ class ReachPerception(TimedNode):
                 return end
         return None
 
-    def _reaction(self, newest: int, hand: Hand) -> Literal["unprompted", "key", "moving", "stillness"] | None:
-        """Return what the node does after the samples up to ``newest`` (ns): report a reach, and why; or nothing."""
+    def _reaction(
+        self, newest: int, hand: Hand
+    ) -> Literal["unprompted", "key", "moving", "stillness"] | None:
+        """Return what the node does after the samples up to ``newest`` (ns): report a reach, and
+        why; or nothing.
+        """
         if not self._is_prompted:
             return "unprompted" if hand.reached else None
         if self._ended is not None:
@@ -204,15 +227,20 @@ class ReachPerception(TimedNode):
             samples = self._kept.all()
         segmenter = self._segmenter
         segmenter.push(samples["at"] / 1e9, samples["rate"].astype(float))
-        self._hand = Hand(segmenter.still_for_s, segmenter.has_reached(started_s), segmenter.began_s)
+        self._hand = Hand(
+            segmenter.still_for_s, segmenter.has_reached(started_s), segmenter.began_s
+        )
         return self._hand
 
     def _segmented(self, samples: Samples) -> Foreseen:
         """Segment the samples so far and those that come next."""
         before = self._kept.all()
-        return Foreseen(join((before, samples)), len(before), self._rate_hz, self._analysis.single_axis)
+        return Foreseen(
+            join((before, samples)), len(before), self._rate_hz, self._analysis.single_axis
+        )
 
-    # --- the trial -----------------------------------------------------------------------------------------
+    # --- the trial
+    # -----------------------------------------------------------------------------------------
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
@@ -227,7 +255,8 @@ class ReachPerception(TimedNode):
     def _forget_earlier_movement(self) -> None:
         """Keep the samples since the hand came to the rest from which it starts now.
 
-        A movement before, such as a way back that belongs to no reach, could be taken for a part of this one.
+        A movement before, such as a way back that belongs to no reach, could be taken for a part of
+        this one.
         """
         if not self._starts_at_home:
             return
@@ -277,21 +306,27 @@ class ReachPerception(TimedNode):
         self._clear()
 
     def timer(self, name: str, late: int) -> None:
-        """End the reach. If the program itself is late, the event handler repeats the trial instead."""
+        """End the reach. If the program itself is late, the event handler repeats the trial
+        instead.
+        """
         if name == "timeout" and late > STALLED:
             return
         self._report("timeout" if self._ended is None else "key")
 
     def _report_unprompted(self, at: int) -> None:
         """Report a reach out of turn at ``at`` (ns), without measures."""
-        self.emit(REACH, ReachPerceived(seat=self._seat, at=at, delay=self.now - at, closed="stillness"))
+        self.emit(
+            REACH, ReachPerceived(seat=self._seat, at=at, delay=self.now - at, closed="stillness")
+        )
         self._clear()
 
     def _report(self, closed: Literal["key", "stillness", "timeout"]) -> None:
         """Report the reach found in all the samples."""
         assert self._prompt
         samples = self._kept.all()
-        first, last = (samples["at"][[0, -1]].tolist()) if len(samples) else (self._started, self._started)
+        first, last = (
+            (samples["at"][[0, -1]].tolist()) if len(samples) else (self._started, self._started)
+        )
         window = Window(
             from_ns=max(first, self._started - REST),
             started_ns=self._started,
@@ -300,7 +335,8 @@ class ReachPerception(TimedNode):
         )
         found = analyse(samples, window, self._analysis)
         if closed == "stillness" and found.onset_ns is None and not found.invalid:
-            self._dismissed = self._began_s  # a small movement such as a flick of the wrist: keep waiting for the reach
+            # a small movement such as a flick of the wrist: keep waiting for the reach
+            self._dismissed = self._began_s
             return
         if self._starts_at_home and found.end_ns is not None:
             self._over = found.end_ns
@@ -308,7 +344,9 @@ class ReachPerception(TimedNode):
         at = next(stamp for stamp in (found.end_ns, self._ended, self.now) if stamp is not None)
         turned = found.details.get("excursion_deg")
         hand_deg = turned if isinstance(turned, float) else None
-        details = found.details | self._trunk.measures(window.from_ns, found.onset_ns, found.end_ns, hand_deg)
+        details = found.details | self._trunk.measures(
+            window.from_ns, found.onset_ns, found.end_ns, hand_deg
+        )
         trace = None
         if found.onset_ns is not None and found.end_ns is not None:
             trace = trace_of(samples, found.onset_ns, found.end_ns, found.details)
@@ -327,7 +365,9 @@ class ReachPerception(TimedNode):
                 invalid=found.invalid,
                 trace=tuple(trace.rate) if trace else (),
                 trace_hz=trace.rate_hz if trace else 0.0,
-                trace_marks=(trace.onset_s, trace.arrival_s, trace.departure_s, trace.end_s) if trace else None,
+                trace_marks=(trace.onset_s, trace.arrival_s, trace.departure_s, trace.end_s)
+                if trace
+                else None,
             ),
         )
         self._clear()

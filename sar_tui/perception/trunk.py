@@ -28,12 +28,16 @@ class Trunk:
             self._kept.clear()
 
     def add(self, block: bytes, keep_ns: int | None) -> None:
-        """Add packed samples; while no reach is watched, forget those older than ``keep_ns`` before the newest."""
+        """Add packed samples; while no reach is watched, forget those older than ``keep_ns`` before
+        the newest.
+        """
         newest = int(self._kept.add(block)["at"][-1])
         if keep_ns is not None:
             self._kept.forget_before(newest - keep_ns)
 
-    def measures(self, from_ns: int, onset_ns: int | None, end_ns: int | None, hand_deg: float | None) -> Measured:
+    def measures(
+        self, from_ns: int, onset_ns: int | None, end_ns: int | None, hand_deg: float | None
+    ) -> Measured:
         """Return the measures of the trunk, as fields; none if there never was a sensor.
 
         Args:
@@ -50,7 +54,9 @@ class Trunk:
             inside = samples[(samples["at"] >= from_ns) & (samples["at"] < end_ns + _AFTER)]
             if len(inside) > 1:
                 whole = recording(inside, from_ns)
-                excursion_deg = trunk_excursion_deg(whole, (onset_ns - from_ns) / NS, (end_ns - from_ns) / NS)
+                excursion_deg = trunk_excursion_deg(
+                    whole, (onset_ns - from_ns) / NS, (end_ns - from_ns) / NS
+                )
             share = compensation_share(excursion_deg, hand_deg)
         return {
             "trunk_excursion_deg": None if excursion_deg is None else round(excursion_deg, 4),

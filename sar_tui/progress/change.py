@@ -1,16 +1,19 @@
 """Changes between sessions: what is more than noise, and what practice alone does.
 
-Three kinds of change are told apart in rehabilitation: observed, detectable (MDC95), and important to the person
-(MCID). Reaction and reach times as measured here have no published MCID, so none is given. Values of other timed tests,
-such as the WMFT, do not carry over (see `progress.instruments`).
+Three kinds of change are told apart in rehabilitation: observed, detectable (MDC95), and important
+to the person (MCID). Reaction and reach times as measured here have no published MCID, so none is
+given. Values of other timed tests, such as the WMFT, do not carry over (see
+`progress.instruments`).
 
-The MDC95 is 1.96 · √2 · SEM, where the standard error of measurement (SEM) is known from many people (Weir 2005). Here
-it comes from a few sessions of one person, so that 1.96 gives way to Student's t: with the SD of three sessions, 1.96
-would call one difference in five a change when nothing had changed.
+The MDC95 is 1.96 · √2 · SEM, where the standard error of measurement (SEM) is known from many
+people (Weir 2005). Here it comes from a few sessions of one person, so that 1.96 gives way to
+Student's t: with the SD of three sessions, 1.96 would call one difference in five a change when
+nothing had changed.
 
-The first session is left out of the baseline. Repeated tests get better without any recovery: reaction times fall over
-the first four tests (Scharfen 2018), and choice reactions need about six sets of 20 before they stand (Parkin 1997).
-Where the baseline itself still rises, that rise is allowed for in later gains.
+The first session is left out of the baseline. Repeated tests get better without any recovery:
+reaction times fall over the first four tests (Scharfen 2018), and choice reactions need about six
+sets of 20 before they stand (Parkin 1997). Where the baseline itself still rises, that rise is
+allowed for in later gains.
 """
 
 import math
@@ -27,7 +30,9 @@ FAMILIARISATION = 1
 BASELINE = 3
 """Sessions of the baseline; the SD of fewer says nothing."""
 _ROUNDING = 1e-9
-"""Share of a mean below which a difference is an error of rounding: sessions that are all alike have no noise."""
+"""Share of a mean below which a difference is an error of rounding: sessions that are all alike
+have no noise.
+"""
 
 
 class Baseline(msgspec.Struct, frozen=True):
@@ -37,8 +42,10 @@ class Baseline(msgspec.Struct, frozen=True):
         mean: of its sessions.
         sem: standard error of measurement: the SD between the sessions.
         mdc95: the smallest difference between two sessions that is more than noise.
-        practice: mean of the baseline minus the first session: the gain of a retest, which is no recovery.
-        rise: from the first to the last of its sessions, at least 0: practice may bring as much again.
+        practice: mean of the baseline minus the first session: the gain of a retest, which is no
+            recovery.
+        rise: from the first to the last of its sessions, at least 0: practice may bring as much
+            again.
     """
 
     mean: float
@@ -53,7 +60,8 @@ def mdc95(sem: float, sessions: int | None = None) -> float:
 
     Args:
         sem: standard error of measurement.
-        sessions: number of one person's sessions that it comes from; None if it is known from many people.
+        sessions: number of one person's sessions that it comes from; None if it is known from many
+            people.
     """
     return (1.96 if sessions is None else t95(sessions - 1)) * math.sqrt(2) * sem
 
@@ -77,7 +85,9 @@ Verdict = Literal["more", "less", "noise", "not yet known"]
 
 
 def verdict(value: float, found: Baseline | None) -> Verdict:
-    """Judge a session against the baseline: a gain must exceed the MDC95 and what practice may still bring."""
+    """Judge a session against the baseline: a gain must exceed the MDC95 and what practice may
+    still bring.
+    """
     if found is None:
         return "not yet known"
     gain, rounding = value - found.mean, _ROUNDING * abs(found.mean)

@@ -1,9 +1,10 @@
 """Instruments of others, whose scores are entered by hand, and what is published of their changes.
 
-Only values that a source states, and that were read there, are here, with the people they hold for. Left out are the
-MDCs of the WMFT three to nine months after a stroke (Fritz 2009, doi:10.1177/1545968309335975), which were not read.
-Of a single goal of GAS nothing is published. Early after a stroke the MCID of the times of the WMFT was indeterminate
-where the side that is not dominant was affected (Lang 2008).
+Only values that a source states, and that were read there, are here, with the people they hold for.
+Left out are the MDCs of the WMFT three to nine months after a stroke (Fritz 2009,
+doi:10.1177/1545968309335975), which were not read. Of a single goal of GAS nothing is published.
+Early after a stroke the MCID of the times of the WMFT was indeterminate where the side that is not
+dominant was affected (Lang 2008).
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,8 @@ import msgspec
 
 
 class Published(msgspec.Struct, frozen=True):
-    """A published minimal detectable change, at 95 % (``MDC``) or 90 % (``MDC90``), or important difference (``MCID``).
+    """A published minimal detectable change, at 95 % (``MDC``) or 90 % (``MDC90``), or important
+    difference (``MCID``).
 
     ``low`` and ``high`` are equal for a single value. ``of``: the people it holds for.
     """
@@ -65,7 +67,9 @@ INSTRUMENTS: dict[str, Instrument] = {
                 Published("MCID", 9, 13, _EARLY, _HUYNH),
                 Published("MCID", 9, 10, "subacute stroke", _ARYA),
                 Published("MDC", 6.6, 6.6, _CHRONIC, _VAN_DER_LEE),
-                Published("MCID", 4.25, 7.25, "chronic stroke, minimal to moderate arm impairment", _PAGE),
+                Published(
+                    "MCID", 4.25, 7.25, "chronic stroke, minimal to moderate arm impairment", _PAGE
+                ),
             ),
         ),
         Instrument(
@@ -154,7 +158,9 @@ class Reached(msgspec.Struct, frozen=True):
 
 
 class InstrumentChange(msgspec.Struct, frozen=True):
-    """The scores of an instrument, oldest first. ``change``: last minus first; None with one score."""
+    """The scores of an instrument, oldest first. ``change``: last minus first; None with one
+    score.
+    """
 
     instrument: Instrument
     scores: list[Score]
@@ -166,16 +172,25 @@ def changes(scores: Sequence[Score]) -> list[InstrumentChange]:
     """Return the scores by instrument, in the order of `INSTRUMENTS`."""
     found = []
     for instrument in INSTRUMENTS.values():
-        own = sorted((score for score in scores if score.instrument == instrument.name), key=lambda score: score.date)
+        own = sorted(
+            (score for score in scores if score.instrument == instrument.name),
+            key=lambda score: score.date,
+        )
         if own:
             change = own[-1].score - own[0].score if len(own) > 1 else None
             gain = (change or 0.0) * (1 if instrument.better == "higher" else -1)
-            compared = [] if change is None else [_reached(each, gain) for each in instrument.published]
+            compared = (
+                [] if change is None else [_reached(each, gain) for each in instrument.published]
+            )
             found.append(InstrumentChange(instrument, own, change, compared))
     return found
 
 
 def _reached(published: Published, gain: float) -> Reached:
-    """Compare a gain: an MDC is exceeded in either direction, an MCID holds for an improvement only."""
+    """Compare a gain: an MDC is exceeded in either direction, an MCID holds for an improvement
+    only.
+    """
     gain = round(gain, 6)
-    return Reached(published, abs(gain) > published.low if published.kind != "MCID" else gain >= published.low)
+    return Reached(
+        published, abs(gain) > published.low if published.kind != "MCID" else gain >= published.low
+    )

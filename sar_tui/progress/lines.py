@@ -1,4 +1,6 @@
-"""Lines of comparable sessions. Sessions with other settings, seats or versions of the task never share a line."""
+"""Lines of comparable sessions. Sessions with other settings, seats or versions of the task never
+share a line.
+"""
 
 import math
 import statistics
@@ -75,8 +77,8 @@ class Point(msgspec.Struct, frozen=True):
         results: of the session.
         mean, sd: of the results of its attempts; None without any, or with one.
         estimate: its level at goal; None if it is not known.
-        side: ``easier`` if all attempts reached the goal, so that the levels played were all too easy; ``harder`` if no
-            result was better than it.
+        side: ``easier`` if all attempts reached the goal, so that the levels played were all too
+            easy; ``harder`` if no result was better than it.
     """
 
     results: SessionResults
@@ -89,8 +91,8 @@ class Point(msgspec.Struct, frozen=True):
 class Line(msgspec.Struct, frozen=True, dict=True):
     """Comparable sessions, first to last.
 
-    ``settings``: what they have in common. ``task``: with these settings; None if it is not installed, or no longer
-    accepts them.
+    ``settings``: what they have in common. ``task``: with these settings; None if it is not
+    installed, or no longer accepts them.
     """
 
     settings: Mapping[str, Any]
@@ -110,7 +112,9 @@ class Line(msgspec.Struct, frozen=True, dict=True):
 
     @property
     def measure(self) -> Literal["level", "result", ""]:
-        """The measure of progress: the level at goal, or the mean result where the level never changed."""
+        """The measure of progress: the level at goal, or the mean result where the level never
+        changed.
+        """
         if any(point.estimate for point in self.points):
             return "level"
         return "result" if self.fixed_level is not None else ""
@@ -125,8 +129,12 @@ class Line(msgspec.Struct, frozen=True, dict=True):
 
     @cached_property
     def judged(self) -> int | None:
-        """Number of the session that the verdict is on: the last one whose measure is known; None without any."""
-        known = [number for number, point in enumerate(self.points) if self.value(point) is not None]
+        """Number of the session that the verdict is on: the last one whose measure is known; None
+        without any.
+        """
+        known = [
+            number for number, point in enumerate(self.points) if self.value(point) is not None
+        ]
         return known[-1] if known else None
 
     @cached_property
@@ -138,14 +146,17 @@ class Line(msgspec.Struct, frozen=True, dict=True):
     def verdict(self) -> Verdict:
         """The verdict on the person, for every screen and report that says how they are doing.
 
-        It is not yet known if a later session, whose measure is not known, speaks against it: all its results were
-        better than the goal although the last known session was worse than the baseline, or the other way round.
+        It is not yet known if a later session, whose measure is not known, speaks against it: all
+        its results were better than the goal although the last known session was worse than the
+        baseline, or the other way round.
         """
         if self.judged is None:
             return "not yet known"
         found = change.verdict(self._values[-1], self.baseline)
         later = {point.side for point in self.points[self.judged + 1 :]}
-        is_contradicted = (found == "less" and "easier" in later) or (found == "more" and "harder" in later)
+        is_contradicted = (found == "less" and "easier" in later) or (
+            found == "more" and "harder" in later
+        )
         return "not yet known" if is_contradicted else found
 
     @cached_property
@@ -154,11 +165,14 @@ class Line(msgspec.Struct, frozen=True, dict=True):
         return [value for point in self.points if (value := self.value(point)) is not None]
 
 
-def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Task] | None]) -> list[Line]:
+def lines(
+    sessions: Iterable[SessionResults], find_task: Callable[[str], type[Task] | None]
+) -> list[Line]:
     """Return the lines of a participant's sessions, the one with the newest session last.
 
     Args:
-        sessions: in the order in which they were played; those without a finished attempt are left out.
+        sessions: in the order in which they were played; those without a finished attempt are left
+            out.
         find_task: returns an installed task by name.
     """
     grouped: dict[bytes, tuple[type[Task] | None, dict[str, Any], list[SessionResults]]] = {}
@@ -168,32 +182,41 @@ def lines(sessions: Iterable[SessionResults], find_task: Callable[[str], type[Ta
         kind = find_task(each.task)
         kind = kind if kind and kind.version == each.task_version else None
         settings = _compared(kind, each.parameters)
-        key = msgspec.json.encode((each.task, each.task_version, each.seat, each.mode, each.metric, settings))
+        key = msgspec.json.encode(
+            (each.task, each.task_version, each.seat, each.mode, each.metric, settings)
+        )
         members = grouped.pop(key, (kind, settings, []))
         members[2].append(each)
         grouped[key] = members
     return [_line(*members) for members in grouped.values()]
 
 
-def comparable(sessions: Iterable[SessionResults], task: Task, *, at_any_goal: bool = False) -> Line | None:
-    """Return the line that a live session of a task, with its settings and one participant, would join; or None.
+def comparable(
+    sessions: Iterable[SessionResults], task: Task, *, at_any_goal: bool = False
+) -> Line | None:
+    """Return the line that a live session of a task, with its settings and one participant, would
+    join; or None.
 
     Args:
         sessions: in the order in which they were played.
         task: with its settings.
-        at_any_goal: look also at sessions that differ in the goal alone. Their results are set against that of
-            ``task``, as results do not depend on the goal.
+        at_any_goal: look also at sessions that differ in the goal alone. Their results are set
+            against that of ``task``, as results do not depend on the goal.
     """
     settings = settings_of(task)
     members = [
-        each for each in sessions if is_comparable(_at_goal(each, task) if at_any_goal else each, task, settings)
+        each
+        for each in sessions
+        if is_comparable(_at_goal(each, task) if at_any_goal else each, task, settings)
     ]
     return _line(type(task), settings, members) if members else None
 
 
 def _at_goal(session: SessionResults, task: Task) -> SessionResults:
     """Return a session with the goal of a task in place of its own."""
-    return msgspec.structs.replace(session, parameters={**session.parameters, "threshold": task.parameters.threshold})
+    return msgspec.structs.replace(
+        session, parameters={**session.parameters, "threshold": task.parameters.threshold}
+    )
 
 
 def settings_of(task: Task) -> dict[str, Any]:
@@ -202,24 +225,34 @@ def settings_of(task: Task) -> dict[str, Any]:
 
 
 def is_comparable(session: SessionResults, task: Task, settings: Mapping[str, Any]) -> bool:
-    """Return True for a live session of one participant with results, of a task with these shared settings."""
+    """Return True for a live session of one participant with results, of a task with these shared
+    settings.
+    """
     kind = type(task)
     return (
-        (session.task, session.task_version, session.seat, session.mode) == (kind.name, kind.version, "A", "live")
+        (session.task, session.task_version, session.seat, session.mode)
+        == (kind.name, kind.version, "A", "live")
         and bool(session.results)
         and _compared(kind, session.parameters) == settings
     )
 
 
 def _compared(kind: type[Task] | None, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that comparable sessions share; all of them if the task that declares them is not there."""
+    """Return the settings that comparable sessions share; all of them if the task that declares
+    them is not there.
+    """
     if kind is None:
         return dict(sorted(parameters.items()))
     stored = current_values(kind.Parameters, parameters)
-    return {name: stored.get(name, default) for name, default in compared_settings(kind.Parameters).items()}
+    return {
+        name: stored.get(name, default)
+        for name, default in compared_settings(kind.Parameters).items()
+    }
 
 
-def _line(kind: type[Task] | None, settings: Mapping[str, Any], members: Sequence[SessionResults]) -> Line:
+def _line(
+    kind: type[Task] | None, settings: Mapping[str, Any], members: Sequence[SessionResults]
+) -> Line:
     task = _set_up(kind, settings) if kind else None
     attempts = [on_axis(task, each.results) if task else [] for each in members]
     slopes = [slope_of(each) for each in attempts]
@@ -229,7 +262,9 @@ def _line(kind: type[Task] | None, settings: Mapping[str, Any], members: Sequenc
 
 
 def _set_up(kind: type[Task], settings: Mapping[str, Any]) -> Task | None:
-    """Return the task with its settings; None if it does not accept them, or its levels cannot be placed."""
+    """Return the task with its settings; None if it does not accept them, or its levels cannot be
+    placed.
+    """
     try:
         task = kind(build(kind.Parameters, settings))
         places(task)
@@ -244,7 +279,8 @@ def _point(results: SessionResults, attempts: Sequence[Attempt], shared: Slope |
     values = [result.metric for result in results.results if result.metric is not None]
     side: Side = ""
     if attempts and not brackets_goal(attempts):
-        is_missed = results.reached is not None and results.reached < len(results.results)  # of errors, if not of time
+        # of errors, if not of time
+        is_missed = results.reached is not None and results.reached < len(results.results)
         if attempts[0].distance >= 0:
             side = "harder"
         elif not is_missed:

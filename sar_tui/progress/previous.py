@@ -1,4 +1,6 @@
-"""A session that has just ended beside the earlier ones that can be compared with it, for its participant."""
+"""A session that has just ended beside the earlier ones that can be compared with it, for its
+participant.
+"""
 
 from collections.abc import Iterable, Sequence
 from datetime import date
@@ -9,7 +11,14 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.model.language import Language
 from sar_tui.model.results_for_people import beside_text, day_text, levels_beside_text, verdict_text
-from sar_tui.progress.lines import Line, Point, SessionResults, comparable, is_comparable, settings_of
+from sar_tui.progress.lines import (
+    Line,
+    Point,
+    SessionResults,
+    comparable,
+    is_comparable,
+    settings_of,
+)
 from sar_tui.progress.task_level import AttemptResult, places, to_level
 
 
@@ -20,29 +29,36 @@ def line_with(
     results: Sequence[AttemptResult],
     reached: int | None = None,
 ) -> Line | None:
-    """Return the line that ends with a session that has just ended; None if no earlier one can be compared with it.
+    """Return the line that ends with a session that has just ended; None if no earlier one can be
+    compared with it.
 
     Args:
-        sessions: of one participant, in the order in which they were played; later ones are not looked at.
+        sessions: of one participant, in the order in which they were played; later ones are not
+            looked at.
         task: with the settings of the session that has ended.
         session: its id, which may be among the sessions.
         results: its results.
-        reached: number of its attempts that reached the goal; None if that is not known, or none had a goal.
+        reached: number of its attempts that reached the goal; None if that is not known, or none
+            had a goal.
     """
     settings = settings_of(task)
     until = takewhile(lambda each: each.session != session, sessions)
     earlier = [each for each in until if is_comparable(each, task, settings)]
     if not earlier or not results:
         return None
-    ended = msgspec.structs.replace(earlier[-1], session=session, status="completed", results=results, reached=reached)
+    ended = msgspec.structs.replace(
+        earlier[-1], session=session, status="completed", results=results, reached=reached
+    )
     return comparable([*earlier, ended], task)
 
 
 def beside_previous(line: Line, today: date, tr: Language) -> str:
-    """Return how the last session of a line went beside the earlier ones, in kind words; empty if that is not known.
+    """Return how the last session of a line went beside the earlier ones, in kind words; empty if
+    that is not known.
 
-    The verdict is that of the line. The level at goal, or the mean where the level never changed, stands beside that of
-    the last completed session, unless it was better then: a difference that may be chance must not look like a fall.
+    The verdict is that of the line. The level at goal, or the mean where the level never changed,
+    stands beside that of the last completed session, unless it was better then: a difference that
+    may be chance must not look like a fall.
     """
     now = line.points[-1]
     earlier = [point for point in line.points[:-1] if point.results.status == "completed"]
@@ -62,8 +78,12 @@ def _figures(line: Line, now: Point, then: Point, when: str, tr: Language) -> st
     """Return two sessions in figures; empty if a level at goal lies outside of the levels."""
     if now.estimate and then.estimate:
         rising = places(line.task) if line.task else []
-        level, before = (to_level(rising, estimate.value) for estimate in (now.estimate, then.estimate))
-        return "" if level is None or before is None else levels_beside_text(level, before, when, tr)
+        level, before = (
+            to_level(rising, estimate.value) for estimate in (now.estimate, then.estimate)
+        )
+        return (
+            "" if level is None or before is None else levels_beside_text(level, before, when, tr)
+        )
     assert now.mean is not None
     assert then.mean is not None
     return beside_text(line.last.metric, now.mean, then.mean, when, tr)

@@ -27,29 +27,42 @@ class AttemptResult(msgspec.Struct, frozen=True):
 
 @cache
 def compared_settings(kind: type[TaskParameters]) -> dict[str, Any]:
-    """Return the parameters that two sessions must share to be compared, with their defaults as they are stored.
+    """Return the parameters that two sessions must share to be compared, with their defaults as
+    they are stored.
 
     They are the task's own, the goal, and the timing.
     """
-    compared = [field for field in fields(kind) if field.name not in _COMMON or field.name in _MEASURING]
-    return {field.name: msgspec.json.decode(msgspec.json.encode(field.default)) for field in compared}
+    compared = [
+        field for field in fields(kind) if field.name not in _COMMON or field.name in _MEASURING
+    ]
+    return {
+        field.name: msgspec.json.decode(msgspec.json.encode(field.default)) for field in compared
+    }
 
 
 def on_axis(task: Task, results: Sequence[AttemptResult]) -> list[Attempt]:
-    """Return the attempts that have a result and a goal, with their distance from the goal of their level."""
+    """Return the attempts that have a result and a goal, with their distance from the goal of their
+    level.
+    """
     sign = 1 if task.metric.better == "lower" else -1
     levels = {result.level for result in results if 1 <= result.level <= task.levels}
     goals = {level: goal for level in levels if (goal := task.goal_value(level)) is not None}
     places = {level: task.difficulty(level) for level in goals}
     return [
-        Attempt(places[result.level], float(max(1, result.correct)), sign * (result.metric - goals[result.level]))
+        Attempt(
+            places[result.level],
+            float(max(1, result.correct)),
+            sign * (result.metric - goals[result.level]),
+        )
         for result in results
         if result.metric is not None and result.level in goals
     ]
 
 
 def places(task: Task) -> list[float]:
-    """Return the places of the task's levels on its axis; empty if they do not rise from level to level."""
+    """Return the places of the task's levels on its axis; empty if they do not rise from level to
+    level.
+    """
     found = [task.difficulty(level) for level in range(1, task.levels + 1)]
     return found if all(easier < harder for easier, harder in pairwise(found)) else []
 

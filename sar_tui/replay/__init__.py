@@ -1,1 +1,3 @@
-"""Recorded sessions run again: their inputs go through the nodes, and what follows is compared with the record."""
+"""Recorded sessions run again: their inputs go through the nodes, and what follows is compared with
+the record.
+"""

@@ -1,4 +1,6 @@
-"""A stored session by other parameters to its end: as recorded up to the first other prompt, then modelled."""
+"""A stored session by other parameters to its end: as recorded up to the first other prompt, then
+modelled.
+"""
 
 import math
 import sqlite3
@@ -60,7 +62,8 @@ class Summary(msgspec.Struct, frozen=True):
 class Forecast(msgspec.Struct, frozen=True):
     """One number of the session: as recorded, and in the runs. None: there is no such number.
 
-    ``share``: of the runs from ``low`` to ``high``; more than the `COVERAGE` if the number has few values.
+    ``share``: of the runs from ``low`` to ``high``; more than the `COVERAGE` if the number has few
+    values.
     """
 
     name: str
@@ -77,8 +80,9 @@ class Forked(msgspec.Struct, frozen=True):
     Attributes:
         session: its id.
         what_if: the changed parameters.
-        record_ends_at_attempt: the attempt with the first prompt that would have been another: from there on, responses
-            are drawn from the model. None if all prompts are those of the record, so that nothing is modelled.
+        record_ends_at_attempt: the attempt with the first prompt that would have been another: from
+            there on, responses are drawn from the model. None if all prompts are those of the
+            record, so that nothing is modelled.
         runs: number of runs; 1 if nothing is modelled.
         seed: of the first run; the others have the numbers after it.
         coverage: least share of the runs in each interval.
@@ -105,7 +109,8 @@ def fork(
     runs: int = RUNS,
     progress: Callable[[int], None] = lambda done: None,
 ) -> Forked:
-    """Run a stored session by other parameters, often, with a model of its participant from the first other prompt on.
+    """Run a stored session by other parameters, often, with a model of its participant from the
+    first other prompt on.
 
     Args:
         database: only read.
@@ -132,7 +137,8 @@ def fork(
     same = play(kind, before.parameters, record, row["seed"], record, None)
     if same.forked_at is not None or _scores(same.ended) != _scores(record.ended):
         raise Failed(
-            f"The session {row['id']} does not come out as recorded from its responses alone: perhaps something acted "
+            f"The session {row['id']} does not come out as recorded from its responses alone: "
+            "perhaps something acted "
             "on it, or the task has changed since. It cannot be forked."
         )
     model = None
@@ -146,7 +152,11 @@ def fork(
         model = _fit(row, record)
         ended = []
         for number in range(runs):
-            ended.append(play(kind, after, record, seed, kept, model.draw(seed + number), seed + number).ended)
+            ended.append(
+                play(
+                    kind, after, record, seed, kept, model.draw(seed + number), seed + number
+                ).ended
+            )
             progress(number + 1)
     what_if = msgspec.to_builtins(after)
     return Forked(
@@ -164,12 +174,18 @@ def fork(
 def _check_kind(row: sessions.Row, task: Task) -> None:
     """Raise Failed if the people who do such sessions cannot be modelled."""
     if row["status"] != "completed":
-        raise Failed(f"The session {row['id']} was not completed. Only a completed session can be forked.")
+        raise Failed(
+            f"The session {row['id']} was not completed. Only a completed session can be forked."
+        )
     if len(task.seats) > 1:
-        raise Failed("A session of two cannot be forked: how one responds depends on the other, which is not modelled.")
+        raise Failed(
+            "A session of two cannot be forked: how one responds depends on the other, which is "
+            "not modelled."
+        )
     if task.sensor_seats(task.parameters) or task.start_key:
         raise Failed(
-            f"A session of {task.name} cannot be forked: there is a model of key presses only, not of movements."
+            f"A session of {task.name} cannot be forked: there is a model of key presses only, "
+            "not of movements."
         )
 
 
@@ -178,22 +194,32 @@ def _fit(row: sessions.Row, record: Responses) -> ResponseModel:
     responses = [
         Response(key[0], record.prompts[key].choices, trial.reaction_time_ms)
         for key, trial in record.trials.items()
-        if trial.correct and trial.reaction_time_ms is not None and "anticipation" not in trial.timing.flags
+        if trial.correct
+        and trial.reaction_time_ms is not None
+        and "anticipation" not in trial.timing.flags
     ]
     attempts = {one.attempt for one in responses}
     if len(responses) < FEWEST_RESPONSES or len(attempts) < FEWEST_ATTEMPTS:
         raise Failed(
-            f"The session {row['id']} has {len(responses)} correct responses in {len(attempts)} attempts: too few for "
+            f"The session {row['id']} has {len(responses)} correct responses in {len(attempts)} "
+            "attempts: too few for "
             f"a model, which needs {FEWEST_RESPONSES} in {FEWEST_ATTEMPTS}."
         )
     missed = sum(trial.response is None for trial in record.trials.values())
-    wrong = sum(trial.response is not None and not trial.correct for trial in record.trials.values())
-    counts = Counts(len(record.trials), missed, wrong, len(record.offered), len(record.asked & record.offered))
+    wrong = sum(
+        trial.response is not None and not trial.correct for trial in record.trials.values()
+    )
+    counts = Counts(
+        len(record.trials), missed, wrong, len(record.offered), len(record.asked & record.offered)
+    )
     return ResponseModel(responses, counts)
 
 
 def _scores(ended: Sequence[AttemptEnded]) -> list[tuple[object, ...]]:
-    return [(one.attempt, one.level, one.metric, one.accuracy, one.outcome, one.feedback) for one in ended]
+    return [
+        (one.attempt, one.level, one.metric, one.accuracy, one.outcome, one.feedback)
+        for one in ended
+    ]
 
 
 def summary(ended: Sequence[AttemptEnded]) -> Summary:
@@ -229,13 +255,17 @@ def _forecast(name: str, recorded: Summary, runs: Sequence[Summary]) -> Forecast
 
 
 def _shortest_interval(values: Floats) -> tuple[float, float]:
-    """Return the shortest interval with `COVERAGE` of sorted values, and of equally short ones that with most.
+    """Return the shortest interval with `COVERAGE` of sorted values, and of equally short ones that
+    with most.
 
-    A number with few values, such as a level, gets no more of them than it needs: quantiles would hold too many.
+    A number with few values, such as a level, gets no more of them than it needs: quantiles would
+    hold too many.
     """
     count = math.ceil(COVERAGE * len(values))
     lows, highs = values[: len(values) - count + 1], values[count - 1 :]
     shortest = np.flatnonzero(highs - lows <= (highs - lows).min() + 1e-12)
-    held = np.searchsorted(values, highs[shortest], "right") - np.searchsorted(values, lows[shortest], "left")
+    held = np.searchsorted(values, highs[shortest], "right") - np.searchsorted(
+        values, lows[shortest], "left"
+    )
     best = shortest[np.argmax(held)]
     return float(lows[best]), float(highs[best])

@@ -1,4 +1,6 @@
-"""A session played again from its responses, which are taken as far as its prompts are the recorded ones."""
+"""A session played again from its responses, which are taken as far as its prompts are the recorded
+ones.
+"""
 
 import sqlite3
 from typing import Any, NamedTuple
@@ -7,7 +9,16 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import on
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ATTEMPT_ENDED, KEY, REPORT, SHOWN, STORED, TONE_BEGAN, TRIAL, TRIAL_FEEDBACK_SHOWN
+from sar_tui.loop.topics import (
+    ATTEMPT_ENDED,
+    KEY,
+    REPORT,
+    SHOWN,
+    STORED,
+    TONE_BEGAN,
+    TRIAL,
+    TRIAL_FEEDBACK_SHOWN,
+)
 from sar_tui.model.frames import planned, timed
 from sar_tui.model.messages import (
     AttemptEnded,
@@ -30,7 +41,8 @@ from sar_tui.store import sessions
 
 
 class Responses(NamedTuple):
-    """The responses of a record, the prompts that they answer, and the facts with which the session began.
+    """The responses of a record, the prompts that they answer, and the facts with which the session
+    began.
 
     Attributes:
         started: the facts.
@@ -51,7 +63,9 @@ class Responses(NamedTuple):
 
 
 def read_responses(database: sqlite3.Connection, row: sessions.Row) -> Responses:
-    """Read a record. Raises Failed if somebody acted on the session, so that its course is not the task's own."""
+    """Read a record. Raises Failed if somebody acted on the session, so that its course is not the
+    task's own.
+    """
     started: SessionStarted | None = None
     theme: Theme | None = None
     prompts, trials = {}, {}
@@ -87,13 +101,15 @@ def read_responses(database: sqlite3.Connection, row: sessions.Row) -> Responses
 
 def _acted_on(row: sessions.Row) -> Failed:
     return Failed(
-        f"An operator or a therapist acted on session {row['id']}. It cannot be forked: there is no model of what they "
+        f"An operator or a therapist acted on session {row['id']}. It cannot be forked: there is "
+        "no model of what they "
         "would have done."
     )
 
 
 class _Participant(SimulatedParticipant):
-    """Gives the recorded responses up to the first prompt that is not the recorded one, then those of a person.
+    """Gives the recorded responses up to the first prompt that is not the recorded one, then those
+    of a person.
 
     Attributes:
         forked_at: the attempt of that prompt; None before it.
@@ -101,7 +117,9 @@ class _Participant(SimulatedParticipant):
 
     emits = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN, STORED)
 
-    def __init__(self, person: Person | None, task: Task, seed: int, record: Responses | None) -> None:
+    def __init__(
+        self, person: Person | None, task: Task, seed: int, record: Responses | None
+    ) -> None:
         super().__init__(person, task, seed)  # type: ignore[arg-type]
         self._modelled = person is not None
         self._record = record
@@ -124,7 +142,12 @@ class _Participant(SimulatedParticipant):
             return
         assert self._record
         trial = self._record.trials.get(key)
-        if trial and trial.response is not None and trial.response_at is not None and trial.onset is not None:
+        if (
+            trial
+            and trial.response is not None
+            and trial.response_at is not None
+            and trial.onset is not None
+        ):
             onset = shown + planned(prompt.frames, timed(prompt.frames))
             self._press(trial.response, onset + trial.response_at - trial.onset)
 

@@ -66,7 +66,9 @@ class Player:
     @property
     def attempts(self) -> int:
         """Number of the last recorded attempt."""
-        return max((m.attempt for _, _, _, m in self._records if isinstance(m, AttemptStarted)), default=0)
+        return max(
+            (m.attempt for _, _, _, m in self._records if isinstance(m, AttemptStarted)), default=0
+        )
 
     def advance(self, elapsed: int) -> None:
         """Show what falls into the next ``elapsed`` ns of real time."""
@@ -79,7 +81,9 @@ class Player:
         self.clock.advance(max(0, until - self.clock.now()))
 
     def skip_to(self, attempt: int) -> None:
-        """Show at once all that comes before an attempt and its beginning; of the last one, its end."""
+        """Show at once all that comes before an attempt and its beginning; of the last one, its
+        end.
+        """
         while not self.is_over and self.attempt < attempt:
             self.clock.set(self._due())
             self._show_next()
@@ -90,7 +94,9 @@ class Player:
         self.speed = SPEEDS[max(0, min(len(SPEEDS) - 1, place + by))]
 
     def _due(self) -> int:
-        """Return the time of the next message. A run begins at once: it may be hours later, and on another clock."""
+        """Return the time of the next message. A run begins at once: it may be hours later, and on
+        another clock.
+        """
         at = self._records[self._next].at
         if self._next in self._beginnings:
             self.clock.set(at)
@@ -106,7 +112,9 @@ class Player:
 
 
 def _beginnings(records: Sequence[Record]) -> set[int]:
-    """Return the places of the first message of each run: outputs are opened shortly before it is announced."""
+    """Return the places of the first message of each run: outputs are opened shortly before it is
+    announced.
+    """
     found = set()
     for announced, record in enumerate(records):
         if isinstance(record.message, SessionStarted):

@@ -1,4 +1,6 @@
-"""A stored session run again from its inputs, on the virtual clock, without screen, outputs and devices."""
+"""A stored session run again from its inputs, on the virtual clock, without screen, outputs and
+devices.
+"""
 
 import sqlite3
 from collections.abc import Iterator, Mapping
@@ -23,10 +25,12 @@ from sar_tui.store.rescue import rescue_files
 
 
 class FirstDifference(msgspec.Struct, frozen=True):
-    """The first message that differs. ``recorded`` or ``derived`` is None if there is no such message.
+    """The first message that differs. ``recorded`` or ``derived`` is None if there is no such
+    message.
 
-    Its number ``seq`` is that of the view ``events``. ``topic`` is that of the recorded message, or of the derived one
-    if nothing was recorded. ``derived_topic`` differs from it if another kind of message was derived in its place.
+    Its number ``seq`` is that of the view ``events``. ``topic`` is that of the recorded message, or
+    of the derived one if nothing was recorded. ``derived_topic`` differs from it if another kind of
+    message was derived in its place.
     """
 
     seq: int
@@ -37,7 +41,9 @@ class FirstDifference(msgspec.Struct, frozen=True):
 
 
 class Replayed(msgspec.Struct, frozen=True):
-    """Result of a replay. ``events``: number of messages that came out as recorded, up to the first difference."""
+    """Result of a replay. ``events``: number of messages that came out as recorded, up to the first
+    difference.
+    """
 
     session: str
     identical: bool
@@ -54,10 +60,12 @@ def replay(
     row: sessions.Row,
     progress: Progress = lambda done, of: None,
 ) -> Replayed:
-    """Feed the recorded inputs of a session through the nodes, and compare what follows with the record.
+    """Feed the recorded inputs of a session through the nodes, and compare what follows with the
+    record.
 
-    What a session knew of its participants at its beginning (best results, what was done that day) is in its record,
-    as are its theme's words and looks: later sessions and an edited theme change nothing.
+    What a session knew of its participants at its beginning (best results, what was done that day)
+    is in its record, as are its theme's words and looks: later sessions and an edited theme change
+    nothing.
 
     Args:
         database: only read.
@@ -67,7 +75,8 @@ def replay(
         progress: called with the number of messages that are done, and of all.
 
     Raises:
-        StoreError: the session is running, part of it is in a rescue file, or its record cannot be read.
+        StoreError: the session is running, part of it is in a rescue file, or its record cannot be
+            read.
         PluginError: its task is not installed any more.
         ParameterError: its parameters are not those of the present task.
         Failed: its task cannot be set up.
@@ -97,17 +106,22 @@ def new_session(row: sessions.Row, catalogue: Catalogue, changed: Mapping[str, o
     kind = catalogue.task(row["task"])
     values = {**current_values(kind.Parameters, row["parameters"]), **changed}
     task = without_outputs(kind, build(kind.Parameters, values))
-    theme = catalogue.theme(DEFAULT_THEME, task.parameters.language)  # until the record names its own
+    # until the record names its own
+    theme = catalogue.theme(DEFAULT_THEME, task.parameters.language)
     return Session(task, theme, VirtualClock(), row["seed"])
 
 
 def check_whole(folder: Path, row: sessions.Row) -> None:
     """Raise StoreError if the record of a session is not whole, or still grows."""
     if row["status"] == "running":
-        raise StoreError(f"The session {row['id']} is running. Replay it when it has ended.", bad_input=True)
+        raise StoreError(
+            f"The session {row['id']} is running. Replay it when it has ended.", bad_input=True
+        )
     if files := rescue_files(folder, row["id"]):
         raise StoreError(
-            f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` first.", bad_input=True
+            f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` "
+            "first.",
+            bad_input=True,
         )
 
 

@@ -22,7 +22,9 @@ from sar_tui.store import sessions
 
 _GROUPS = ("Difficulty", "Feedback")
 _TIMED = ("feedback_delay_ms",)
-"""Settings of these groups that change when something happens, so that the recorded times would not fit."""
+"""Settings of these groups that change when something happens, so that the recorded times would not
+fit.
+"""
 _DETECTION = ("detector",)
 """Settings of tasks that change how a movement is analysed, and not when it is over."""
 
@@ -55,11 +57,12 @@ class Rescored(msgspec.Struct, frozen=True):
         session: its id.
         what_if: the changed parameters.
         attempts: those that can be scored from the record.
-        ends_at_attempt: the attempt in which the course of the session would have been another one: with another
-            prompt, or another end of a trial, or something else for an operator to decide on. It and those after it
-            are not scored. None if there is none.
-        other_feedback_from: the first attempt with feedback of another kind: positive, neutral, negative or none.
-            Responses after it are those of a person who had other feedback. None if there is none.
+        ends_at_attempt: the attempt in which the course of the session would have been another one:
+            with another prompt, or another end of a trial, or something else for an operator to
+            decide on. It and those after it are not scored. None if there is none.
+        other_feedback_from: the first attempt with feedback of another kind: positive, neutral,
+            negative or none. Responses after it are those of a person who had other feedback. None
+            if there is none.
     """
 
     session: str
@@ -88,22 +91,27 @@ def rescore(
     Raises:
         StoreError, PluginError: as `replay`.
         ParameterError: a parameter is unknown, out of bounds, or changes more than the scores.
-        Failed: the session differs from its record without any change, or its task cannot be set up.
+        Failed: the session differs from its record without any change, or its task cannot be set
+            up.
     """
     kind = catalogue.task(row["task"])
     names = current_values(kind.Parameters, changed)
     declared = {field.name for field in fields(kind.Parameters)}
-    if wrong := [name for name in names if name in declared and not changes_only_scores(kind, name)]:
+    if wrong := [
+        name for name in names if name in declared and not changes_only_scores(kind, name)
+    ]:
         raise ParameterError(
             {
-                name: f"{name} changes more than scores: the recorded inputs would not fit. --fork models what follows."
+                name: f"{name} changes more than scores: the recorded inputs would not fit. "
+                "--fork models what follows."
                 for name in wrong
             }
         )
     session = new_session(row, catalogue, names)
     if not replay(database, folder, catalogue, row).identical:
         raise Failed(
-            f"The session {row['id']} differs from its record without any change: `sar-tui replay {row['id']}` shows "
+            f"The session {row['id']} differs from its record without any change: `sar-tui replay "
+            f"{row['id']}` shows "
             "where. It cannot be told what another parameter would change."
         )
     trace = _Trace()
@@ -113,7 +121,9 @@ def rescore(
                 break
     ends_at = trace.ends_at()
     attempts = tuple(
-        RescoredAttempt(was.attempt, was.seat, was.practice, was.level, _score(was), _score(trace.now[key]))
+        RescoredAttempt(
+            was.attempt, was.seat, was.practice, was.level, _score(was), _score(trace.now[key])
+        )
         for key, was in trace.was.items()
         if key in trace.now and (ends_at is None or was.attempt < ends_at)
     )
@@ -129,13 +139,20 @@ def rescore(
 
 
 def changes_only_scores(kind: type[Task], name: str) -> bool:
-    """Return True if a parameter changes scores, and prompts only by them: recorded inputs fit up to another prompt."""
-    scores = {field.name for field in fields(kind.Parameters) if field.group in _GROUPS or field.name in _DETECTION}
+    """Return True if a parameter changes scores, and prompts only by them: recorded inputs fit up
+    to another prompt.
+    """
+    scores = {
+        field.name
+        for field in fields(kind.Parameters)
+        if field.group in _GROUPS or field.name in _DETECTION
+    }
     return name in scores and name not in _TIMED
 
 
 class _Trace:
-    """Compares the course of a session with the record: prompts, ends of trials and attempts, what operators decide on.
+    """Compares the course of a session with the record: prompts, ends of trials and attempts, what
+    operators decide on.
 
     Attributes:
         was: the recorded results of attempts, by attempt and seat.
@@ -150,20 +167,31 @@ class _Trace:
         self._attempt = 1
 
     def add(self, record: Record, cascade: Iterable[Record]) -> bool:
-        """Add a recorded message and what follows from it now. Return False if the course is another one."""
+        """Add a recorded message and what follows from it now. Return False if the course is
+        another one.
+        """
         if record.topic.origin == "input" and (self._recorded or self._derived):
             return False
-        for records, steps, results in (([record], self._recorded, self.was), (cascade, self._derived, self.now)):
+        for records, steps, results in (
+            ([record], self._recorded, self.was),
+            (cascade, self._derived, self.now),
+        ):
             messages = [one.message for one in records]
             steps.extend(message for message in messages if isinstance(message, _Step))
-            results.update({(one.attempt, one.seat): one for one in messages if isinstance(one, AttemptEnded)})
-        while self._recorded and self._derived and _is_same_step(self._recorded[0], self._derived[0]):
+            results.update(
+                {(one.attempt, one.seat): one for one in messages if isinstance(one, AttemptEnded)}
+            )
+        while (
+            self._recorded and self._derived and _is_same_step(self._recorded[0], self._derived[0])
+        ):
             self._attempt = _attempt(self._recorded.popleft()) or self._attempt
             self._derived.popleft()
         return not (self._recorded and self._derived)
 
     def ends_at(self) -> int | None:
-        """Return the attempt of the first step that differs, or is on one side only; None if there is none."""
+        """Return the attempt of the first step that differs, or is on one side only; None if there
+        is none.
+        """
         first = [*list(self._recorded)[:1], *list(self._derived)[:1]]
         return min((_attempt(step) or self._attempt for step in first), default=None)
 
@@ -181,7 +209,11 @@ def _is_same_step(recorded: _Step, derived: _Step) -> bool:
         case Prompt(), Prompt():
             return is_same(recorded, derived)
         case TrialEnded(), TrialEnded():
-            return (recorded.attempt, recorded.trial, recorded.seat) == (derived.attempt, derived.trial, derived.seat)
+            return (recorded.attempt, recorded.trial, recorded.seat) == (
+                derived.attempt,
+                derived.trial,
+                derived.seat,
+            )
         case AttemptEnded(), AttemptEnded():
             return (recorded.attempt, recorded.seat) == (derived.attempt, derived.seat)
         case PendingApproval(), PendingApproval():

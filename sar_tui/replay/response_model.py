@@ -1,9 +1,10 @@
 """A model of one person's responses in a session, fitted to its trials.
 
-The mean reaction time grows in a straight line with the information in the choice, log2 n bits (Hick 1952; Hyman
-1953), and in a straight line over the attempts. Responses scatter about it in proportion to it (Wagenmakers & Brown
-2007), with the shape that they had: the ratios of recorded and mean times are drawn again. Attempts scatter, too, as
-far as theirs differ by more than their trials explain. Slips and misses are equally likely in all prompts.
+The mean reaction time grows in a straight line with the information in the choice, log2 n bits
+(Hick 1952; Hyman 1953), and in a straight line over the attempts. Responses scatter about it in
+proportion to it (Wagenmakers & Brown 2007), with the shape that they had: the ratios of recorded
+and mean times are drawn again. Attempts scatter, too, as far as theirs differ by more than their
+trials explain. Slips and misses are equally likely in all prompts.
 """
 
 import math
@@ -25,10 +26,14 @@ FEWEST_ATTEMPTS = 2
 FASTEST_MS = 100.0
 """The least time that is drawn: a faster response would be an anticipation."""
 _PER_BIT_MS = (150.0, 100.0)
-"""Time for each bit of choice as it is assumed before a trial is looked at: mean and standard deviation of published
-slopes (Proctor & Schneider 2018). It decides only if the session had few levels."""
+"""Time for each bit of choice as it is assumed before a trial is looked at: mean and standard
+deviation of published slopes (Proctor & Schneider 2018). It decides only if the session had few
+levels.
+"""
 _TREND_SHARE = 0.01
-"""Standard deviation assumed of the change of the mean from attempt to attempt, as a share of it."""
+"""Standard deviation assumed of the change of the mean from attempt to attempt, as a share of
+it.
+"""
 
 Floats = npt.NDArray[np.float64]
 
@@ -42,7 +47,9 @@ class Response(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """Numbers of prompts and of those that were missed or answered wrongly; of offers of feedback, and requests."""
+    """Numbers of prompts and of those that were missed or answered wrongly; of offers of feedback,
+    and requests.
+    """
 
     prompts: int
     missed: int
@@ -99,16 +106,22 @@ class ResponseModel:
         times = np.array([one.reaction_ms for one in responses])
         usual = times.mean()
         prior = np.array([usual, _PER_BIT_MS[0], 0.0])
-        precision = np.diag([(4 * usual) ** -2.0, _PER_BIT_MS[1] ** -2.0, (_TREND_SHARE * usual) ** -2.0])
+        precision = np.diag(
+            [(4 * usual) ** -2.0, _PER_BIT_MS[1] ** -2.0, (_TREND_SHARE * usual) ** -2.0]
+        )
         mean, inflation, self._attempt_sd = np.full(len(times), usual), np.ones(len(times)), 0.0
         variance = float(np.var(times / usual, ddof=1))
         for _ in range(4):  # the scatter depends on the mean, and the mean on the scatter
             weights = 1 / (variance * mean**2 * inflation)
             self._covariance = np.linalg.inv(precision + design.T @ (design * weights[:, None]))
-            self._middle_values = self._covariance @ (precision @ prior + design.T @ (weights * times))
+            self._middle_values = self._covariance @ (
+                precision @ prior + design.T @ (weights * times)
+            )
             mean = np.maximum(design @ self._middle_values, FASTEST_MS)
             ratios = times / mean
-            self._attempt_sd, inflation, variance = _scatter(ratios, [one.attempt for one in responses])
+            self._attempt_sd, inflation, variance = _scatter(
+                ratios, [one.attempt for one in responses]
+            )
         self._ratios = ratios / ratios.mean()
         bits = self._middle_values
         levels = [one.choices for one in responses]
@@ -132,7 +145,9 @@ class ResponseModel:
         return 1.0, math.log2(max(1, choices)), self._trend(attempt)
 
     def _trend(self, attempt: int) -> float:
-        """Return how far an attempt is from the middle; the trend goes on no further than the recorded attempts."""
+        """Return how far an attempt is from the middle; the trend goes on no further than the
+        recorded attempts.
+        """
         return min(max(attempt, self._first), self._last) - self._middle
 
     def draw(self, seed: int) -> "DrawnPerson":
@@ -148,14 +163,18 @@ class ResponseModel:
             ratios=[float(ratio) for ratio in ratios / ratios.mean()],
             attempt_sd=self._attempt_sd,
             missed=generator.beta(0.5 + counts.missed, 0.5 + counts.prompts - counts.missed),
-            wrong=generator.beta(0.5 + counts.wrong, 0.5 + counts.prompts - counts.missed - counts.wrong),
+            wrong=generator.beta(
+                0.5 + counts.wrong, 0.5 + counts.prompts - counts.missed - counts.wrong
+            ),
             asks=generator.beta(0.5 + counts.asked, 0.5 + counts.offered - counts.asked),
         )
 
     def mean_ms(self, values: Floats, choices: int, attempt: int) -> float:
         """Return the mean reaction time under values of the three coefficients."""
         base, per_bit, per_attempt = values
-        return float(base + per_bit * math.log2(max(1, choices)) + per_attempt * self._trend(attempt))
+        return float(
+            base + per_bit * math.log2(max(1, choices)) + per_attempt * self._trend(attempt)
+        )
 
 
 class DrawnPerson:
@@ -201,10 +220,12 @@ class DrawnPerson:
 
 
 def _scatter(ratios: Floats, attempts: Sequence[int]) -> tuple[float, Floats, float]:
-    """Split the scatter of responses into that of attempts and that within them (analysis of variance).
+    """Split the scatter of responses into that of attempts and that within them (analysis of
+    variance).
 
     Returns:
-        The standard deviation of attempts, for each response the factor by which it counts less because those of an
+        The standard deviation of attempts, for each response the factor by which it counts less
+        because those of an
         attempt go together, and the variance within attempts.
     """
     groups: dict[int, list[float]] = defaultdict(list)
@@ -212,10 +233,15 @@ def _scatter(ratios: Floats, attempts: Sequence[int]) -> tuple[float, Floats, fl
         groups[attempt].append(float(ratio))
     means = {attempt: float(np.mean(group)) for attempt, group in groups.items()}
     free = max(1, len(ratios) - len(groups))
-    within = sum((ratio - means[attempt]) ** 2 for attempt, group in groups.items() for ratio in group) / free
+    within = (
+        sum((ratio - means[attempt]) ** 2 for attempt, group in groups.items() for ratio in group)
+        / free
+    )
     within = within or 1e-6
     size = len(ratios) / len(groups)
-    between = sum(len(groups[attempt]) * (mean - 1) ** 2 for attempt, mean in means.items()) / max(1, len(groups) - 1)
+    between = sum(len(groups[attempt]) * (mean - 1) ** 2 for attempt, mean in means.items()) / max(
+        1, len(groups) - 1
+    )
     variance = max(0.0, (between - within) / size)
     inflation = np.array([1 + len(groups[attempt]) * variance / within for attempt in attempts])
     return math.sqrt(variance), inflation, within

@@ -1,4 +1,6 @@
-"""Software that a session was recorded with, and the software that is present: what can make them differ."""
+"""Software that a session was recorded with, and the software that is present: what can make them
+differ.
+"""
 
 import sqlite3
 from collections.abc import Mapping
@@ -13,7 +15,8 @@ from sar_tui.store.provenance import software
 
 
 class Versions(msgspec.Struct, frozen=True, kw_only=True):
-    """Versions of all that a session follows from beside its inputs. None: it was not recorded, or is not there.
+    """Versions of all that a session follows from beside its inputs. None: it was not recorded, or
+    is not there.
 
     The rules are those of the loop (`rules.version`): a session keeps the ones that it began with.
     """
@@ -34,7 +37,10 @@ class RecordedVersions(Versions, frozen=True, kw_only=True):
 
 
 def recorded(
-    database: sqlite3.Connection, row: sessions.Row, rules: Mapping[int, int], themes: Mapping[int, str]
+    database: sqlite3.Connection,
+    row: sessions.Row,
+    rules: Mapping[int, int],
+    themes: Mapping[int, str],
 ) -> tuple[RecordedVersions, ...]:
     """Return the versions of each run of a stored session.
 
@@ -55,7 +61,9 @@ def recorded(
 
 
 def present(row: sessions.Row, catalogue: Catalogue) -> Versions:
-    """Return the versions of what is installed now. Raises PluginError if the task is not there any more."""
+    """Return the versions of what is installed now. Raises PluginError if the task is not there any
+    more.
+    """
     kind = catalogue.task(row["task"])
     code = task_code(kind)
     try:
@@ -84,9 +92,14 @@ def changes(then: Versions, now: Versions) -> list[str]:
     """Return a sentence for each part that is another one now than in a run."""
     found = []
     if then.sar_tui != now.sar_tui:
-        found.append(f"sar-tui was {then.sar_tui or 'of an unknown version'}, and is {now.sar_tui}.")
+        found.append(
+            f"sar-tui was {then.sar_tui or 'of an unknown version'}, and is {now.sar_tui}."
+        )
     if then.task_version != now.task_version:
-        found.append(f"The task {now.task} was version {then.task_version}, and is version {now.task_version}.")
+        found.append(
+            f"The task {now.task} was version {then.task_version}, and is version "
+            f"{now.task_version}."
+        )
     elif then.task_hash != now.task_hash:
         found.append(f"The files of the task {now.task} have changed.")
     if now.theme_hash is None:
@@ -96,5 +109,8 @@ def changes(then: Versions, now: Versions) -> list[str]:
     elif then.theme_hash != now.theme_hash:
         found.append(f"The files of the theme {now.theme} have changed.")
     if then.rules is not None and then.rules != now.rules:
-        found.append(f"The session keeps rules {then.rules} of the loop; new sessions have rules {now.rules}.")
+        found.append(
+            f"The session keeps rules {then.rules} of the loop; new sessions have rules "
+            f"{now.rules}."
+        )
     return found

@@ -16,10 +16,12 @@ class Agreement(msgspec.Struct, frozen=True):
         decided: number of proposals, of which ``accepted`` unchanged, ``edited`` and ``vetoed``.
         accepted_share: of those decided.
         edits_of_words: number of edits that changed words.
-        words_changed_median, words_changed_most: share of words that these edits changed (see `word_distance`).
+        words_changed_median, words_changed_most: share of words that these edits changed (see
+            `word_distance`).
         valences: number of decided proposals that were said and have a valence.
         valences_overridden: of these, number with another valence than proposed.
-        valence_kappa: Cohen's kappa of proposed and said; None if both have only one and the same value.
+        valence_kappa: Cohen's kappa of proposed and said; None if both have only one and the same
+            value.
         valence_table: counts by proposed, then said valence.
     """
 
@@ -46,7 +48,9 @@ def agreement(records: Iterable[ProposalRecord]) -> Agreement:
         for record in decided
         if record.verdict == "edited" and record.said is not None and record.said != record.text
     ]
-    pairs = [(each.valence, each.said_valence) for each in decided if each.valence and each.said_valence]
+    pairs = [
+        (each.valence, each.said_valence) for each in decided if each.valence and each.said_valence
+    ]
     table: dict[str, dict[str, int]] = {}
     for (proposed, said), n in sorted(Counter(pairs).items()):
         table.setdefault(str(proposed), {})[str(said)] = n
@@ -67,7 +71,8 @@ def agreement(records: Iterable[ProposalRecord]) -> Agreement:
 
 
 def kappa(pairs: Sequence[tuple[Hashable, Hashable]]) -> float | None:
-    """Return Cohen's kappa (1960) of two ratings of the same items: agreement beyond chance, at most 1.
+    """Return Cohen's kappa (1960) of two ratings of the same items: agreement beyond chance, at
+    most 1.
 
     None if it is not defined: without items, or if all ratings are the same.
     """

@@ -7,13 +7,22 @@ if TYPE_CHECKING:  # a table of the command line needs neither
     from sar_tui.model.trial_types import Metric
 
 ResultName = Literal["reached", "missed", "inaccurate", "no result", "no goal"]
-MARKERS: dict[ResultName, str] = {"reached": "●", "missed": "○", "inaccurate": "◇", "no result": "×", "no goal": "•"}
+MARKERS: dict[ResultName, str] = {
+    "reached": "●",
+    "missed": "○",
+    "inaccurate": "◇",
+    "no result": "×",
+    "no goal": "•",
+}
 
 
-def result_name(outcome: "Outcome", value: float | None, goal: float | None, metric: "Metric") -> ResultName:
+def result_name(
+    outcome: "Outcome", value: float | None, goal: float | None, metric: "Metric"
+) -> ResultName:
     """Return the result of an attempt.
 
-    A failure whose value is better than the goal is ``inaccurate``: too few of its responses were right.
+    A failure whose value is better than the goal is ``inaccurate``: too few of its responses were
+    right.
 
     Args:
         outcome: of the attempt.

@@ -1,6 +1,8 @@
-"""Text plot of a session: a strip with the results of its attempts, and below it one with their levels.
+"""Text plot of a session: a strip with the results of its attempts, and below it one with their
+levels.
 
-The thesis draws both into one plot with two axes (Figure 4.4), which invites to compare heights that mean nothing.
+The thesis draws both into one plot with two axes (Figure 4.4), which invites to compare heights
+that mean nothing.
 """
 
 import math
@@ -60,7 +62,8 @@ def attempts_figure(
         width, height: in characters, including heading and axes.
         color: use ANSI colours.
         results: of each attempt; if empty, all that have a metric have the same marker.
-        beside: metrics and goals of a figure shown beside this one, so that both have the same axes.
+        beside: metrics and goals of a figure shown beside this one, so that both have the same
+            axes.
         has_legend: False if the legend is shown elsewhere (`legend`).
         has_bars: False for levels in figures alone.
         tr: the language of the other words.
@@ -77,7 +80,9 @@ def attempts_figure(
     has_empty = None in (*metrics, *beside)
     bar_lines = (height >= _FOR_BARS) + (height >= _FOR_TALL_BARS) if has_bars else 0
     explained = legend(goals, results or [name for name in names if name == "no result"], tr)
-    heading = _heading(metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND)
+    heading = _heading(
+        metric, explained if has_legend else [], width, may_have_two=height >= _FOR_LEGEND
+    )
     plotext.clear_figure()
     try:
         size = width, height - len(heading) - has_empty - 1 - bar_lines
@@ -125,17 +130,32 @@ def _body(
     for run in _runs(metrics):
         plt.plot([attempt for attempt, _ in run], [value for _, value in run], marker="braille")
     for name, marker in MARKERS.items():
-        found = [attempt for attempt, its in zip(attempts, results, strict=True) if its == name != "no result"]
+        found = [
+            attempt
+            for attempt, its in zip(attempts, results, strict=True)
+            if its == name != "no result"
+        ]
         if found:
             plt.scatter(
-                found, [metrics[attempt - 1] for attempt in found], marker=marker, color=_COLORS[name], style="bold"
+                found,
+                [metrics[attempt - 1] for attempt in found],
+                marker=marker,
+                color=_COLORS[name],
+                style="bold",
             )
 
     ticks = _possible(round_numbers(low, high, max(2, rows // 2)), values)
     plt.yticks(ticks, [tr.figures(f"{tick:g}").rjust(_MARGIN) for tick in ticks], yside="left")
     room = count * (len(str(count)) + 1) / (size[0] - _MARGIN - 6)
-    every = next(step for power in (1, 10, 100, 1000, 10_000) for m in (1, 2, 5) if (step := m * power) >= room)
-    labelled = [attempt for attempt in attempts if every == 1 or attempt == 1 or attempt % every == 0]
+    every = next(
+        step
+        for power in (1, 10, 100, 1000, 10_000)
+        for m in (1, 2, 5)
+        if (step := m * power) >= room
+    )
+    labelled = [
+        attempt for attempt in attempts if every == 1 or attempt == 1 or attempt % every == 0
+    ]
     plt.xticks(labelled, [str(attempt) for attempt in labelled])
     return str(plt.build())
 
@@ -154,7 +174,9 @@ class _Columns(NamedTuple):
 
     def column(self, attempt: int) -> int:
         """Return the column in which plotext draws the value of an attempt (0, 1, …)."""
-        return self.first + math.floor(0.5 + round((self.last - self.first) * (attempt + 0.5) / self.attempts, 8))
+        return self.first + math.floor(
+            0.5 + round((self.last - self.first) * (attempt + 0.5) / self.attempts, 8)
+        )
 
     def line(self, characters: dict[int, str]) -> str:
         """Return a line with a character in the columns of some attempts."""
@@ -169,7 +191,9 @@ class _Columns(NamedTuple):
         wide = len(str(max(levels))) + 1
         changes = [n for n, level in enumerate(levels) if n == 0 or level != levels[n - 1]]
         free_from = 0
-        for attempt in range(self.attempts) if self.attempts * wide <= self.last - self.first else changes:
+        for attempt in (
+            range(self.attempts) if self.attempts * wide <= self.last - self.first else changes
+        ):
             text, column = str(levels[attempt]), self.column(attempt)
             if free_from <= column <= self.last + 1 - len(text):
                 line[column : column + len(text)] = text
@@ -192,8 +216,12 @@ def _part_of_bar(height: int) -> str:
     return BARS[min(height, len(BARS)) - 1] if height > 0 else " "
 
 
-def legend(goals: Sequence[float | None], results: Collection[ResultName], tr: Language = _ENGLISH) -> list[str]:
-    """Return the parts of the legend: the markers of these results, and the goal, with its value if it is one."""
+def legend(
+    goals: Sequence[float | None], results: Collection[ResultName], tr: Language = _ENGLISH
+) -> list[str]:
+    """Return the parts of the legend: the markers of these results, and the goal, with its value if
+    it is one.
+    """
     known = {goal for goal in goals if goal is not None}
     value = tr.figures(f" {goals[0]:g}") if len(known) == 1 and len(set(goals)) == 1 else ""
     return [
@@ -203,7 +231,9 @@ def legend(goals: Sequence[float | None], results: Collection[ResultName], tr: L
 
 
 def _heading(metric: str, explained: Sequence[str], width: int, *, may_have_two: bool) -> list[str]:
-    """Return the name of the axis, and as much of the legend as fits: at its right, else on a line of its own."""
+    """Return the name of the axis, and as much of the legend as fits: at its right, else on a line
+    of its own.
+    """
     left, parts = metric[:width], list(explained)
     if may_have_two and len("  ".join([left, *parts])) > width:
         return [left, *_heading("", parts, width, may_have_two=False)]
@@ -214,7 +244,9 @@ def _heading(metric: str, explained: Sequence[str], width: int, *, may_have_two:
 
 def _runs(metrics: Sequence[float | None]) -> Iterator[list[tuple[int, float]]]:
     """Yield runs of consecutive attempts with a result, to be joined by a line."""
-    for has_result, run in groupby(enumerate(metrics, start=1), key=lambda item: item[1] is not None):
+    for has_result, run in groupby(
+        enumerate(metrics, start=1), key=lambda item: item[1] is not None
+    ):
         if has_result:
             yield [(attempt, value) for attempt, value in run if value is not None]
 
@@ -227,16 +259,28 @@ def _limits(values: Sequence[float]) -> tuple[float, float]:
 
 
 def _possible(ticks: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Return the ticks that a value may have: whole ones if all values are, and none below zero if no value is."""
-    is_whole, is_positive = all(value == int(value) for value in values), min(values, default=0.0) >= 0
-    return [tick for tick in ticks if (tick == int(tick) or not is_whole) and (tick >= 0 or not is_positive)]
+    """Return the ticks that a value may have: whole ones if all values are, and none below zero if
+    no value is.
+    """
+    is_whole, is_positive = (
+        all(value == int(value) for value in values),
+        min(values, default=0.0) >= 0,
+    )
+    return [
+        tick
+        for tick in ticks
+        if (tick == int(tick) or not is_whole) and (tick >= 0 or not is_positive)
+    ]
 
 
 def round_numbers(low: float, high: float, most: int) -> list[float]:
-    """Return at most ``most`` round numbers between two bounds, and at least one, in round steps."""
+    """Return at most ``most`` round numbers between two bounds, and at least one, in round
+    steps.
+    """
     power = 10 ** math.floor(math.log10((high - low) / most))
     step = next(s for m in (1, 2, 5, 10, 20) if (high - low) / (s := m * power) <= most)
-    if math.ceil(low / step) > math.floor(high / step):  # it leaps over both bounds: the next smaller of 1, 2 and 5
+    # it leaps over both bounds: the next smaller of 1, 2 and 5
+    if math.ceil(low / step) > math.floor(high / step):
         step /= 2.5 if f"{step:e}".startswith("5") else 2
     first = math.ceil(low / step)
     return [round(n * step, 10) for n in range(first, math.floor(high / step) + 1)][:most]

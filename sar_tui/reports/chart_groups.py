@@ -1,4 +1,5 @@
-"""Sessions and days that share a mark of a chart: with a mark for each of a thousand, a page would open slowly.
+"""Sessions and days that share a mark of a chart: with a mark for each of a thousand, a page would
+open slowly.
 
 A printed chart has room for little more than a hundred marks beside each other anyway.
 """
@@ -23,7 +24,9 @@ def sessions_of_a_mark(sessions: int) -> int:
 
 
 def grouped(rows: Sequence[Row], combine: Callable[[Sequence[float]], float] = fmean) -> list[Row]:
-    """Return rows of which neighbours are combined, number by number, at the time of the middle one."""
+    """Return rows of which neighbours are combined, number by number, at the time of the middle
+    one.
+    """
     step = sessions_of_a_mark(len(rows))
     if step <= 1:
         return list(rows)
@@ -39,7 +42,9 @@ def grouped(rows: Sequence[Row], combine: Callable[[Sequence[float]], float] = f
 
 
 def span_of(days: Sequence[Day]) -> Span:
-    """Return the time that shares a mark in charts of the dose: the shortest that has no more marks than fit."""
+    """Return the time that shares a mark in charts of the dose: the shortest that has no more marks
+    than fit.
+    """
     if len(days) <= MOST:
         return "day"
     return "week" if len({_begin(day, "week") for day in days}) <= MOST else "month"
@@ -51,7 +56,9 @@ def summed(days: Sequence[Day]) -> list[Row]:
     found: dict[str, Row] = {}
     for day in days:
         at = _begin(day, span)
-        row = found.setdefault(at, {"at": f"{at}T00:00:00", "date": at, "done": 0, "planned": 0, "repetitions": 0})
+        row = found.setdefault(
+            at, {"at": f"{at}T00:00:00", "date": at, "done": 0, "planned": 0, "repetitions": 0}
+        )
         row["done"] += day.done
         row["planned"] += day.planned
         row["repetitions"] += day.repetitions

@@ -1,4 +1,6 @@
-"""Two sessions of a participant compared in words: how they differ, or why that cannot be said and what would help."""
+"""Two sessions of a participant compared in words: how they differ, or why that cannot be said and
+what would help.
+"""
 
 from collections.abc import Sequence
 
@@ -22,9 +24,13 @@ _REMEDIES: dict[Side, str] = {
 def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
     """Return the comparison of two sessions in words. ``line`` is theirs, if they share one."""
     if line is None or not found.comparable:
-        return tr("These sessions had other settings, or another task: their results cannot be compared.")
+        return tr(
+            "These sessions had other settings, or another task: their results cannot be compared."
+        )
     if found.earlier.value is None or found.later.value is None:
-        return " ".join([*_unknown(found, tr), *_results(line, found, tr), *_remedies(line, found, tr)])
+        return " ".join(
+            [*_unknown(found, tr), *_results(line, found, tr), *_remedies(line, found, tr)]
+        )
     change = tr(
         "From {earlier} to {later}.",
         earlier=figure(line, found.earlier.value, tr),
@@ -36,9 +42,15 @@ def compared(line: LineProgress | None, found: Comparison, tr: Language) -> str:
     low, high = sorted(ends, key=lambda value: measured_value(line, value))
     limits = {"low": figure(line, low, tr), "high": figure(line, high, tr)}
     verdict = {
-        "more": tr("That is better; from {low} to {high} would be no more than noise (MDC95).", **limits),
-        "less": tr("That is worse; from {low} to {high} would be no more than noise (MDC95).", **limits),
-        "noise": tr("That is no more than noise, which goes from {low} to {high} (MDC95).", **limits),
+        "more": tr(
+            "That is better; from {low} to {high} would be no more than noise (MDC95).", **limits
+        ),
+        "less": tr(
+            "That is worse; from {low} to {high} would be no more than noise (MDC95).", **limits
+        ),
+        "noise": tr(
+            "That is no more than noise, which goes from {low} to {high} (MDC95).", **limits
+        ),
     }[found.verdict]
     return f"{change} {verdict}"
 
@@ -50,9 +62,18 @@ def _unknown(found: Comparison, tr: Language) -> list[str]:
         if each.value is None:
             days.setdefault(each.side, []).append(day(each.began))
     if found.earlier.value is None and found.later.value is None and len(days) == 1:
-        return [tr("The level at goal of neither is known: {reason}.", reason=tr(_REASONS[found.later.side]))]
+        return [
+            tr(
+                "The level at goal of neither is known: {reason}.",
+                reason=tr(_REASONS[found.later.side]),
+            )
+        ]
     return [
-        tr("The level at goal of {date} is not known: {reason}.", date=day, reason=tr(_REASONS[side]))
+        tr(
+            "The level at goal of {date} is not known: {reason}.",
+            date=day,
+            reason=tr(_REASONS[side]),
+        )
         for side, (day, *_) in days.items()
     ]
 
@@ -84,7 +105,9 @@ def _levels(levels: Sequence[int], tr: Language) -> str:
 
 
 def _remedies(line: LineProgress, found: Comparison, tr: Language) -> list[str]:
-    """Return what would make the levels at goal known in later sessions: the last unknown one tells."""
+    """Return what would make the levels at goal known in later sessions: the last unknown one
+    tells.
+    """
     last = found.later if found.later.value is None else found.earlier
     if last.side == "easier" and line.places and last.last_level == len(line.places):
         return [tr("There is no harder level: a harder goal would begin a new chart.")]

@@ -1,4 +1,6 @@
-"""Deviations from the plan: operators' commands, lost operators, refused requests and late decisions. Pure."""
+"""Deviations from the plan: operators' commands, lost operators, refused requests and late
+decisions. Pure.
+"""
 
 from collections.abc import Collection, Iterator, Sequence
 
@@ -17,10 +19,11 @@ class Deviation(msgspec.Struct, frozen=True):
 
     Attributes:
         at_s: from the start of its run.
-        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``; ``theme`` (that of the
-            first run was not there any more); ``baton`` (stored spelling: another operator took control); ``lost``,
-            ``left``, ``unproven`` (an operator, whose terminal nothing proves to be there); ``refused`` (a request),
-            ``missed`` (a late decision).
+        what: ``mode``, ``level``, ``skip``, ``repeat``, ``pause``, ``end``, ``stop``, ``mark``;
+            ``theme`` (that of the first run was not there any more); ``baton`` (stored spelling:
+            another operator took control); ``lost``, ``left``, ``unproven`` (an operator, whose
+            terminal nothing proves to be there); ``refused`` (a request), ``missed`` (a late
+            decision).
         actor: who caused it.
         count: number of refused requests that one message reports.
         duration_s: of a pause.
@@ -56,11 +59,15 @@ def deviations(messages: Sequence[LoggedMessage], operators: Collection[str]) ->
             count = message.count if isinstance(message, m.PeerRequestRefused) else 1
             duration = _pause_s(messages, index) if what == "pause" else None
             at_s = seconds(at - known[run].began)
-            found.append(Deviation(run, at_s, what, getattr(message, "actor", ""), detail, count, duration))
+            found.append(
+                Deviation(run, at_s, what, getattr(message, "actor", ""), detail, count, duration)
+            )
     return found
 
 
-def _deviation(message: m.Message, operators: Collection[str], theme: str) -> Iterator[tuple[str, str]]:
+def _deviation(
+    message: m.Message, operators: Collection[str], theme: str
+) -> Iterator[tuple[str, str]]:
     match message:
         case m.SessionStarted() if message.theme != theme:
             yield "theme", f"{message.theme} instead of {theme}"
@@ -69,7 +76,12 @@ def _deviation(message: m.Message, operators: Collection[str], theme: str) -> It
         case m.SessionCommand(command="skip", reason="step") if message.actor in operators:
             yield "skip", f"step {message.value}"
         case m.SessionCommand(command=what) if message.actor in operators and what in _COMMANDS:
-            yield what, "" if message.value is None and what == "level" else str(message.value or message.reason)
+            yield (
+                what,
+                ""
+                if message.value is None and what == "level"
+                else str(message.value or message.reason),
+            )
         case m.OperatorChanged(state="baton"):
             yield "baton", ""
         case m.OperatorChanged(role="operator", state="lost" | "left" | "unproven" as what):
@@ -81,7 +93,9 @@ def _deviation(message: m.Message, operators: Collection[str], theme: str) -> It
 
 
 def _pause_s(messages: Sequence[LoggedMessage], index: int) -> float:
-    """Return the duration of a pause, in s: until the session continues or its run ends; 0 if it did not pause."""
+    """Return the duration of a pause, in s: until the session continues or its run ends; 0 if it
+    did not pause.
+    """
     run, at, _ = messages[index]
     until = at
     for later in messages[index + 1 :]:

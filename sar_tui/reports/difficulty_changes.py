@@ -13,7 +13,8 @@ _READ = {ATTEMPT_ENDED.name: AttemptEnded, LEVEL.name: LevelChanged, GOAL.name: 
 def lines(database: sqlite3.Connection, session: str) -> list[str]:
     """Return a line for each change of level or goal in a session, in order."""
     rows = database.execute(
-        f"SELECT topic, message FROM events WHERE session=? AND topic IN ({','.join('?' * len(_READ))}) ORDER BY seq",
+        "SELECT topic, message FROM events WHERE session=? AND topic IN "
+        f"({','.join('?' * len(_READ))}) ORDER BY seq",
         (session, *_READ),
     )
     attempt, found = 0, []
@@ -23,7 +24,8 @@ def lines(database: sqlite3.Connection, session: str) -> list[str]:
                 attempt = ended.attempt
             case LevelChanged() as change:
                 found.append(
-                    f"After attempt {attempt}: level {change.previous} → {change.level}. {change.why}".rstrip()
+                    f"After attempt {attempt}: level {change.previous} → {change.level}. "
+                    f"{change.why}".rstrip()
                 )
             case GoalChanged() as change:
                 values = f"{change.previous:.4g} → {change.goal:.4g} {change.unit}".rstrip()

@@ -13,7 +13,9 @@ _LONGEST = 4
 
 
 class Distribution(msgspec.Struct, frozen=True):
-    """Statistics of ``n`` times in ms: percentiles (``p5`` …), ``iqr`` (p75 − p25), the longest (``worst``)."""
+    """Statistics of ``n`` times in ms: percentiles (``p5`` …), ``iqr`` (p75 − p25), the longest
+    (``worst``).
+    """
 
     n: int
     median: float
@@ -26,7 +28,9 @@ class Distribution(msgspec.Struct, frozen=True):
 
 
 def distribution(times: Sequence[float]) -> Distribution | None:
-    """Return the statistics of times (ms), or None without times. Percentiles are interpolated (R's type 7)."""
+    """Return the statistics of times (ms), or None without times. Percentiles are interpolated (R's
+    type 7).
+    """
     if not times:
         return None
     cuts = quantiles(times, n=20, method="inclusive") if len(times) > 1 else [times[0]] * 19
@@ -52,7 +56,8 @@ class Bin(msgspec.Struct, frozen=True):
 
 
 def bins(times: Sequence[float], most: int = BINS) -> list[Bin]:
-    """Count times (ms) in bins of one round width: 1, 2 or 5 times a power of ten, 1 ms or more; at most ``most`` bins.
+    """Count times (ms) in bins of one round width: 1, 2 or 5 times a power of ten, 1 ms or more; at
+    most ``most`` bins.
 
     The first holds the shortest time, the last the longest; empty bins between them are included.
     """
@@ -64,7 +69,9 @@ def bins(times: Sequence[float], most: int = BINS) -> list[Bin]:
     counts = [0] * (last - first + 1)
     for time in times:
         counts[math.floor(time / width) - first] += 1
-    return [Bin((first + n) * width, (first + n + 1) * width, count) for n, count in enumerate(counts)]
+    return [
+        Bin((first + n) * width, (first + n + 1) * width, count) for n, count in enumerate(counts)
+    ]
 
 
 def _width(low: float, high: float, most: int) -> float:

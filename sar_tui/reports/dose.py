@@ -14,7 +14,8 @@ class Day(msgspec.Struct, frozen=True):
     """The dose of a day with sessions.
 
     Args:
-        planned: attempts that the programmes plan for a day; where one plans none, those of the sessions begun.
+        planned: attempts that the programmes plan for a day; where one plans none, those of the
+            sessions begun.
         done: attempts, without practice.
         repetitions: prompts or reaches in them.
         time_on_task_s: time in attempts, without the rests between them.
@@ -29,7 +30,9 @@ class Day(msgspec.Struct, frozen=True):
 
 
 class Dose(msgspec.Struct, frozen=True):
-    """The sum of some days; ``as_planned``: number of days on which all planned attempts were done."""
+    """The sum of some days; ``as_planned``: number of days on which all planned attempts were
+    done.
+    """
 
     first: str
     last: str
@@ -90,5 +93,7 @@ def _planned_of_day(sessions: Sequence[SessionResults]) -> int:
     total = 0
     for found in by_task.values():
         of_day = found[-1].parameters.get("planned_attempts_a_day", 0)
-        total += of_day if isinstance(of_day, int) and of_day > 0 else sum(map(planned_attempts, found))
+        total += (
+            of_day if isinstance(of_day, int) and of_day > 0 else sum(map(planned_attempts, found))
+        )
     return total

@@ -1,4 +1,6 @@
-"""The dose in words: marks of days that say it without colour, a table, and the last weeks in a sentence."""
+"""The dose in words: marks of days that say it without colour, a table, and the last weeks in a
+sentence.
+"""
 
 from collections.abc import Callable, Sequence
 from datetime import date, timedelta
@@ -31,7 +33,9 @@ def legend(tr: Language) -> str:
 
 
 def calendar(days: Sequence[Day], today: date) -> list[tuple[str, str]]:
-    """Return a mark for each day of the months from the first session until today, as ("2026-03", "··■··◧")."""
+    """Return a mark for each day of the months from the first session until today, as ("2026-03",
+    "··■··◧").
+    """
     if not days:
         return []
     by_date = {day.date: day for day in days}
@@ -46,7 +50,9 @@ def calendar(days: Sequence[Day], today: date) -> list[tuple[str, str]]:
 
 
 def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
-    """Return the last months of the calendar under the days, adverse events below their days, and the legend."""
+    """Return the last months of the calendar under the days, adverse events below their days, and
+    the legend.
+    """
     shown = calendar(found.days, date.fromisoformat(found.today))[-months:]
     lines = [f"{'':9}1   5    10   15   20   25   30"]
     has_event = False
@@ -55,7 +61,9 @@ def calendar_lines(found: Progress, months: int, tr: Language) -> list[str]:
         on = {int(event.onset[8:10]) for event in found.events if event.onset[:7] == month}
         if on:
             has_event = True
-            lines.append(f"{'':9}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}")
+            lines.append(
+                f"{'':9}{''.join(EVENT if day in on else ' ' for day in range(1, max(on) + 1))}"
+            )
     return [*lines, "", legend(tr), *([f"{EVENT} {tr('adverse event')}"] if has_event else [])]
 
 
@@ -75,7 +83,10 @@ def days_table(days: Sequence[Day], tr: Language) -> list[str]:
     ]
     widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
     return [
-        "  ".join(f"{cell:>{width}}" if column else f"{cell:<{width}}" for column, (cell, width) in enumerate(pairs))
+        "  ".join(
+            f"{cell:>{width}}" if column else f"{cell:<{width}}"
+            for column, (cell, width) in enumerate(pairs)
+        )
         for pairs in (zip(row, widths, strict=True) for row in rows)
     ]
 
@@ -88,7 +99,8 @@ def days_text(days: int, tr: Language) -> str:
 def recent_text(found: Dose, tr: Language) -> str:
     """Return the dose of the last weeks in a sentence."""
     return tr(
-        "From {first} to {last}: sessions on {days}, on {as_planned} of them all that was planned; {done} of "
+        "From {first} to {last}: sessions on {days}, on {as_planned} of them all that was "
+        "planned; {done} of "
         "{planned} attempts, {repetitions} repetitions, {minutes} min on task without rests.",
         first=found.first,
         last=found.last,

@@ -1,4 +1,6 @@
-"""A self-contained HTML page to read and to print: style, tables, and drawn charts with their text alternatives."""
+"""A self-contained HTML page to read and to print: style, tables, and drawn charts with their text
+alternatives.
+"""
 
 from collections.abc import Collection, Iterable, Sequence
 from html import escape
@@ -37,11 +39,15 @@ def document(title: str, body: Iterable[str], *, language: str = "en", foot: str
     return (
         f'<!DOCTYPE html>\n<html lang="{escape(language)}">\n<head>\n<meta charset="utf-8">\n'
         f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
-        f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(body) + f"{end}\n</body>\n</html>\n"
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n"
+        + "\n".join(body)
+        + f"{end}\n</body>\n</html>\n"
     )
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] | None = None) -> str:
+def table(
+    heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] | None = None
+) -> str:
     """Return a table of texts.
 
     Args:
@@ -49,7 +55,9 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collect
     """
     is_number = [index > 0 if right is None else head in right for index, head in enumerate(heads)]
     head = "".join(_cell('th scope="col"', *each) for each in zip(heads, is_number, strict=True))
-    lines = ("".join(_cell("td", *each) for each in zip(row, is_number, strict=True)) for row in rows)
+    lines = (
+        "".join(_cell("td", *each) for each in zip(row, is_number, strict=True)) for row in rows
+    )
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 

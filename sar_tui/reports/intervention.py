@@ -1,7 +1,9 @@
-"""The intervention as it was given, for the items of TIDieR and TIDieR-Rehab that are in the record. Pure.
+"""The intervention as it was given, for the items of TIDieR and TIDieR-Rehab that are in the
+record. Pure.
 
-TIDieR has twelve items for the description of an intervention (Hoffmann et al. 2014, doi:10.1136/bmj.g1687).
-TIDieR-Rehab adds what rehabilitation needs: dose, challenge and how it progressed, personalisation, deviations.
+TIDieR has twelve items for the description of an intervention (Hoffmann et al. 2014,
+doi:10.1136/bmj.g1687). TIDieR-Rehab adds what rehabilitation needs: dose, challenge and how it
+progressed, personalisation, deviations.
 """
 
 from collections import Counter
@@ -21,8 +23,22 @@ from sar_tui.store.programmes import Programme
 from sar_tui.store.trained_at import trained_at
 
 _WEEK = 7
-_CHALLENGE = ("difficulty_policy", "start_from", "min_level", "max_level", "threshold", "min_accuracy")
-_FEEDBACK = ("feedback_schedule", "feedback_form", "feedback_compared_with", "feedback_delay_ms", "outputs", "language")
+_CHALLENGE = (
+    "difficulty_policy",
+    "start_from",
+    "min_level",
+    "max_level",
+    "threshold",
+    "min_accuracy",
+)
+_FEEDBACK = (
+    "feedback_schedule",
+    "feedback_form",
+    "feedback_compared_with",
+    "feedback_delay_ms",
+    "outputs",
+    "language",
+)
 _DOSE = (
     "attempts", "prompts_per_attempt", "reaches_per_attempt", "practice_attempts", "planned_attempts_a_day",
     "attempts_a_day", "minutes_a_day", "session_minutes", "days_between_visits", "rest_every", "rest_after_attempts",
@@ -62,7 +78,8 @@ class PersonDose(msgspec.Struct, frozen=True):
         planned, done: attempts without practice.
         repetitions: prompts or reaches in the attempts done.
         time_on_task_min: in attempts.
-        time_in_sessions_min: with instructions, feedback and rests; None if it is not known, as of simulated sessions.
+        time_in_sessions_min: with instructions, feedback and rests; None if it is not known, as of
+            simulated sessions.
     """
 
     participant: str
@@ -81,11 +98,14 @@ class PersonChallenge(msgspec.Struct, frozen=True):
     """The challenge that a participant met in a task, and how it progressed.
 
     Attributes:
-        first_level, last_level: of the first attempt of the first session, and of the last attempt of the last.
+        first_level, last_level: of the first attempt of the first session, and of the last attempt
+            of the last.
         lowest, highest: levels that were played.
-        reached_share: of the attempts, that reached the goal; ``right_share``: of the responses, that were right.
+        reached_share: of the attempts, that reached the goal; ``right_share``: of the responses,
+            that were right.
         up, down: changes of level by the rule; ``by_person``: by a therapist or operator.
-        goals: changes of the goal otherwise than with the level. All only if an attempt was played with them.
+        goals: changes of the goal otherwise than with the level. All only if an attempt was played
+            with them.
     """
 
     participant: str
@@ -104,7 +124,9 @@ class PersonChallenge(msgspec.Struct, frozen=True):
 
 
 class ProgrammeChange(msgspec.Struct, frozen=True):
-    """A version of a participant's programme, from its second on: the settings it changed, and why."""
+    """A version of a participant's programme, from its second on: the settings it changed, and
+    why.
+    """
 
     participant: str
     task: str
@@ -118,7 +140,8 @@ class Harms(msgspec.Struct, frozen=True):
     """Adverse events by severity, and what participants said of pain and tiredness.
 
     Attributes:
-        sessions_with_pain: with pain of 1 or more, or told in a pause; ``severe``: with 7 or more of 10.
+        sessions_with_pain: with pain of 1 or more, or told in a pause; ``severe``: with 7 or more
+            of 10.
         asked: sessions in which something is known of pain.
     """
 
@@ -158,10 +181,12 @@ class InterventionReport(msgspec.Struct, frozen=True):
         modes, statuses, feedback: numbers of sessions by mode and status; of attempts by feedback.
         software: versions of the program.
         operated: sessions with an operator.
-        dose: by participant; ``repetitions_a_session``, ``minutes_a_session`` (time on task): over all sessions.
+        dose: by participant; ``repetitions_a_session``, ``minutes_a_session`` (time on task): over
+            all sessions.
         adherence: done of the planned attempts; None if none was planned.
         challenge: by participant and task. ``reached_share``: over all attempts.
-        programmes: changes of programmes. ``differing``: settings with more than one value, by task.
+        programmes: changes of programmes. ``differing``: settings with more than one value, by
+            task.
         deviations: number by who caused them and what they were.
     """
 
@@ -236,7 +261,11 @@ def intervention(record: Record) -> InterventionReport:
         repetitions_a_session=_spread([each.trials for each in played]),
         minutes_a_session=_spread([round(each.seconds / 60, 2) for each in played]),
         adherence=round(sum(each.done for each in dose) / planned, 4) if planned else None,
-        challenge=[each for code, results in record.results.items() for each in _challenge(code, results, acts)],
+        challenge=[
+            each
+            for code, results in record.results.items()
+            for each in _challenge(code, results, acts)
+        ],
         reached_share=_reached_share(played),
         feedback=dict(record.feedback),
         programmes=list(_changes(record.programmes)),
@@ -260,7 +289,9 @@ def _minutes(row: Mapping[str, Any]) -> float:
 
 
 def _reached_share(played: Sequence[SessionResults]) -> float | None:
-    """Return the share of attempts that reached their goal, of sessions whose attempts had one; None without any."""
+    """Return the share of attempts that reached their goal, of sessions whose attempts had one;
+    None without any.
+    """
     judged = [each for each in played if each.reached is not None]
     attempts = sum(len(each.results) for each in judged)
     return round(sum(each.reached or 0 for each in judged) / attempts, 4) if attempts else None
@@ -301,7 +332,9 @@ def _values(given: Iterable[Any]) -> list[Any]:
     return [value for _, value in sorted(counted.values(), key=lambda pair: -pair[0])]
 
 
-def _dose(code: str, results: Sequence[SessionResults], rows: Sequence[Mapping[str, Any]]) -> PersonDose:
+def _dose(
+    code: str, results: Sequence[SessionResults], rows: Sequence[Mapping[str, Any]]
+) -> PersonDose:
     days = sorted({each.began.date() for each in results})
     span = (days[-1] - days[0]).days + 1
     own = {each.session for each in results}
@@ -321,7 +354,9 @@ def _dose(code: str, results: Sequence[SessionResults], rows: Sequence[Mapping[s
     )
 
 
-def _challenge(code: str, results: Sequence[SessionResults], acts: Acts) -> Iterable[PersonChallenge]:
+def _challenge(
+    code: str, results: Sequence[SessionResults], acts: Acts
+) -> Iterable[PersonChallenge]:
     for task in dict.fromkeys(each.task for each in results):
         own = [each for each in results if each.task == task and each.results]
         if not own:
@@ -345,7 +380,9 @@ def _challenge(code: str, results: Sequence[SessionResults], acts: Acts) -> Iter
         )
 
 
-def _changes(programmes: Mapping[tuple[str, str], Sequence[Programme]]) -> Iterable[ProgrammeChange]:
+def _changes(
+    programmes: Mapping[tuple[str, str], Sequence[Programme]],
+) -> Iterable[ProgrammeChange]:
     for (participant, task), versions in programmes.items():
         for before, after in pairwise(versions):
             names = {*before.parameters, *after.parameters}
@@ -354,7 +391,9 @@ def _changes(programmes: Mapping[tuple[str, str], Sequence[Programme]]) -> Itera
                 for name in sorted(names)
                 if before.parameters.get(name) != after.parameters.get(name)
             }
-            yield ProgrammeChange(participant, task, after.version, after.created_at, changed, after.reason)
+            yield ProgrammeChange(
+                participant, task, after.version, after.created_at, changed, after.reason
+            )
 
 
 def _harms(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> Harms:
@@ -365,7 +404,9 @@ def _harms(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> 
         sessions_with_pain=sum(one > 0 for one in pain),
         severe=sum(one >= SEVERE for one in pain),
         worst_pain=max(pain, default=None),
-        worst_tiredness=max((each.felt.fatigue for each in played if each.felt.fatigue is not None), default=None),
+        worst_tiredness=max(
+            (each.felt.fatigue for each in played if each.felt.fatigue is not None), default=None
+        ),
     )
 
 

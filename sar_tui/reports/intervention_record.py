@@ -27,7 +27,9 @@ _PERSONS = ("operator", "mark", _THERAPIST)
 """Reasons of changes of level that persons made."""
 
 
-def read(database: sqlite3.Connection, folder: Path, selection: Selection, progress: Callable[[], None]) -> Record:
+def read(
+    database: sqlite3.Connection, folder: Path, selection: Selection, progress: Callable[[], None]
+) -> Record:
     """Read what an intervention report needs of the chosen sessions.
 
     If those of one participant were asked for, nothing of a partner in them is read.
@@ -51,7 +53,11 @@ def read(database: sqlite3.Connection, folder: Path, selection: Selection, progr
     return Record(
         rows=selection.sessions,
         results={
-            code: [each for each in sessions_of(database, code, folder=folder) if each.session in chosen]
+            code: [
+                each
+                for each in sessions_of(database, code, folder=folder)
+                if each.session in chosen
+            ]
             for code in codes
         },
         acts=acts,
@@ -88,8 +94,11 @@ def _count(messages: Sequence[LoggedMessage], session: str, acts: Acts) -> None:
     acts.outputs.update(outputs)
 
 
-def changes_played(messages: Iterable[m.Message]) -> Iterator[Literal["up", "down", "by_person", "goals"]]:
-    """Yield the changes of level and goal of a session that an attempt was played with; practice is left out.
+def changes_played(
+    messages: Iterable[m.Message],
+) -> Iterator[Literal["up", "down", "by_person", "goals"]]:
+    """Yield the changes of level and goal of a session that an attempt was played with; practice is
+    left out.
 
     A change after the last attempt, or one that was taken back before the next, was never played.
     """
@@ -110,7 +119,9 @@ def changes_played(messages: Iterable[m.Message]) -> Iterator[Literal["up", "dow
                 last = message
 
 
-def _changes(rise: int, changes: Sequence[m.Message]) -> Iterator[Literal["up", "down", "by_person", "goals"]]:
+def _changes(
+    rise: int, changes: Sequence[m.Message]
+) -> Iterator[Literal["up", "down", "by_person", "goals"]]:
     reasons = [change.reason for change in changes if isinstance(change, m.LevelChanged)]
     if rise:
         yield "by_person" if reasons and reasons[-1] in _PERSONS else "up" if rise > 0 else "down"
@@ -123,11 +134,14 @@ def _role(actor: str) -> str:
     return actor.partition(".")[0] or "program"
 
 
-def _feedback(database: sqlite3.Connection, ids: Sequence[str], codes: Sequence[str]) -> Counter[str]:
+def _feedback(
+    database: sqlite3.Connection, ids: Sequence[str], codes: Sequence[str]
+) -> Counter[str]:
     """Return the number of attempts of some participants in some sessions, by feedback."""
     found = Counter[str]()
     query = (
-        "SELECT feedback, count(*) FROM attempts JOIN seats USING (session, seat) WHERE session=? AND NOT practice"
+        "SELECT feedback, count(*) FROM attempts JOIN seats USING (session, seat) WHERE session=? "
+        "AND NOT practice"
         f" AND participant IN ({','.join('?' * len(codes))}) GROUP BY feedback"
     )
     for session in ids:

@@ -3,7 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from sar_tui.reports.intervention import InterventionReport, PersonChallenge, PersonDose, Spread, days_between
+from sar_tui.reports.intervention import (
+    InterventionReport,
+    PersonChallenge,
+    PersonDose,
+    Spread,
+    days_between,
+)
 from sar_tui.reports.sections import Section, Table
 from sar_tui.reports.wizard_words import DEVIATIONS, count, percent
 
@@ -39,8 +45,10 @@ _PROCEDURE = {
 _UNUSED = {"0", "0.0"}
 """Values of a limit, a rest or a delay that is not used."""
 NOT_RECORDED = (
-    "The record does not know, and a report must add: why the intervention should help (2); who gave it, with which "
-    "training (5); whether they were there, and how (6); where (7); how adherence was to be kept up (11); the "
+    "The record does not know, and a report must add: why the intervention should help (2); who "
+    "gave it, with which "
+    "training (5); whether they were there, and how (6); where (7); how adherence was to be kept "
+    "up (11); the "
     "participants' needs and wishes that it was fitted to."
 )
 
@@ -69,13 +77,17 @@ def _name(found: InterventionReport) -> str:
     modes = "" if set(found.modes) == {"live"} else f" ({_counted(found.modes)})"
     return (
         f"Training with the task{'' if len(found.tasks) == 1 else 's'} {names}: "
-        f"{count(len(found.participants), 'participant')}, {count(len(found.sessions), 'session')}{modes}, from "
+        f"{count(len(found.participants), 'participant')}, "
+        f"{count(len(found.sessions), 'session')}{modes}, from "
         f"{found.first} to {found.last}."
     )
 
 
 def _materials(found: InterventionReport) -> str:
-    tasks = ", ".join(f"{each.task} {' and '.join(each.versions) or '(version not recorded)'}" for each in found.tasks)
+    tasks = ", ".join(
+        f"{each.task} {' and '.join(each.versions) or '(version not recorded)'}"
+        for each in found.tasks
+    )
     outputs = ", ".join(f"{name} in {count(n, 'session')}" for name, n in found.outputs.items())
     said = f"sar-tui {' and '.join(found.software) or '(version not recorded)'}; tasks: {tasks}."
     return f"{said} Beside the screen, the agent answered by: {outputs}." if outputs else said
@@ -86,7 +98,9 @@ def _procedures(found: InterventionReport) -> Iterator[str | Table]:
     rows: list[tuple[str, ...]] = []
     for name, words in _PROCEDURE.items():
         cells = [_setting(each.settings.get(name, [])) for each in found.tasks]
-        is_used = name != "rest_seconds" or any(row[0] == _PROCEDURE["rest_after_attempts"] for row in rows)
+        is_used = name != "rest_seconds" or any(
+            row[0] == _PROCEDURE["rest_after_attempts"] for row in rows
+        )
         if is_used and not set(cells) <= {"", *_UNUSED}:
             rows.append((words, *cells))
     yield Table(heads, rows)
@@ -95,7 +109,10 @@ def _procedures(found: InterventionReport) -> Iterator[str | Table]:
 
 
 def _setting(values: Sequence[Any]) -> str:
-    return " / ".join(", ".join(map(str, value)) if isinstance(value, list) else _figure(value) for value in values)
+    return " / ".join(
+        ", ".join(map(str, value)) if isinstance(value, list) else _figure(value)
+        for value in values
+    )
 
 
 def _figure(value: object) -> str:
@@ -105,13 +122,15 @@ def _figure(value: object) -> str:
 def _dose(found: InterventionReport) -> Iterator[str | Table]:
     yield (
         f"Within {count(days_between(found.first, found.last), 'day')}. A session had "
-        f"{_spread(found.repetitions_a_session)} repetitions and {_spread(found.minutes_a_session)} min on task, "
+        f"{_spread(found.repetitions_a_session)} repetitions and "
+        f"{_spread(found.minutes_a_session)} min on task, "
         "without instructions, feedback and rests (median and range)."
     )
     numbers = ("sessions", "days", "a week", "done", "planned", "trials", "on task", "in all")
     yield _table(("code", *numbers), [_dose_row(each) for each in found.dose], numbers)
     yield (
-        "a week: sessions. done, planned: attempts without practice. trials: repetitions, that is prompts or reaches. "
+        "a week: sessions. done, planned: attempts without practice. trials: repetitions, that is "
+        "prompts or reaches. "
         "on task: minutes in attempts. in all: minutes in sessions."
     )
 
@@ -136,10 +155,14 @@ def _challenge(found: InterventionReport) -> Iterator[str | Table]:
     told = f"Of all attempts, {reached} reached their goal." if judged else "No attempt had a goal."
     yield f"{told} Each change of level, with its reason, is in the record."
     numbers = ("levels", "played", "reached", "right", "up", "down", "hand", "goals")
-    yield _table(("code", "task", *numbers), [_challenge_row(each) for each in found.challenge], numbers)
+    yield _table(
+        ("code", "task", *numbers), [_challenge_row(each) for each in found.challenge], numbers
+    )
     yield (
-        "levels: the first and the last. reached: attempts that reached the goal. right: right responses. up, down: "
-        "changes of level by the rule. hand: changes by a therapist or operator. goals: changes of the goal alone."
+        "levels: the first and the last. reached: attempts that reached the goal. right: right "
+        "responses. up, down: "
+        "changes of level by the rule. hand: changes by a therapist or operator. goals: changes "
+        "of the goal alone."
     )
 
 
@@ -161,7 +184,9 @@ def _feedback(found: InterventionReport) -> str:
         return "No attempt was finished."
     given = {name: n for name, n in found.feedback.items() if name != "none"}
     without = total - sum(given.values())
-    return f"After {count(total, 'attempt')}: {_counted(given) or 'none'}; {without} without feedback."
+    return (
+        f"After {count(total, 'attempt')}: {_counted(given) or 'none'}; {without} without feedback."
+    )
 
 
 def _tailoring(found: InterventionReport) -> str:
@@ -170,7 +195,11 @@ def _tailoring(found: InterventionReport) -> str:
         if len(values) > 1
     ]  # fmt: skip
     starts = {(each.task, each.first_level) for each in found.challenge}
-    levels = f"First levels: {', '.join(f'{level} ({task})' for task, level in sorted(starts))}." if starts else ""
+    levels = (
+        f"First levels: {', '.join(f'{level} ({task})' for task, level in sorted(starts))}."
+        if starts
+        else ""
+    )
     if not differing:
         return f"All sessions of a task had the same settings. {levels}".rstrip()
     return f"Not the same in all sessions: {', '.join(differing)}. {levels}".rstrip()
@@ -186,7 +215,10 @@ def _modifications(found: InterventionReport) -> Iterator[str | Table]:
             each.task,
             str(each.version),
             each.saved_at[:10],
-            ", ".join(f"{name} {'default' if value is None else value}" for name, value in each.changed.items()),
+            ", ".join(
+                f"{name} {'default' if value is None else value}"
+                for name, value in each.changed.items()
+            ),
             each.reason,
         )
         for each in found.programmes
@@ -198,12 +230,15 @@ def _adherence(found: InterventionReport) -> str:
     done, planned = sum(each.done for each in found.dose), sum(each.planned for each in found.dose)
     statuses = _counted(found.statuses)
     return (
-        f"{done} of {planned} planned attempts were done ({percent(found.adherence) or 'none'}). Sessions: {statuses}."
+        f"{done} of {planned} planned attempts were done "
+        f"({percent(found.adherence) or 'none'}). Sessions: {statuses}."
     )
 
 
 def _deviations(found: InterventionReport) -> Iterator[str | Table]:
-    with_operator = f"An operator took part in {count(found.operated, 'session')}. " if found.operated else ""
+    with_operator = (
+        f"An operator took part in {count(found.operated, 'session')}. " if found.operated else ""
+    )
     skipped = f"{count(found.skipped, 'attempt')} left out. " if found.skipped else ""
     pauses = ", ".join(f"{reason or 'no reason'} {n}" for reason, n in found.pauses.items())
     paused = f"Pauses of participants: {pauses}." if pauses else "No participant paused."
@@ -221,12 +256,18 @@ def _deviations(found: InterventionReport) -> Iterator[str | Table]:
 
 def _harms(found: InterventionReport) -> str:
     harms = found.harms
-    events = f"Adverse events: {_counted(harms.events)}." if harms.events else "No adverse event is recorded."
+    events = (
+        f"Adverse events: {_counted(harms.events)}."
+        if harms.events
+        else "No adverse event is recorded."
+    )
     if not harms.asked:
         return f"{events} Nothing is known of pain: it was not asked."
     return (
-        f"{events} Pain is known of {count(harms.asked, 'session')}: some in {harms.sessions_with_pain}, severe (7 or "
-        f"more of 10) in {harms.severe}; the worst was {harms.worst_pain}. The greatest tiredness was "
+        f"{events} Pain is known of {count(harms.asked, 'session')}: some in "
+        f"{harms.sessions_with_pain}, severe (7 or "
+        f"more of 10) in {harms.severe}; the worst was {harms.worst_pain}. The greatest tiredness "
+        "was "
         f"{'not asked' if harms.worst_tiredness is None else harms.worst_tiredness}."
     )
 
@@ -239,6 +280,14 @@ def _counted(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{n} {name}" for name, n in counts.items())
 
 
-def _table(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]], right: tuple[str, ...]) -> Table:
+def _table(
+    heads: tuple[str, ...], rows: Sequence[tuple[str, ...]], right: tuple[str, ...]
+) -> Table:
     left = len(rows) - _LISTED
-    return Table(heads, rows[:_LISTED], right, ("code", "task", *right), _MORE.format(left=left) if left > 0 else "")
+    return Table(
+        heads,
+        rows[:_LISTED],
+        right,
+        ("code", "task", *right),
+        _MORE.format(left=left) if left > 0 else "",
+    )

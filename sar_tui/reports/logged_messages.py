@@ -36,7 +36,9 @@ def read(database: sqlite3.Connection, session: str) -> list[LoggedMessage]:
     return [LoggedMessage(one.run, one.at, one.message) for one in messages.read(database, session)]
 
 
-def read_topics(database: sqlite3.Connection, session: str, topics: Sequence[Topic[Any]]) -> list[LoggedMessage]:
+def read_topics(
+    database: sqlite3.Connection, session: str, topics: Sequence[Topic[Any]]
+) -> list[LoggedMessage]:
     """Read the messages of some topics of a session, in order.
 
     Raises:
@@ -45,7 +47,8 @@ def read_topics(database: sqlite3.Connection, session: str, topics: Sequence[Top
     kinds = {topic.name: topic.type for topic in topics}
     marks = ",".join("?" * len(kinds))
     rows = database.execute(
-        f"SELECT seq, run, at_ns, topic, message FROM events WHERE session=? AND topic IN ({marks}) ORDER BY seq",
+        "SELECT seq, run, at_ns, topic, message FROM events WHERE session=? AND topic IN "
+        f"({marks}) ORDER BY seq",
         (session, *kinds),
     )
     found = []

@@ -11,9 +11,10 @@ from sar_tui.store.stored_json import read_json
 class MarkerSummary(msgspec.Struct):
     """Markers of a session for one destination, in all runs of the program.
 
-    ``runs``: how often it was used; ``unfinished``: in how many of these the program was ended before it could count.
-    ``late_ms``: the largest of the runs' medians from a prompt's onset until its marker was sent; ``latest_ms``: the
-    largest of these times. ``failures``: why it failed, each once. ``facts``: what opening and closing found out.
+    ``runs``: how often it was used; ``unfinished``: in how many of these the program was ended
+    before it could count. ``late_ms``: the largest of the runs' medians from a prompt's onset until
+    its marker was sent; ``latest_ms``: the largest of these times. ``failures``: why it failed,
+    each once. ``facts``: what opening and closing found out.
     """
 
     destination: str
@@ -34,7 +35,10 @@ class MarkerSummary(msgspec.Struct):
         if self.unheard:
             parts.append(f"{self.unheard} sent while nobody listened")
         if self.late_ms is not None and self.latest_ms is not None:
-            parts.append(f"prompts sent {self.late_ms:.1f} ms after their onset, at most {self.latest_ms:.1f} ms")
+            parts.append(
+                f"prompts sent {self.late_ms:.1f} ms after their onset, at most "
+                f"{self.latest_ms:.1f} ms"
+            )
         if self.unfinished:
             parts.append("not counted in a run that was killed or is not over")
         sentence = f"Markers to {self.destination}: {'; '.join(parts)}."
@@ -45,7 +49,8 @@ def marker_summaries(database: sqlite3.Connection, session: str) -> list[MarkerS
     """Summarise the markers of a session, in the order in which their destinations were opened."""
     found: dict[str, MarkerSummary] = {}
     rows = database.execute(
-        "SELECT run, message FROM events WHERE session=? AND topic=? ORDER BY seq", (session, MARKERS.name)
+        "SELECT run, message FROM events WHERE session=? AND topic=? ORDER BY seq",
+        (session, MARKERS.name),
     )
     seen: set[tuple[str, int]] = set()
     for run, text in rows:
@@ -66,6 +71,8 @@ def marker_summaries(database: sqlite3.Connection, session: str) -> list[MarkerS
             for count in ("sent", "lost", "unheard"):
                 setattr(summary, count, getattr(summary, count) + change.get(count, 0))
             for late in ("late_ms", "latest_ms"):
-                values = [each for each in (getattr(summary, late), change.get(late)) if each is not None]
+                values = [
+                    each for each in (getattr(summary, late), change.get(late)) if each is not None
+                ]
                 setattr(summary, late, max(values, default=None))
     return list(found.values())

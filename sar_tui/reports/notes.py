@@ -23,7 +23,13 @@ def notes(messages: Sequence[LoggedMessage]) -> list[Note]:
     """Return all notes and event marks of a session, in order."""
     known = spans(messages)
     return [
-        Note(run, seconds((message.at or at) - known[run].began), message.actor, message.text, message.label)
+        Note(
+            run,
+            seconds((message.at or at) - known[run].began),
+            message.actor,
+            message.text,
+            message.label,
+        )
         for run, at, message in messages
         if isinstance(message, m.NoteAdded) and run in known
     ]

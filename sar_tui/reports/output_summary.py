@@ -15,7 +15,9 @@ _REPORTS = """SELECT topic, message FROM events
 
 
 class OutputSummary(msgspec.Struct):
-    """Output of a session. ``why``: the most frequent reason for its failures; ``not_closed``: why closing failed."""
+    """Output of a session. ``why``: the most frequent reason for its failures; ``not_closed``: why
+    closing failed.
+    """
 
     output: str
     address: str = ""
@@ -27,11 +29,15 @@ class OutputSummary(msgspec.Struct):
 
     @property
     def line(self) -> str:
-        """Its failures, as "speech: 5 of 5 failed (There is no sound card.)"; empty if there are none."""
+        """Its failures, as "speech: 5 of 5 failed (There is no sound card.)"; empty if there are
+        none.
+        """
         problems = []
         if self.failed:
             why = f" ({self.why})" if self.why else ""
-            problems.append(f"{self.failed} of {self.done + self.aborted + self.failed} failed{why}")
+            problems.append(
+                f"{self.failed} of {self.done + self.aborted + self.failed} failed{why}"
+            )
         if self.not_closed:
             problems.append(f"it was not closed ({self.not_closed})")
         return f"{self.output}: {'; '.join(problems)}" if problems else ""
@@ -54,7 +60,9 @@ def output_summaries(database: sqlite3.Connection, session: str) -> list[OutputS
         if topic == "output/opened":
             found.address = message["address"]
         elif message["state"] in _OVER:
-            last[message["output"], message["action"], message["deed"]] = message  # stored spelling of `part`
+            last[message["output"], message["action"], message["deed"]] = (
+                message  # stored spelling of `part`
+            )
     reasons: dict[str, Counter[str]] = {name: Counter() for name in opened}
     for (name, _, _), report in last.items():
         found = opened[name]

@@ -26,7 +26,9 @@ class Pause(msgspec.Struct, frozen=True):
 
 
 def pauses(messages: Sequence[LoggedMessage], operators: Collection[str]) -> list[Pause]:
-    """Return all pauses of the participant, in order. ``operators``: those whose pauses do not count."""
+    """Return all pauses of the participant, in order. ``operators``: those whose pauses do not
+    count.
+    """
     known = spans(messages)
     found: list[Pause] = []
     is_open = is_paused = False

@@ -83,7 +83,9 @@ def presence(messages: Sequence[LoggedMessage]) -> Presence:
 
 
 class ModeTime(msgspec.Struct, frozen=True):
-    """Time for which a mode was set for a kind of action. ``unattended_s``: of that, without an operator."""
+    """Time for which a mode was set for a kind of action. ``unattended_s``: of that, without an
+    operator.
+    """
 
     kind: ControlledKind
     mode: Mode
@@ -129,7 +131,13 @@ def _in_order(item: tuple[tuple[ControlledKind, Mode], object]) -> tuple[int, in
     return KINDS.index(kind), MODES.index(mode)
 
 
-KINDS: tuple[ControlledKind, ...] = ("feedback", "encouragement", "instruction", "gesture", "difficulty")
+KINDS: tuple[ControlledKind, ...] = (
+    "feedback",
+    "encouragement",
+    "instruction",
+    "gesture",
+    "difficulty",
+)
 MODES: tuple[Mode, ...] = ("autonomous", "veto", "approve", "manual")
 
 

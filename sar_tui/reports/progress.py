@@ -1,4 +1,6 @@
-"""Progress of a participant over sessions: lines of comparable sessions, the dose, and other instruments."""
+"""Progress of a participant over sessions: lines of comparable sessions, the dose, and other
+instruments.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import date
@@ -25,7 +27,8 @@ from sar_tui.store.adverse_events import AdverseEvent
 class AtGoal(msgspec.Struct, frozen=True):
     """The level at goal of a session with its 95 % band, on the axis of difficulty and in levels.
 
-    A level is None where the axis goes beyond the task's levels. ``borrowed``: the slope is that of other sessions.
+    A level is None where the axis goes beyond the task's levels. ``borrowed``: the slope is that of
+    other sessions.
     """
 
     difficulty: float
@@ -41,8 +44,9 @@ class SessionProgress(msgspec.Struct, frozen=True):
     """A session on a line. ``value`` is what the line's verdicts compare: more is better.
 
     ``level_means``: the mean result at each level that was played.
-    ``pain``, ``tiredness``: the worst that was said, 0 to 10; None if nothing is known. ``events``: ids of the adverse
-    events that began in it, or after it and before the participant's next session.
+    ``pain``, ``tiredness``: the worst that was said, 0 to 10; None if nothing is known. ``events``:
+    ids of the adverse events that began in it, or after it and before the participant's next
+    session.
     """
 
     session: str
@@ -74,10 +78,12 @@ class LineProgress(msgspec.Struct, frozen=True):
 
     Args:
         goal: of all levels; None if it differs between levels.
-        measure: ``level`` (level at goal), ``result`` (mean result, where the level never changed), or empty.
+        measure: ``level`` (level at goal), ``result`` (mean result, where the level never changed),
+            or empty.
         settings: what the sessions have in common, where it differs from the defaults.
         titles: of these settings, for people.
-        places: of the levels on the axis of difficulty; empty if they do not rise from level to level.
+        places: of the levels on the axis of difficulty; empty if they do not rise from level to
+            level.
         between_sd: SD of the sessions' means.
         baseline: None before it has enough sessions.
         verdict: on the last session whose value is known, against the baseline; ``judged``: its id.
@@ -132,7 +138,8 @@ def progress(
     ratings: Sequence[SessionRatings] = (),
     events: Sequence[AdverseEvent] = (),
 ) -> Progress:
-    """Return the progress of a participant, from the results of their sessions in the order they were played.
+    """Return the progress of a participant, from the results of their sessions in the order they
+    were played.
 
     Args:
         participant: the code.
@@ -157,17 +164,27 @@ def progress(
     )
 
 
-def _began_in(played: Sequence[SessionResults], events: Sequence[AdverseEvent]) -> dict[str, list[str]]:
-    """Return the adverse events of sessions: the session that an event names, or else the last one before it."""
+def _began_in(
+    played: Sequence[SessionResults], events: Sequence[AdverseEvent]
+) -> dict[str, list[str]]:
+    """Return the adverse events of sessions: the session that an event names, or else the last one
+    before it.
+    """
     shown = [each for each in played if each.results]
     known = {each.session for each in shown}
     found: dict[str, list[str]] = {}
     for event in events:
-        before = [each for each in shown if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.onset)] <= event.onset]
+        before = [
+            each
+            for each in shown
+            if f"{each.began:%Y-%m-%d %H:%M}"[: len(event.onset)] <= event.onset
+        ]
         if event.session in known:
             found.setdefault(event.session, []).append(event.event)
         elif before:
-            found.setdefault(max(before, key=lambda each: each.began).session, []).append(event.event)
+            found.setdefault(max(before, key=lambda each: each.began).session, []).append(
+                event.event
+            )
     return found
 
 
@@ -214,7 +231,9 @@ def _titles(task: Task, names: Iterable[str]) -> dict[str, str]:
     return {name: titles[name] for name in names}
 
 
-def _session(line: Line, point: Point, rising: Sequence[float], began_in: Mapping[str, list[str]]) -> SessionProgress:
+def _session(
+    line: Line, point: Point, rising: Sequence[float], began_in: Mapping[str, list[str]]
+) -> SessionProgress:
     results = point.results
     levels = [result.level for result in results.results]
     return SessionProgress(
@@ -266,10 +285,12 @@ def _at_goal(rising: Sequence[float], estimate: Estimate) -> AtGoal:
 class Comparison(msgspec.Struct, frozen=True):
     """Two sessions side by side.
 
-    ``comparable``: they are on one line. ``difference``: later minus earlier value of the line's measure; more is
-    better. ``verdict``: against the MDC95 of the line's baseline, ``mdc95``; None if it is not yet known, or there is
-    no difference. ``shared_levels``: played in both sessions, with a
-    result; ``earlier_mean`` and ``later_mean`` are the means of these levels' means, each level counting the same.
+    ``comparable``: they are on one line. ``difference``: later minus earlier value of the line's
+    measure; more is better. ``verdict``: against the MDC95 of the line's baseline, ``mdc95``; None
+    if it is not yet known, or there is no difference. ``shared_levels``: played in both sessions,
+    with a
+    result; ``earlier_mean`` and ``later_mean`` are the means of these levels' means, each level
+    counting the same.
     """
 
     earlier: SessionProgress
@@ -284,15 +305,24 @@ class Comparison(msgspec.Struct, frozen=True):
 
 
 def compare(found: Progress, one: str, other: str) -> Comparison | None:
-    """Compare two sessions of a participant, in the order they were played; None if one has no finished attempt."""
-    places = {session.session: (session.began, line, session) for line in found.lines for session in line.sessions}
+    """Compare two sessions of a participant, in the order they were played; None if one has no
+    finished attempt.
+    """
+    places = {
+        session.session: (session.began, line, session)
+        for line in found.lines
+        for session in line.sessions
+    }
     if one not in places or other not in places:
         return None
-    (_, line, earlier), (_, other_line, later) = sorted((places[one], places[other]), key=lambda place: place[0])
+    (_, line, earlier), (_, other_line, later) = sorted(
+        (places[one], places[other]), key=lambda place: place[0]
+    )
     comparable = line is other_line
     shared = sorted(earlier.level_means.keys() & later.level_means.keys()) if comparable else []
     earlier_mean, later_mean = (
-        fmean(each.level_means[level] for level in shared) if shared else None for each in (earlier, later)
+        fmean(each.level_means[level] for level in shared) if shared else None
+        for each in (earlier, later)
     )
     difference: float | None = None
     verdict: Verdict = "not yet known"
@@ -301,4 +331,6 @@ def compare(found: Progress, one: str, other: str) -> Comparison | None:
         difference = later.value - earlier.value
         verdict = change.difference(later.value, earlier.value, line.baseline)
         mdc95 = line.baseline.mdc95 if line.baseline else None
-    return Comparison(earlier, later, comparable, difference, verdict, mdc95, shared, earlier_mean, later_mean)
+    return Comparison(
+        earlier, later, comparable, difference, verdict, mdc95, shared, earlier_mean, later_mean
+    )

@@ -39,7 +39,9 @@ def _chart(values: Sequence[Spec], layers: Sequence[Spec], height: int) -> Spec:
 
 
 def _x(values: Sequence[Spec], sessions: Sequence[SessionProgress] = ()) -> Spec:
-    """Return the time axis, the same for all charts of the sessions; the days themselves where there are few."""
+    """Return the time axis, the same for all charts of the sessions; the days themselves where
+    there are few.
+    """
     few = len({value["date"] for value in values}) <= 8
     shown: Spec = {"format": "%Y-%m-%d", "labelOverlap": True, "title": None}
     axis = {**shown, "values": [v["at"] for v in values]} if few else shown
@@ -67,7 +69,10 @@ def measure_chart(line: LineProgress, tr: Language) -> Spec | None:
         for each in line.sessions
         if each.at_goal
     ]
-    values = [row | {name: place(row[name]) for name in ("value", "low", "high")} for row in grouped(known)]
+    values = [
+        row | {name: place(row[name]) for name in ("value", "low", "high")}
+        for row in grouped(known)
+    ]
     if line.measure != "level" or not values:
         return None
     unit = tr(line.axis.unit or line.axis.name)
@@ -75,12 +80,24 @@ def measure_chart(line: LineProgress, tr: Language) -> Spec | None:
     y = {"type": "quantitative", "scale": {**scale, "nice": False}, "title": unit}
     layers: list[Spec] = []
     if found := line.baseline:
-        noise = {"low": place(found.mean - found.mdc95), "high": place(found.mean + found.mdc95 + found.rise)}
+        noise = {
+            "low": place(found.mean - found.mdc95),
+            "high": place(found.mean + found.mdc95 + found.rise),
+        }
         area = {"y": {"field": "low", **y}, "y2": {"field": "high"}}
-        layers.append({"data": {"values": [noise]}, "mark": {"type": "rect", "color": "#eee"}, "encoding": area})
+        layers.append(
+            {
+                "data": {"values": [noise]},
+                "mark": {"type": "rect", "color": "#eee"},
+                "encoding": area,
+            }
+        )
     x = _x(values, line.sessions)
     layers += [
-        {"mark": {"type": "line", "color": _INK}, "encoding": {"x": x, "y": {"field": "value", **y}}},
+        {
+            "mark": {"type": "line", "color": _INK},
+            "encoding": {"x": x, "y": {"field": "value", **y}},
+        },
         {
             "mark": {"type": "rule", "color": _INK, "strokeWidth": 1.5},
             "encoding": {"x": x, "y": {"field": "low", **y}, "y2": {"field": "high"}},
@@ -94,7 +111,9 @@ def measure_chart(line: LineProgress, tr: Language) -> Spec | None:
 
 
 def result_chart(line: LineProgress, tr: Language) -> Spec | None:
-    """Chart the mean result of each session, one SD between its attempts to either side, and the goal, dashed."""
+    """Chart the mean result of each session, one SD between its attempts to either side, and the
+    goal, dashed.
+    """
     label, factor = axis(line.metric, tr)
     values = [
         _row(
@@ -126,16 +145,28 @@ def result_chart(line: LineProgress, tr: Language) -> Spec | None:
     if line.goal is not None:
         dashed = {"type": "rule", "strokeDash": [6, 4], "color": "#444"}
         goal = {"y": {"field": "goal", "type": "quantitative"}}
-        layers.append({"data": {"values": [{"goal": line.goal * factor}]}, "mark": dashed, "encoding": goal})
+        layers.append(
+            {"data": {"values": [{"goal": line.goal * factor}]}, "mark": dashed, "encoding": goal}
+        )
     return _chart(values, layers, _HEIGHT)
 
 
 def quality_charts(line: LineProgress, tr: Language) -> dict[str, Spec]:
-    """Chart the mean of each measure of how the sessions' movements were done, such as smoothness, by its name."""
-    names = list(dict.fromkeys(name for each in line.sessions for name in each.qualities))[:_MOST_QUALITIES]
+    """Chart the mean of each measure of how the sessions' movements were done, such as smoothness,
+    by its name.
+    """
+    names = list(dict.fromkeys(name for each in line.sessions for name in each.qualities))[
+        :_MOST_QUALITIES
+    ]
     charts = {}
     for name in names:
-        values = grouped([_row(each, value=each.qualities[name]) for each in line.sessions if name in each.qualities])
+        values = grouped(
+            [
+                _row(each, value=each.qualities[name])
+                for each in line.sessions
+                if name in each.qualities
+            ]
+        )
         y = {
             "field": "value",
             "type": "quantitative",
@@ -143,12 +174,16 @@ def quality_charts(line: LineProgress, tr: Language) -> dict[str, Spec]:
             "title": progress_words.quality(line, name, tr),
         }
         mark = {"type": "line", "color": _INK, "point": {"color": _INK}}
-        charts[name] = _chart(values, [{"mark": mark, "encoding": {"x": _x(values, line.sessions), "y": y}}], _LOW)
+        charts[name] = _chart(
+            values, [{"mark": mark, "encoding": {"x": _x(values, line.sessions), "y": y}}], _LOW
+        )
     return charts
 
 
 def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
-    """Chart the worst pain and tiredness of each session, and the adverse events; None if there is nothing of them."""
+    """Chart the worst pain and tiredness of each session, and the adverse events; None if there is
+    nothing of them.
+    """
     layers: list[Spec] = []
     every: list[Spec] = []
     scale: Spec = {
@@ -157,7 +192,11 @@ def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
         "title": f"{tr('pain')}, {tr('tiredness')}",
     }
     for name, shape, dash in (("pain", "circle", []), ("tiredness", "square", [4, 3])):
-        rated = [_row(each, value=given) for each in line.sessions if (given := getattr(each, name)) is not None]
+        rated = [
+            _row(each, value=given)
+            for each in line.sessions
+            if (given := getattr(each, name)) is not None
+        ]
         values = grouped(rated, max)
         if not values:
             continue
@@ -165,19 +204,39 @@ def felt_chart(line: LineProgress, tr: Language) -> Spec | None:
         ink = _INK if name == "pain" else _OTHER
         point = {"color": ink, "shape": shape, "filled": name == "pain", "size": 40}
         mark = {"type": "line", "color": ink, "strokeDash": dash, "point": point}
-        layers.append({"data": {"values": values}, "mark": mark, "encoding": {"y": {"field": "value", **scale}}})
+        layers.append(
+            {
+                "data": {"values": values},
+                "mark": mark,
+                "encoding": {"y": {"field": "value", **scale}},
+            }
+        )
     if events := [_row(each) for each in line.sessions if each.events]:
         every += events
-        text = {"type": "text", "text": EVENT, "color": _EVENT, "dx": 6, "dy": 8, "fontSize": 16, "fontWeight": "bold"}
-        layers.append({"data": {"values": events}, "mark": {"type": "rule", "color": _EVENT}, "encoding": {}})
-        layers.append({"data": {"values": events}, "mark": text, "encoding": {"y": {"datum": 10, **scale}}})
+        text = {
+            "type": "text",
+            "text": EVENT,
+            "color": _EVENT,
+            "dx": 6,
+            "dy": 8,
+            "fontSize": 16,
+            "fontWeight": "bold",
+        }
+        layers.append(
+            {"data": {"values": events}, "mark": {"type": "rule", "color": _EVENT}, "encoding": {}}
+        )
+        layers.append(
+            {"data": {"values": events}, "mark": text, "encoding": {"y": {"datum": 10, **scale}}}
+        )
     for layer in layers:
         layer["encoding"]["x"] = _x(every, line.sessions)
     return _chart(every, layers, _LOW) if layers else None
 
 
 def attempts_chart(days: Sequence[Day], tr: Language) -> Spec | None:
-    """Chart the attempts done on each day (or week, or month) as bars, and those planned as a line across them."""
+    """Chart the attempts done on each day (or week, or month) as bars, and those planned as a line
+    across them.
+    """
     if not days:
         return None
     values = summed(days)

@@ -7,7 +7,19 @@ from sar_tui.model.results_for_people import axis
 from sar_tui.reports import progress_words, session_chart
 from sar_tui.reports.attempts_plot import round_numbers
 from sar_tui.reports.progress import LineProgress, SessionProgress
-from sar_tui.reports.session_chart import ABOVE, AREA, BAND, BELOW, EVENT, POINT, RULE, TEN, UNKNOWN, Columns, Value
+from sar_tui.reports.session_chart import (
+    ABOVE,
+    AREA,
+    BAND,
+    BELOW,
+    EVENT,
+    POINT,
+    RULE,
+    TEN,
+    UNKNOWN,
+    Columns,
+    Value,
+)
 
 _FEWEST_ROWS = 4
 _SIDES = {"easier": ABOVE, "harder": BELOW, "": UNKNOWN}
@@ -16,9 +28,15 @@ _LEAST_MARGIN = 8
 
 
 def level_figure(
-    line: LineProgress, width: int, height: int, tr: Language, chosen: int | None = None, marked: int | None = None
+    line: LineProgress,
+    width: int,
+    height: int,
+    tr: Language,
+    chosen: int | None = None,
+    marked: int | None = None,
 ) -> list[str]:
-    """Draw the level at goal over sessions with its 95 % bands, and pain and tiredness on the same axis.
+    """Draw the level at goal over sessions with its 95 % bands, and pain and tiredness on the same
+    axis.
 
     Args:
         line: whose measure is the level at goal.
@@ -32,7 +50,9 @@ def level_figure(
     """
     at_goal = [each.at_goal for each in line.sessions]
     values = [
-        Value(found.difficulty, found.low, found.high) if found else Value(without=_SIDES[each.side])
+        Value(found.difficulty, found.low, found.high)
+        if found
+        else Value(without=_SIDES[each.side])
         for each, found in zip(line.sessions, at_goal, strict=True)
     ]
     area = None
@@ -45,7 +65,10 @@ def level_figure(
     )
     unit = tr(line.axis.unit or line.axis.name)
     if line.places:
-        ticks = [(place, f"{level} ({_plain(line, place, tr)})") for level, place in enumerate(line.places, 1)]
+        ticks = [
+            (place, f"{level} ({_plain(line, place, tr)})")
+            for level, place in enumerate(line.places, 1)
+        ]
         heading = f"{tr('level at goal')} ({unit})"
     else:
         ticks = [(value, _plain(line, value, tr)) for value in round_numbers(low, high, 5)]
@@ -54,23 +77,42 @@ def level_figure(
     if area:
         signs[AREA] = tr("noise and practice")
     return _figure(
-        line, values, (low, high), ticks, heading, signs, (width, height), tr, area=area, chosen=chosen, marked=marked
+        line,
+        values,
+        (low, high),
+        ticks,
+        heading,
+        signs,
+        (width, height),
+        tr,
+        area=area,
+        chosen=chosen,
+        marked=marked,
     )
 
 
 def result_figure(
-    line: LineProgress, width: int, height: int, tr: Language, chosen: int | None = None, marked: int | None = None
+    line: LineProgress,
+    width: int,
+    height: int,
+    tr: Language,
+    chosen: int | None = None,
+    marked: int | None = None,
 ) -> list[str]:
-    """Draw the mean result of each session with one SD to either side, and the goal; otherwise as `level_figure`.
+    """Draw the mean result of each session with one SD to either side, and the goal; otherwise as
+    `level_figure`.
 
     Below are bars for accuracy, and for each measure of how the movements were done.
     """
     label, factor = axis(line.metric, tr)
     up = 1
-    if line.metric.better == "lower":  # the chart is turned, so that a person who gets better never seems to fall
+    # the chart is turned, so that a person who gets better never seems to fall
+    if line.metric.better == "lower":
         up, label = -1, f"{label}, {tr('better is up')}"
     values = [
-        Value(without=UNKNOWN) if each.mean is None else _around(up * each.mean * factor, (each.sd or 0.0) * factor)
+        Value(without=UNKNOWN)
+        if each.mean is None
+        else _around(up * each.mean * factor, (each.sd or 0.0) * factor)
         for each in line.sessions
     ]
     goal = None if line.goal is None else up * line.goal * factor
@@ -81,7 +123,18 @@ def result_figure(
         signs[RULE] = tr("goal")
     size, bars = (width, height), qualities(line, tr)
     return _figure(
-        line, values, (low, high), ticks, label, signs, size, tr, rule=goal, bars=bars, chosen=chosen, marked=marked
+        line,
+        values,
+        (low, high),
+        ticks,
+        label,
+        signs,
+        size,
+        tr,
+        rule=goal,
+        bars=bars,
+        chosen=chosen,
+        marked=marked,
     )
 
 
@@ -100,8 +153,16 @@ def has_results(line: LineProgress) -> bool:
 
 
 def qualities(line: LineProgress, tr: Language) -> list[tuple[str, list[float | None], str]]:
-    """Return the share of right responses, and each measure of how the movements were done: name, values, format."""
-    rows = [(tr("correct"), [each.right / each.trials if each.trials else None for each in line.sessions], "{:.0%}")]
+    """Return the share of right responses, and each measure of how the movements were done: name,
+    values, format.
+    """
+    rows = [
+        (
+            tr("correct"),
+            [each.right / each.trials if each.trials else None for each in line.sessions],
+            "{:.0%}",
+        )
+    ]
     names = dict.fromkeys(name for each in line.sessions for name in each.qualities)
     return rows + [
         (
@@ -135,12 +196,19 @@ def _figure(
     has_event = [bool(each.events) for each in line.sessions]
     event = [tr("event")] if any(has_event) else []
     names = [*(name for name, *_ in (*felt, *bars)), *event]
-    margin = max(_LEAST_MARGIN, *(len(label) + 1 for _, label in ticks), *(len(name) + 1 for name in names))
+    margin = max(
+        _LEAST_MARGIN, *(len(label) + 1 for _, label in ticks), *(len(name) + 1 for name in names)
+    )
     columns = Columns(len(values), max(10, width - margin))
-    below = [f"{name:<{margin}}{tr.figures(columns.numbers(numbers, form))}" for name, numbers, form in bars]
+    below = [
+        f"{name:<{margin}}{tr.figures(columns.numbers(numbers, form))}"
+        for name, numbers, form in bars
+    ]
     below += [f"{name:<{margin}}{columns.figures(numbers)}" for name, numbers in felt]
     below += [f"{name:<{margin}}{columns.signs(has_event, EVENT)}" for name in event]
-    notes = [tr("A column holds up to {most} sessions.", most=columns.most)] if columns.most > 1 else []
+    notes = (
+        [tr("A column holds up to {most} sessions.", most=columns.most)] if columns.most > 1 else []
+    )
     if any(TEN in row[margin:] for row in below):
         notes.append(tr("{sign}: 10 of 10.", sign=TEN))
     if notes:
@@ -164,7 +232,12 @@ def _figure(
     }
     months = tr("Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec").split()
     used = {value.without for value in values}
-    lines = [_heading(heading, signs | {sign: text for sign, text in known.items() if sign in used}, width), *chart]
+    lines = [
+        _heading(
+            heading, signs | {sign: text for sign, text in known.items() if sign in used}, width
+        ),
+        *chart,
+    ]
     lines.append(" " * margin + columns.dates([each.began[:10] for each in line.sessions], months))
     return [line.rstrip() for line in (*lines, *below)]
 
@@ -175,7 +248,9 @@ def _felt(sessions: Sequence[SessionProgress], tr: Language) -> list[tuple[str, 
         (tr("pain"), [each.pain for each in sessions]),
         (tr("tired"), [each.tiredness for each in sessions]),
     ]
-    return [(name, numbers) for name, numbers in rows if any(number is not None for number in numbers)]
+    return [
+        (name, numbers) for name, numbers in rows if any(number is not None for number in numbers)
+    ]
 
 
 def _heading(name: str, signs: dict[str, str], width: int) -> str:
@@ -189,4 +264,6 @@ def _heading(name: str, signs: dict[str, str], width: int) -> str:
 def _plain(line: LineProgress, difficulty: float, tr: Language) -> str:
     """Return a place on the axis without its unit, and without decimals that are 0."""
     number = line.axis.show(difficulty).removesuffix(line.axis.unit).strip()
-    return tr.figures(number.removesuffix("0").removesuffix(".") if number.endswith(".0") else number)
+    return tr.figures(
+        number.removesuffix("0").removesuffix(".") if number.endswith(".0") else number
+    )

@@ -1,4 +1,6 @@
-"""Progress as a page to print: one self-contained HTML file with drawn charts and their text alternatives."""
+"""Progress as a page to print: one self-contained HTML file with drawn charts and their text
+alternatives.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
@@ -35,10 +37,14 @@ def page(found: Progress, find_task: Callable[[str], type[Task] | None], code: s
         body.append(f"<p>{escape(own('There are no finished attempts yet.'))}</p>")
     if found.instruments:
         body.append(f"<h2>{escape(own('Other instruments'))}</h2>")
-        body += [f"<p>{escape(progress_words.instrument_change(each, own))}</p>" for each in found.instruments]
+        body += [
+            f"<p>{escape(progress_words.instrument_change(each, own))}</p>"
+            for each in found.instruments
+        ]
     body += _dose(found, own)
     foot = own(
-        "A training measure of this program; no diagnosis, and no published important difference (MCID) applies."
+        "A training measure of this program; no diagnosis, and no published important difference "
+        "(MCID) applies."
     )
     return document(title, body, language=code, foot=foot)
 
@@ -48,7 +54,8 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
     yield f"<p>{escape(' '.join(progress_words.sentences(line, tr)))}</p>"
     if (most := sessions_of_a_mark(len(line.sessions))) > 1:
         rule = tr(
-            "In the charts a mark stands for up to {most} sessions, one after the other: for their mean; of pain and "
+            "In the charts a mark stands for up to {most} sessions, one after the other: for "
+            "their mean; of pain and "
             "tiredness, for the worst.",
             most=str(most),
         )
@@ -56,27 +63,43 @@ def _line(line: LineProgress, events: Sequence[AdverseEvent], tr: Language) -> I
     if spec := progress_charts.measure_chart(line, tr):
         yield figure(
             spec,
-            tr("Level at goal of each session with its 95 % band. Grey: no more than noise and practice."),
+            tr(
+                "Level at goal of each session with its 95 % band. Grey: no more than noise and "
+                "practice."
+            ),
             _range(line, tr),
         )
     if spec := progress_charts.result_chart(line, tr):
         caption = tr("Mean result of each session, with the SD between its attempts.")
-        yield figure(spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", "")
+        yield figure(
+            spec, caption if line.goal is None else f"{caption} {tr('Dashed: the goal.')}", ""
+        )
     if spec := progress_charts.felt_chart(line, tr):
-        caption = tr("The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10.")
+        caption = tr(
+            "The worst pain (dots) and tiredness (squares, dashed) of each session, 0 to 10."
+        )
         began_in = {event for each in line.sessions for event in each.events}
         told = [dated_event(event, tr) for event in events if event.event in began_in]
         more = [text for text in (progress_words.felt_range(line, tr), *told) if text]
-        yield figure(spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more))
+        yield figure(
+            spec, f"{caption} {tr('!: an adverse event.')}" if told else caption, " ".join(more)
+        )
     for name, chart in progress_charts.quality_charts(line, tr).items():
-        yield figure(chart, tr("Mean of each session: {name}.", name=progress_words.quality(line, name, tr)), "")
+        yield figure(
+            chart,
+            tr("Mean of each session: {name}.", name=progress_words.quality(line, name, tr)),
+            "",
+        )
     yield _table(line, tr)
 
 
 def _range(line: LineProgress, tr: Language) -> str:
     """Return the first and the last known level at goal, as the text alternative of their chart."""
     known = [each for each in line.sessions if each.at_goal]
-    told = [f"{progress_words.day(each.began)}: {progress_words.at_goal(line, each, tr)}" for each in known]
+    told = [
+        f"{progress_words.day(each.began)}: {progress_words.at_goal(line, each, tr)}"
+        for each in known
+    ]
     return ". ".join(dict.fromkeys((told[0], told[-1])))
 
 

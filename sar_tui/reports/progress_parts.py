@@ -7,7 +7,13 @@ from sar_tui.model.language import Language
 from sar_tui.progress.change import BASELINE, FAMILIARISATION, baseline
 from sar_tui.reports import dose_words, progress_words
 from sar_tui.reports.progress import LineProgress, Progress, SessionProgress
-from sar_tui.reports.progress_figures import has_levels, has_results, level_figure, qualities, result_figure
+from sar_tui.reports.progress_figures import (
+    has_levels,
+    has_results,
+    level_figure,
+    qualities,
+    result_figure,
+)
 from sar_tui.reports.session_chart import MARKED
 
 CURSOR = "▸"
@@ -45,7 +51,11 @@ def level_part(
     said = [*advice, *progress_words.sentences(line, tr)]
     text = wrapped(said if height >= _TALL else [" ".join(said)], width)
     room = height - len(text) - 1
-    charts = [draw for has, draw in ((has_levels, level_figure), (has_results, result_figure)) if has(line)]
+    charts = [
+        draw
+        for has, draw in ((has_levels, level_figure), (has_results, result_figure))
+        if has(line)
+    ]
     if not charts:
         return text[:height]
     lines: list[str] = []
@@ -59,19 +69,25 @@ def level_part(
 def results_part(
     line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
 ) -> list[str]:
-    """Return the mean results as a chart, and accuracy, smoothness and the SD within and between sessions."""
+    """Return the mean results as a chart, and accuracy, smoothness and the SD within and between
+    sessions.
+    """
     width, height = size
     below = wrapped([*_ends(line, tr), progress_words.spread(line, tr)], width)
     if not has_results(line):
         return below[:height]
     rows = _chart_height(height - len(below) - 1)
-    return [*result_figure(line, width, rows, tr, chosen, _number(line, marked)), "", *below][:height]
+    return [*result_figure(line, width, rows, tr, chosen, _number(line, marked)), "", *below][
+        :height
+    ]
 
 
 def sessions_part(
     line: LineProgress, size: tuple[int, int], chosen: int, tr: Language, marked: str | None = None
 ) -> list[str]:
-    """Return the sessions as a table with a cursor; ``marked`` is the id of the one to compare with."""
+    """Return the sessions as a table with a cursor; ``marked`` is the id of the one to compare
+    with.
+    """
     width, height = size
     at_goal = f"at goal ({line.axis.unit or line.axis.name})"
     heads = ("date", "levels", "mean ± SD", "correct", "goals", at_goal, "pain", "tired")
@@ -106,7 +122,9 @@ def dose_part(found: Progress, size: tuple[int, int], tr: Language) -> list[str]
 
 
 def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
-    """Return a session on two lines: its date, end and dose; what was said of pain and tiredness."""
+    """Return a session on two lines: its date, end and dose; what was said of pain and
+    tiredness.
+    """
     parts = [
         f"{progress_words.day(session.began)} {session.began[11:16]}",
         tr(session.status),
@@ -118,7 +136,9 @@ def session_text(line: LineProgress, session: SessionProgress, tr: Language) -> 
 
 
 def _ends(line: LineProgress, tr: Language) -> list[str]:
-    """Return the first and the last known value of each measure of how the sessions were done, and its MDC95."""
+    """Return the first and the last known value of each measure of how the sessions were done, and
+    its MDC95.
+    """
     said, is_noise_known = [], False
     for name, values, form in qualities(line, tr):
         known = [value for value in values if value is not None]
@@ -139,13 +159,18 @@ def _ends(line: LineProgress, tr: Language) -> list[str]:
     if is_noise_known:
         return [told]
     needed = str(FAMILIARISATION + BASELINE)
-    unknown = tr("How much of these changes is noise is not yet known: it needs {number} sessions.", number=needed)
+    unknown = tr(
+        "How much of these changes is noise is not yet known: it needs {number} sessions.",
+        number=needed,
+    )
     return [f"{told} {unknown}"]
 
 
 def _number(line: LineProgress, session: str | None) -> int | None:
     """Return the number of a session on a line, given its id; None if it is not there."""
-    return next((number for number, each in enumerate(line.sessions) if each.session == session), None)
+    return next(
+        (number for number, each in enumerate(line.sessions) if each.session == session), None
+    )
 
 
 def _cells(line: LineProgress, session: SessionProgress, tr: Language) -> list[str]:
@@ -176,5 +201,7 @@ def wrapped(sentences: Sequence[str], width: int, indent: str = "") -> list[str]
     return [
         line
         for sentence in sentences
-        for line in textwrap.wrap(sentence, max(20, width), initial_indent=indent, subsequent_indent=indent)
+        for line in textwrap.wrap(
+            sentence, max(20, width), initial_indent=indent, subsequent_indent=indent
+        )
     ]

@@ -1,4 +1,6 @@
-"""Progress in words: sentences for the screen, the printed page, and a paragraph for a person's record."""
+"""Progress in words: sentences for the screen, the printed page, and a paragraph for a person's
+record.
+"""
 
 import inspect
 from pathlib import Path
@@ -18,7 +20,9 @@ _FOLDER = Path(__file__).parent
 
 
 def words(code: str, kind: type[Task] | None) -> Language:
-    """Return the language of a report, with the titles of settings and the translations of a task."""
+    """Return the language of a report, with the titles of settings and the translations of a
+    task.
+    """
     return language(code, COMMON, _FOLDER, *([Path(inspect.getfile(kind)).parent] if kind else []))
 
 
@@ -31,17 +35,23 @@ def figure(line: LineProgress, value: float, tr: Language) -> str:
     """Return a value of the line's measure as people read it: "10.4 keys", "0.950 s"."""
     if line.measure == "level":
         shown = line.axis.show(value)
-        return tr.figures(shown.replace(line.axis.unit, tr(line.axis.unit)) if line.axis.unit else shown)
+        return tr.figures(
+            shown.replace(line.axis.unit, tr(line.axis.unit)) if line.axis.unit else shown
+        )
     return tr.figures(_difference(line, measured_value(line, value)))
 
 
 def measured_value(line: LineProgress, value: float) -> float:
-    """Return a value of the line's measure, more of which is better, as it was measured: times have their sign."""
+    """Return a value of the line's measure, more of which is better, as it was measured: times have
+    their sign.
+    """
     return -value if line.measure == "result" and line.metric.better == "lower" else value
 
 
 def mean(line: LineProgress, session: SessionProgress) -> str:
-    """Return the mean of a session's results and the SD between its attempts: "0.95 ± 0.06 s"; empty without any."""
+    """Return the mean of a session's results and the SD between its attempts: "0.95 ± 0.06 s";
+    empty without any.
+    """
     if session.mean is None:
         return ""
     metric, factor = metric_for_people(line.metric)
@@ -56,7 +66,9 @@ def result(line: LineProgress, value: float, tr: Language) -> str:
 
 
 def _difference(line: LineProgress, value: float) -> str:
-    """Return an SD, a change or the result that it is compared with; a time has one decimal more than a result."""
+    """Return an SD, a change or the result that it is compared with; a time has one decimal more
+    than a result.
+    """
     metric, factor = metric_for_people(line.metric)
     return f"{value * factor:z.{metric.decimals + (factor != 1)}f} {metric.unit}".rstrip()
 
@@ -71,7 +83,10 @@ def at_goal(line: LineProgress, session: SessionProgress, tr: Language) -> str:
     found = session.at_goal
     if found is None:
         return ""
-    shown, limits = figure(line, found.difficulty, tr), tr("95 % band {limits}", limits=_limits(line, found, tr))
+    shown, limits = (
+        figure(line, found.difficulty, tr),
+        tr("95 % band {limits}", limits=_limits(line, found, tr)),
+    )
     if found.level is None or line.axis.name == "level":
         return f"{shown} ({limits})"
     level = tr("level {level}", level=f"{found.level:.1f}")
@@ -79,13 +94,17 @@ def at_goal(line: LineProgress, session: SessionProgress, tr: Language) -> str:
 
 
 def band(line: LineProgress, session: SessionProgress, tr: Language) -> str:
-    """Return a session's level at goal and its band on the axis of difficulty: "10.4 (9.6 to 11.2)"."""
+    """Return a session's level at goal and its band on the axis of difficulty: "10.4 (9.6 to
+    11.2)".
+    """
     found = session.at_goal
     return f"{_number(line, found.difficulty, tr)} ({_limits(line, found, tr)})" if found else ""
 
 
 def _limits(line: LineProgress, found: AtGoal, tr: Language) -> str:
-    return tr("{low} to {high}", low=_number(line, found.low, tr), high=_number(line, found.high, tr))
+    return tr(
+        "{low} to {high}", low=_number(line, found.low, tr), high=_number(line, found.high, tr)
+    )
 
 
 def _number(line: LineProgress, difficulty: float, tr: Language) -> str:
@@ -93,7 +112,9 @@ def _number(line: LineProgress, difficulty: float, tr: Language) -> str:
 
 
 def sentences(line: LineProgress, tr: Language) -> list[str]:
-    """Return what can be said of a line, in the order in which it is read; nothing of a task without a result."""
+    """Return what can be said of a line, in the order in which it is read; nothing of a task
+    without a result.
+    """
     if line.metric.is_none:
         return []
     said = [_now(line, tr)]
@@ -111,13 +132,16 @@ def _now(line: LineProgress, tr: Language) -> str:
             value=result(line, last.mean, tr),
         )
     if last.side == "easier":
-        return tr("In the last session every result was better than the goal: harder levels can be tried.")
+        return tr(
+            "In the last session every result was better than the goal: harder levels can be tried."
+        )
     if last.side == "harder":
         return tr("In the last session no result reached the goal: easier levels can be tried.")
     if last.at_goal:
         return tr("Level at goal in the last session: {level}.", level=at_goal(line, last, tr))
     return tr(
-        "The level at goal is not known yet: these results do not tell how they grow with the level. More sessions may."
+        "The level at goal is not known yet: these results do not tell how they grow with the "
+        "level. More sessions may."
     )
 
 
@@ -138,7 +162,9 @@ def quality(line: LineProgress, name: str, tr: Language) -> str:
 
 
 def quality_form(line: LineProgress, name: str) -> str:
-    """Return the format of a measure's values: the decimals that the task declares, else three digits."""
+    """Return the format of a measure's values: the decimals that the task declares, else three
+    digits.
+    """
     measure = _declared(line, name)
     return f"{{:.{measure.decimals}f}}" if measure else "{:.3g}"
 
@@ -154,12 +180,17 @@ def _declared(line: LineProgress, name: str) -> Measure | None:
 
 
 def spread(line: LineProgress, tr: Language) -> str:
-    """Return the SD within the last session and between the sessions' means; empty if neither is known."""
+    """Return the SD within the last session and between the sessions' means; empty if neither is
+    known.
+    """
     within = line.sessions[-1].sd
     said = []
     if within is not None:
         said.append(
-            tr("SD within the last session, between its attempts: {sd}.", sd=tr.figures(_difference(line, within)))
+            tr(
+                "SD within the last session, between its attempts: {sd}.",
+                sd=tr.figures(_difference(line, within)),
+            )
         )
     if line.between_sd is not None:
         said.append(tr("SD between the means of the sessions: {sd}.", sd=between_sd(line, tr)))
@@ -183,7 +214,9 @@ def felt(session: SessionProgress, tr: Language) -> list[str]:
 
 
 def felt_range(line: LineProgress, tr: Language) -> str:
-    """Return the first and the last rating of pain and of tiredness in words, and the highest if it was between."""
+    """Return the first and the last rating of pain and of tiredness in words, and the highest if it
+    was between.
+    """
     said = []
     for name, given in (
         (tr("pain"), [each.pain for each in line.sessions]),
@@ -192,7 +225,11 @@ def felt_range(line: LineProgress, tr: Language) -> str:
         known = [rating for rating in given if rating is not None]
         if known:
             highest = max(known)
-            between = f" ({tr('highest {rating}', rating=str(highest))})" if highest > max(known[0], known[-1]) else ""
+            between = (
+                f" ({tr('highest {rating}', rating=str(highest))})"
+                if highest > max(known[0], known[-1])
+                else ""
+            )
             said.append(f"{name} {known[0]} → {known[-1]}{between}")
     return ", ".join(said)
 
@@ -214,7 +251,8 @@ def _practice(line: LineProgress, tr: Language) -> str:
     if first == later:
         return ""
     return tr(
-        "Practice: from {first} in the first session to {mean} in the next {number}. A gain like this comes with "
+        "Practice: from {first} in the first session to {mean} in the next {number}. A gain like "
+        "this comes with "
         "repeating any test; it is not recovery.",
         first=first,
         mean=later,
@@ -226,7 +264,8 @@ def _noise(line: LineProgress, tr: Language) -> str:
     found = line.baseline
     if found is None:
         return tr(
-            "Smallest change that is more than noise (MDC95): not yet known. It needs {number} sessions with a known "
+            "Smallest change that is more than noise (MDC95): not yet known. It needs {number} "
+            "sessions with a known "
             "value.",
             number=str(FAMILIARISATION + BASELINE),
         )
@@ -235,7 +274,8 @@ def _noise(line: LineProgress, tr: Language) -> str:
         key=lambda value: measured_value(line, value),
     )
     return tr(
-        "Baseline: {mean}. Sessions from {low} to {high} are no more than noise and practice (MDC95).",
+        "Baseline: {mean}. Sessions from {low} to {high} are no more than noise and practice "
+        "(MDC95).",
         mean=figure(line, found.mean, tr),
         low=figure(line, ends[0], tr),
         high=figure(line, ends[1], tr),
@@ -250,15 +290,21 @@ def _verdict(line: LineProgress, tr: Language) -> str:
         began = next(each.began for each in line.sessions if each.session == line.judged)
         session = tr("The last session with a known value, of {day},", day=day(began))
     return {
-        "more": tr("{session} is better than that: a change that noise and practice do not explain.", session=session),
-        "less": tr("{session} is worse than that: a change that noise does not explain.", session=session),
+        "more": tr(
+            "{session} is better than that: a change that noise and practice do not explain.",
+            session=session,
+        ),
+        "less": tr(
+            "{session} is worse than that: a change that noise does not explain.", session=session
+        ),
         "noise": tr("{session} is within that: no change can be shown.", session=session),
         "not yet known": tr("Whether there is a change is not yet known."),
     }[line.verdict]
 
 
 def standing(line: LineProgress, tr: Language) -> str:
-    """Return the verdict in a few words, with the value that it is on: "Level 4.5 at goal: no change can be shown".
+    """Return the verdict in a few words, with the value that it is on: "Level 4.5 at goal: no
+    change can be shown".
 
     If the last session has no known value it says so first, and names the day of the one that has.
     """
@@ -294,12 +340,16 @@ def _standing_value(line: LineProgress, session: SessionProgress, tr: Language) 
 
 
 def goal(line: LineProgress, tr: Language) -> str:
-    """Return the goal of a line, with as many decimals as it has: "0.85 s"; empty if it differs between levels."""
+    """Return the goal of a line, with as many decimals as it has: "0.85 s"; empty if it differs
+    between levels.
+    """
     return "" if line.goal is None else tr.figures(short_goal(line.metric, line.goal))
 
 
 def heading(line: LineProgress, tr: Language) -> str:
-    """Return the heading of a line: the task, the seat of a pair, the goal, and settings that are not the default."""
+    """Return the heading of a line: the task, the seat of a pair, the goal, and settings that are
+    not the default.
+    """
     parts = [tr(line.title)]
     if line.seat != "A":
         parts.append(tr("seat {seat}", seat=line.seat))
@@ -330,10 +380,16 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
         + (
             tr("1 session on {day}", day=first)
             if len(sessions) == 1
-            else tr("{sessions} sessions from {first} to {last}", sessions=str(len(sessions)), first=first, last=last)
+            else tr(
+                "{sessions} sessions from {first} to {last}",
+                sessions=str(len(sessions)),
+                first=first,
+                last=last,
+            )
         )
         + tr(
-            "; {done} of {planned} attempts done, {trials} repetitions, {minutes} min on task, {right} right.",
+            "; {done} of {planned} attempts done, {trials} repetitions, {minutes} min on task, "
+            "{right} right.",
             done=str(sum(each.attempts for each in sessions)),
             planned=str(sum(each.planned for each in sessions)),
             trials=str(trials),
@@ -341,28 +397,45 @@ def note(participant: str, line: LineProgress, tr: Language) -> str:
             right=f"{right / trials:.0%}" if trials else "–",
         ),
         *sentences(line, tr),
-        *([tr("Worst of each session, 0 to 10, from first to last: {felt}.", felt=said_of)] if said_of else []),
-        tr("A training measure of this program; no diagnosis, and no published important difference (MCID) applies."),
+        *(
+            [tr("Worst of each session, 0 to 10, from first to last: {felt}.", felt=said_of)]
+            if said_of
+            else []
+        ),
+        tr(
+            "A training measure of this program; no diagnosis, and no published important "
+            "difference (MCID) applies."
+        ),
     ]
     return " ".join(said)
 
 
 def after_notes(found: Progress, tr: Language) -> list[str]:
-    """Return the paragraphs that follow those on the lines: adverse events, and other instruments."""
+    """Return the paragraphs that follow those on the lines: adverse events, and other
+    instruments.
+    """
     events = " ".join(dated_event(event, tr) for event in found.events)
-    return [*([events] if events else []), *(instrument_change(each, tr) for each in found.instruments)]
+    return [
+        *([events] if events else []),
+        *(instrument_change(each, tr) for each in found.instruments),
+    ]
 
 
 def warnings(found: Progress, tr: Language) -> list[str]:
-    """Return what the therapist should know of pain and tiredness, and the adverse events with their onset."""
+    """Return what the therapist should know of pain and tiredness, and the adverse events with
+    their onset.
+    """
     return [*advice(found.tell, tr), *(dated_event(event, tr) for event in found.events)]
 
 
-# --- other instruments --------------------------------------------------------------------------------------
+# --- other instruments
+# --------------------------------------------------------------------------------------
 
 
 def published(value: Published, instrument: Instrument, tr: Language = _ENGLISH) -> str:
-    """Return a published change with its source: "MCID 9 to 10 points, subacute stroke (Arya 2011)"."""
+    """Return a published change with its source: "MCID 9 to 10 points, subacute stroke (Arya
+    2011)".
+    """
     return f"{_published_size(value, instrument, tr)} ({value.source})"
 
 
@@ -373,7 +446,9 @@ def _published_size(value: Published, instrument: Instrument, tr: Language) -> s
 
 
 def instrument_change(found: InstrumentChange, tr: Language) -> str:
-    """Return the scores of an instrument in words, and how their change compares with published ones."""
+    """Return the scores of an instrument in words, and how their change compares with published
+    ones.
+    """
     first, last = found.scores[0], found.scores[-1]
     name = f"{found.instrument.name} ({tr(found.instrument.title)})"
     if found.change is None:
@@ -391,7 +466,9 @@ def instrument_change(found: InstrumentChange, tr: Language) -> str:
     ]
     for each in found.reached:
         size = _published_size(each.published, found.instrument, tr)
-        compared = tr("Reaches {value}", value=size) if each.reached else tr("Below {value}", value=size)
+        compared = (
+            tr("Reaches {value}", value=size) if each.reached else tr("Below {value}", value=size)
+        )
         said.append(f"{compared} ({each.published.source}).")  # no decimal comma in a DOI
     if not found.reached:
         said.append(tr("No change of it that could be compared is published."))

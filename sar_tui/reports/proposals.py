@@ -30,11 +30,12 @@ Fate = Literal[
 ]
 """Outcome of a proposal.
 
-``agent``: done, because its kind was autonomous. ``accepted``, ``edited``: an operator decided, and it was done.
-``vetoed``: stopped by an operator before it began; ``cut_off``: after. ``timed_out_…``: nobody decided in time.
-``no_operator_…``: there was no operator. ``manual_dropped``: left to the operator, who did not do it. ``late``,
-``stopped``, ``amended``: as in `messages.Dropped`. ``mode_changed``: an operator set its kind to manual while it was
-pending, and did not do it. ``open``: undecided when the record ends.
+``agent``: done, because its kind was autonomous. ``accepted``, ``edited``: an operator decided, and
+it was done. ``vetoed``: stopped by an operator before it began; ``cut_off``: after.
+``timed_out_…``: nobody decided in time. ``no_operator_…``: there was no operator.
+``manual_dropped``: left to the operator, who did not do it. ``late``, ``stopped``, ``amended``: as
+in `messages.Dropped`. ``mode_changed``: an operator set its kind to manual while it was pending,
+and did not do it. ``open``: undecided when the record ends.
 """
 Verdict = Literal["accepted", "edited", "vetoed"]
 _DROPPED: dict[str, Fate] = {
@@ -82,15 +83,21 @@ class ProposalRecord(msgspec.Struct):
 
     @property
     def decision_ms(self) -> float | None:
-        """Time from the deciding operator's screen to their key; None without a key, or if it was not seen."""
+        """Time from the deciding operator's screen to their key; None without a key, or if it was
+        not seen.
+        """
         shown = self.seen.get(self.by)
         return None if self.key_at is None or shown is None else (self.key_at - shown) / 1e6
 
     @property
     def waiting_ms(self) -> float | None:
-        """Time pending until it was decided by anyone; None if it was never pending or is still open."""
+        """Time pending until it was decided by anyone; None if it was never pending or is still
+        open.
+        """
         return (
-            None if self.pending_at is None or self.resolved_at is None else (self.resolved_at - self.pending_at) / 1e6
+            None
+            if self.pending_at is None or self.resolved_at is None
+            else (self.resolved_at - self.pending_at) / 1e6
         )
 
 
@@ -124,7 +131,9 @@ class ProposalLog:
             case m.Proposal():
                 self._propose(run, at, message)
             case m.PendingApproval():
-                record = self.records.get(message.proposal.id) or self._propose(run, at, message.proposal)
+                record = self.records.get(message.proposal.id) or self._propose(
+                    run, at, message.proposal
+                )
                 record.pending_at = at if record.pending_at is None else record.pending_at
                 self._pending_mode[record.id] = message.mode
             case m.ProposalSeen() if known := self.records.get(message.action):
@@ -144,7 +153,9 @@ class ProposalLog:
                 self._level_changed(run, at, message)
 
     def _note_cause(self, at: int, message: m.Message) -> None:
-        """Note a cause for the rejection of a pending level: its reason is not logged, but its cause precedes it."""
+        """Note a cause for the rejection of a pending level: its reason is not logged, but its
+        cause precedes it.
+        """
         match message:
             case m.AttemptStarted():
                 self._cause = (-1, "open")
@@ -164,7 +175,9 @@ class ProposalLog:
             mode=self.state.mode(proposal.kind),
             proposed_at=at,
             text=proposal.text,
-            valence=None if proposal.kind == "gesture" else proposal.valence,  # counted with its words
+            valence=None
+            if proposal.kind == "gesture"
+            else proposal.valence,  # counted with its words
         )
         return record
 
@@ -195,7 +208,8 @@ class ProposalLog:
         if record.key_at is None and decision and decided_at == at:
             record.key_at, record.by = decision.at or at, decision.actor
 
-    # --- changes of level ------------------------------------------------------------------------------------------
+    # --- changes of level
+    # ------------------------------------------------------------------------------------------
 
     def _decide_level(self, run: int, at: int, decided: m.LevelDecided) -> None:
         if decided.decision != "rejected":
@@ -205,16 +219,23 @@ class ProposalLog:
         )
         record.resolved_at = at
         if decided.ground == "operator":
-            record.verdict = record.fate = "vetoed" if decided.decision == "rejected" else decided.decision
+            record.verdict = record.fate = (
+                "vetoed" if decided.decision == "rejected" else decided.decision
+            )
             self._note_key(record, at)
         elif decided.decision != "rejected":
             record.fate = _done(decided.ground)
         else:
-            not_done: dict[str, Fate] = {"deadline": "timed_out_dropped", "no operator": "no_operator_dropped"}
+            not_done: dict[str, Fate] = {
+                "deadline": "timed_out_dropped",
+                "no operator": "no_operator_dropped",
+            }
             record.fate = not_done.get(decided.ground) or self._rejection_cause(record, at)
 
     def _rejection_cause(self, record: ProposalRecord, at: int) -> Fate:
-        """Return why a pending level was rejected without a decision, from the cause in the same cascade."""
+        """Return why a pending level was rejected without a decision, from the cause in the same
+        cascade.
+        """
         cause_at, cause = self._cause
         if cause_at == at:
             return cause
@@ -230,12 +251,18 @@ class ProposalLog:
         if change.reason == "operator" or self._level_decided_at == at:
             return
         id = f"level {len(self.records) + 1}"
-        record = self._propose(run, at, m.Proposal(seat=change.seat, id=id, kind="difficulty", text=""))
+        record = self._propose(
+            run, at, m.Proposal(seat=change.seat, id=id, kind="difficulty", text="")
+        )
         record.resolved_at = at
-        record.fate = "agent" if record.mode == "autonomous" or self.state.operated else "no_operator_done"
+        record.fate = (
+            "agent" if record.mode == "autonomous" or self.state.operated else "no_operator_done"
+        )
 
 
-def proposal_records(messages: Iterable[LoggedMessage], parameters: OperatorSettings) -> list[ProposalRecord]:
+def proposal_records(
+    messages: Iterable[LoggedMessage], parameters: OperatorSettings
+) -> list[ProposalRecord]:
     """Return all proposals of a session, in order, with their outcomes."""
     log = ProposalLog(parameters)
     for message in messages:

@@ -1,4 +1,6 @@
-"""The parts of the progress screen that list what is entered by hand: adverse events and scores of instruments."""
+"""The parts of the progress screen that list what is entered by hand: adverse events and scores of
+instruments.
+"""
 
 from collections.abc import Sequence
 
@@ -13,23 +15,36 @@ _FEWEST_LISTED = 3
 
 
 def events_part(found: Progress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
-    """Return what the therapist should be told of pain, the adverse events by onset, and the chosen one in full."""
+    """Return what the therapist should be told of pain, the adverse events by onset, and the chosen
+    one in full.
+    """
     width, height = size
     told = wrapped([f"! {text}" for text in advice(found.tell, tr)], width)
     told += [""] if told else []
     if not found.events:
-        return [*told, *wrapped([tr("No adverse event is recorded. A records one.")], width)][:height]
+        return [*told, *wrapped([tr("No adverse event is recorded. A records one.")], width)][
+            :height
+        ]
     heads = (tr("onset"), tr("severity"), tr("what happened"), tr("outcome"))
     rows = [
-        (each.onset, tr(each.severity), _cut(each.what, width // 3), _cut(each.outcome or "–", width // 4))
+        (
+            each.onset,
+            tr(each.severity),
+            _cut(each.what, width // 3),
+            _cut(each.outcome or "–", width // 4),
+        )
         for each in found.events
     ]
     in_full = wrapped([dated_event(found.events[chosen], tr)], width)
     return _listed(told, heads, rows, in_full, size, chosen)
 
 
-def instruments_part(found: Progress, size: tuple[int, int], chosen: int, tr: Language) -> list[str]:
-    """Return the scores of other instruments by date, and what is published of the chosen one's changes."""
+def instruments_part(
+    found: Progress, size: tuple[int, int], chosen: int, tr: Language
+) -> list[str]:
+    """Return the scores of other instruments by date, and what is published of the chosen one's
+    changes.
+    """
     width, height = size
     known = scores(found)
     if not known:
@@ -40,14 +55,20 @@ def instruments_part(found: Progress, size: tuple[int, int], chosen: int, tr: La
     for each in known:
         instrument = instruments[each.instrument].instrument
         of = f" {instrument.unit}".rstrip()
-        rows.append((each.date, each.instrument, f"{each.score:g}{of}", _cut(each.note, width // 2)))
-    in_full = wrapped([progress_words.instrument_change(instruments[known[chosen].instrument], tr)], width)
+        rows.append(
+            (each.date, each.instrument, f"{each.score:g}{of}", _cut(each.note, width // 2))
+        )
+    in_full = wrapped(
+        [progress_words.instrument_change(instruments[known[chosen].instrument], tr)], width
+    )
     return _listed([], heads, rows, in_full, size, chosen)
 
 
 def scores(found: Progress) -> list[Score]:
     """Return the scores of all instruments by date."""
-    return sorted((score for each in found.instruments for score in each.scores), key=lambda score: score.date)
+    return sorted(
+        (score for each in found.instruments for score in each.scores), key=lambda score: score.date
+    )
 
 
 def _listed(
@@ -58,7 +79,9 @@ def _listed(
     size: tuple[int, int],
     chosen: int,
 ) -> list[str]:
-    """Return a table with a cursor on the chosen row, between other lines, as far as there is room."""
+    """Return a table with a cursor on the chosen row, between other lines, as far as there is
+    room.
+    """
     width, height = size
     shown = window(len(rows), max(_FEWEST_LISTED, height - len(above) - len(below) - 2), chosen)
     table = [heads, *(rows[number] for number in shown)]

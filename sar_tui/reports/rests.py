@@ -12,9 +12,12 @@ _READ = {WAITING.name: Waiting, COMMAND.name: SessionCommand}
 
 
 def lines(database: sqlite3.Connection, session: str) -> list[str]:
-    """Return a line for each rest of a session, in order: its length, pauses included, and who ended it early."""
+    """Return a line for each rest of a session, in order: its length, pauses included, and who
+    ended it early.
+    """
     rows = database.execute(
-        "SELECT run, at_ns, topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER BY seq",
+        "SELECT run, at_ns, topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER "
+        "BY seq",
         (session, *_READ),
     )
     found: list[str] = []
@@ -31,6 +34,8 @@ def lines(database: sqlite3.Connection, session: str) -> list[str]:
             began, ended_by = (run, at, message.attempt - 1), ""
         elif began and message.stage not in ("rest", "paused"):
             early = f", ended by the {ended_by}" if ended_by else ""
-            found.append(f"After attempt {began[2]}: a rest of {(at - began[1]) / SECOND:.0f} s{early}.")
+            found.append(
+                f"After attempt {began[2]}: a rest of {(at - began[1]) / SECOND:.0f} s{early}."
+            )
             began = None
     return found

@@ -1,4 +1,6 @@
-"""Sections of a report, for a terminal and for a page: paragraphs, tables of texts, and drawings of characters."""
+"""Sections of a report, for a terminal and for a page: paragraphs, tables of texts, and drawings of
+characters.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape

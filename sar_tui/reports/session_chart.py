@@ -1,4 +1,5 @@
-"""Text chart of sessions, first to last: a value with its band in each column, and rows of figures below them.
+"""Text chart of sessions, first to last: a value with its band in each column, and rows of figures
+below them.
 
 Characters alone carry the meaning; colours may be added by character.
 """
@@ -14,7 +15,9 @@ POINT, BAND, AREA, RULE, CHOSEN = "●", "│", "░", "╌", "▲"
 TEN = "X"
 """Stands for 10 where there is room for one character."""
 ABOVE, BELOW, UNKNOWN = "^", "v", "?"
-"""Stand for a session without a value: it lies above or below what could be measured, or is not known."""
+"""Stand for a session without a value: it lies above or below what could be measured, or is not
+known.
+"""
 MARKED = "◆"
 """Stands for the session that another one is compared with."""
 EVENT = "!"
@@ -27,7 +30,9 @@ _GAP = 2
 _LONG_DAYS = 300
 """From this time on, dates below the axis have years instead of days."""
 _ROOM = 1.2
-"""Room beyond the outermost values, in bands: one session with a very wide band must not flatten all others."""
+"""Room beyond the outermost values, in bands: one session with a very wide band must not flatten
+all others.
+"""
 
 
 _ROUNDING = 1e-9
@@ -44,7 +49,9 @@ class Value(msgspec.Struct, frozen=True):
 
 
 class Columns(msgspec.Struct, frozen=True):
-    """Columns of sessions in a chart; a column holds several sessions if there are more sessions than columns."""
+    """Columns of sessions in a chart; a column holds several sessions if there are more sessions
+    than columns.
+    """
 
     count: int
     width: int
@@ -72,7 +79,9 @@ class Columns(msgspec.Struct, frozen=True):
                 first = session
 
     def figures(self, values: Sequence[int | None]) -> str:
-        """Return a row with the greatest number of each column, or ``·``; `TEN` is 10 where there is no room."""
+        """Return a row with the greatest number of each column, or ``·``; `TEN` is 10 where there
+        is no room.
+        """
         line = [" "] * self.width
         for column, sessions in self.groups():
             known = [value for session in sessions if (value := values[session]) is not None]
@@ -102,12 +111,19 @@ class Columns(msgspec.Struct, frozen=True):
         return "".join(line).rstrip()
 
     def bars(self, values: Sequence[float | None]) -> str:
-        """Return a row of bars between the least and the greatest value; ``·`` where there is none."""
+        """Return a row of bars between the least and the greatest value; ``·`` where there is
+        none.
+        """
         line = [" "] * self.width
-        means = [(column, _mean([values[session] for session in sessions])) for column, sessions in self.groups()]
+        means = [
+            (column, _mean([values[session] for session in sessions]))
+            for column, sessions in self.groups()
+        ]
         known = [mean for _, mean in means if mean is not None]
         for column, mean in means:
-            line[column] = "·" if mean is None else BARS[_part(mean, min(known), max(known), len(BARS) - 1)]
+            line[column] = (
+                "·" if mean is None else BARS[_part(mean, min(known), max(known), len(BARS) - 1)]
+            )
         return "".join(line).rstrip()
 
     def dates(self, days: Sequence[str], months: Sequence[str]) -> str:
@@ -118,7 +134,9 @@ class Columns(msgspec.Struct, frozen=True):
             months: short names of the months.
         """
         is_long = _days(days[0], days[-1]) > _LONG_DAYS
-        texts = [day[:7] if is_long else f"{int(day[8:])} {months[int(day[5:7]) - 1]}" for day in days]
+        texts = [
+            day[:7] if is_long else f"{int(day[8:])} {months[int(day[5:7]) - 1]}" for day in days
+        ]
         line = [" "] * self.width
         last = min(self.column(len(days) - 1), self.width - len(texts[-1]))
         line[last:] = texts[-1]
@@ -139,7 +157,11 @@ def limits(values: Sequence[Value], more: Sequence[float] = ()) -> tuple[float, 
         more: values that must be on the axis as well.
     """
     known = [*(each.value for each in values if each.value is not None), *more]
-    halves = [(each.high - each.low) / 2 for each in values if each.high is not None and each.low is not None]
+    halves = [
+        (each.high - each.low) / 2
+        for each in values
+        if each.high is not None and each.low is not None
+    ]
     room = _ROOM * statistics.median(halves) if halves else 0.0
     low, high = min(known) - room, max(known) + room
     if low == high:
@@ -161,7 +183,8 @@ def session_chart(
     chosen: int | None = None,
     marked: int | None = None,
 ) -> list[str]:
-    """Draw values over sessions. Those without a value have a row of their own above or below the others.
+    """Draw values over sessions. Those without a value have a row of their own above or below the
+    others.
 
     Args:
         values: of each session; of several in a column, the means are drawn.
@@ -193,7 +216,9 @@ def session_chart(
     for column, sessions in columns.groups():
         _draw([values[session] for session in sessions], column, grid, row)
     labels: dict[int, str] = {}
-    for value, label in sorted(ticks, key=lambda tick: -abs(low + (high - low) * _share(row(tick[0]), rows) - tick[0])):
+    for value, label in sorted(
+        ticks, key=lambda tick: -abs(low + (high - low) * _share(row(tick[0]), rows) - tick[0])
+    ):
         if low <= value <= high:
             labels[row(value)] = label  # of several, the one next to the middle of the row
     lines = [
@@ -209,8 +234,12 @@ def session_chart(
     return [*lines, f"{'└':>{margin}}{''.join(foot)}"]
 
 
-def _draw(values: Sequence[Value], column: int, grid: list[list[str]], row: Callable[[float], int]) -> None:
-    value, low, high = (_mean([getattr(each, name) for each in values]) for name in ("value", "low", "high"))
+def _draw(
+    values: Sequence[Value], column: int, grid: list[list[str]], row: Callable[[float], int]
+) -> None:
+    value, low, high = (
+        _mean([getattr(each, name) for each in values]) for name in ("value", "low", "high")
+    )
     if value is None:
         return
     if low is not None and high is not None:
@@ -220,12 +249,16 @@ def _draw(values: Sequence[Value], column: int, grid: list[list[str]], row: Call
 
 
 def _signs(values: Sequence[Value], columns: Columns, wanted: str) -> str:
-    """Return a row with the signs of columns that have no value, as far as they are wanted; empty for none."""
+    """Return a row with the signs of columns that have no value, as far as they are wanted; empty
+    for none.
+    """
     line = [" "] * columns.width
     for column, sessions in columns.groups():
         found = [values[session] for session in sessions]
         if all(each.value is None for each in found):
-            line[column] = next((each.without for each in found if each.without and each.without in wanted), " ")
+            line[column] = next(
+                (each.without for each in found if each.without and each.without in wanted), " "
+            )
     return "".join(line).rstrip()
 
 
@@ -235,7 +268,9 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 
 def _part(value: float, low: float, high: float, steps: int) -> int:
-    """Return the step of a value between two others, 0 to ``steps``; those beyond are at the ends."""
+    """Return the step of a value between two others, 0 to ``steps``; those beyond are at the
+    ends.
+    """
     if high - low <= _ROUNDING * max(abs(low), abs(high)):
         return steps // 2
     return max(0, min(steps, round((value - low) / (high - low) * steps)))

@@ -11,9 +11,12 @@ _READ = {WAITING.name: Waiting, COMMAND.name: SessionCommand}
 
 
 def lines(database: sqlite3.Connection, session: str) -> list[str]:
-    """Return a line for each attempt of a session that was left out, by whom and when, or that began again."""
+    """Return a line for each attempt of a session that was left out, by whom and when, or that
+    began again.
+    """
     rows = database.execute(
-        "SELECT topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER BY seq", (session, *_READ)
+        "SELECT topic, message FROM events WHERE session=? AND topic IN (?, ?) ORDER BY seq",
+        (session, *_READ),
     )
     found: list[str] = []
     last = Waiting(what="nothing", stage="instructions")
@@ -27,10 +30,17 @@ def lines(database: sqlite3.Connection, session: str) -> list[str]:
             continue
         if message.restarts > restarts:
             restarts = message.restarts
-            found.append(f"Attempt {message.attempt - 1} was interrupted; attempt {message.attempt} began it again.")
+            found.append(
+                f"Attempt {message.attempt - 1} was interrupted; attempt {message.attempt} began "
+                "it again."
+            )
         if left_out and message.stage in ("attempt", "review", "answer"):
             at, actor = left_out
-            done = f"after {at.trial - 1} of {at.trials} trials" if at.trial > 1 else "before its first trial ended"
+            done = (
+                f"after {at.trial - 1} of {at.trials} trials"
+                if at.trial > 1
+                else "before its first trial ended"
+            )
             found.append(f"Attempt {at.attempt} was skipped by the {actor}, {done}.")
         last, left_out = message, None
     return found

@@ -14,7 +14,9 @@ _Z = 1.959964
 
 
 class Trend(msgspec.Struct, frozen=True):
-    """Median slope of ``n`` values per step, with its 95 % interval. The values rise or fall if it leaves out zero."""
+    """Median slope of ``n`` values per step, with its 95 % interval. The values rise or fall if it
+    leaves out zero.
+    """
 
     n: int
     slope: float
@@ -25,13 +27,16 @@ class Trend(msgspec.Struct, frozen=True):
 def trend(values: Sequence[float]) -> Trend | None:
     """Return the trend of values in their order, a step apart; None with too few.
 
-    The slope is the median of those of all pairs (Theil 1950), and its interval follows from the distribution of
-    Kendall's score by the normal approximation, corrected for ties (Sen 1968).
+    The slope is the median of those of all pairs (Theil 1950), and its interval follows from the
+    distribution of Kendall's score by the normal approximation, corrected for ties (Sen 1968).
     """
     n = len(values)
     if n < FEWEST:
         return None
-    slopes = sorted((later - earlier) / (j - i) for (i, earlier), (j, later) in combinations(enumerate(values), 2))
+    slopes = sorted(
+        (later - earlier) / (j - i)
+        for (i, earlier), (j, later) in combinations(enumerate(values), 2)
+    )
     tied = sum(count * (count - 1) * (2 * count + 5) for count in Counter(values).values())
     spread = _Z * math.sqrt(max(0.0, (n * (n - 1) * (2 * n + 5) - tied) / 18))
     last = len(slopes) - 1

@@ -1,4 +1,6 @@
-"""Pain and tiredness in words: of a session, and what the therapist should know of a participant."""
+"""Pain and tiredness in words: of a session, and what the therapist should know of a
+participant.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,20 +20,28 @@ _TOLD: dict[TellReason, str] = {
     "stop": "Pain was above the limit when it was last told. Tell the therapist.",
     "stopped": "The participant was advised not to train, and stopped.",
     "went on": "The participant was advised not to train, and trained all the same.",
-    "new pain": "Pain is new: some in each of the last four sessions, and none before. Tell the therapist.",
-    "worse pain": "Pain is worse: more in each of the last four sessions than before them. Tell the therapist.",
-    "tired": "Very tired ({severe} or more of 10) after each of the last two sessions. Tell the therapist.",
+    "new pain": "Pain is new: some in each of the last four sessions, and none before. Tell the "
+    "therapist.",
+    "worse pain": "Pain is worse: more in each of the last four sessions than before them. Tell "
+    "the therapist.",
+    "tired": "Very tired ({severe} or more of 10) after each of the last two sessions. Tell the "
+    "therapist.",
 }
 
 
 def marks(rows: Sequence[Row]) -> str:
-    """Return the worst pain and tiredness of a session in a few characters, for a list; empty if there is none.
+    """Return the worst pain and tiredness of a session in a few characters, for a list; empty if
+    there is none.
 
     Pain that was said in a pause is shown even if no number is known.
     """
     found = []
     for question, name in (("pain", "pain"), ("fatigue", "tired")):
-        numbers = [int(row["answer"]) for row in rows if row["question"] == question and row["answer"].isdecimal()]
+        numbers = [
+            int(row["answer"])
+            for row in rows
+            if row["question"] == question and row["answer"].isdecimal()
+        ]
         is_said = any(row["question"] == question and row["moment"] == "pause" for row in rows)
         if max(numbers, default=0) or is_said:
             found.append(f"{name} {max(numbers, default=0) or ''}".strip())
@@ -39,20 +49,26 @@ def marks(rows: Sequence[Row]) -> str:
 
 
 def sentences(rows: Sequence[Row], seat: str, limits: PainLimits) -> list[str]:
-    """Return what a participant said in a session, a sentence for each symptom, and if it was a reason to stop."""
+    """Return what a participant said in a session, a sentence for each symptom, and if it was a
+    reason to stop.
+    """
     mine = [row for row in rows if row["seat"] == seat]
     found = [text for question in _NAMES if (text := _symptom(mine, question))]
     if ratings(mine, seat, limits).is_reason_to_stop:
         found.append("That was a reason to stop and to tell the therapist.")
     for moment, named in _MOMENTS.items():
-        advised = [row["answer"] for row in mine if (row["moment"], row["question"]) == (moment, "advice")]
+        advised = [
+            row["answer"] for row in mine if (row["moment"], row["question"]) == (moment, "advice")
+        ]
         if advised:
             found.append(f"Advised {named} not to train.{_ADVISED.get(advised[-1], '')}")
     return found
 
 
 def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEvent]) -> list[str]:
-    """Return a line for each participant who said something in a listed session, and for each adverse event in it."""
+    """Return a line for each participant who said something in a listed session, and for each
+    adverse event in it.
+    """
     lines = []
     for seat, code in (("A", session["participant"]), ("B", session["partner"])):
         if code and (said := sentences(rows, seat, limits_in(session["parameters"]))):
@@ -61,7 +77,9 @@ def session_lines(session: Row, rows: Sequence[Row], events: Sequence[AdverseEve
 
 
 class Visit(msgspec.Struct, frozen=True):
-    """Sentences on what a participant said in a session, and when first. ``session``: empty if it did not begin."""
+    """Sentences on what a participant said in a session, and when first. ``session``: empty if it
+    did not begin.
+    """
 
     at: str
     session: str
@@ -69,7 +87,8 @@ class Visit(msgspec.Struct, frozen=True):
 
 
 def by_visit(rows: Sequence[Row], limits: Mapping[str, PainLimits]) -> list[Visit]:
-    """Return the answers of one participant by session, oldest first; without a session, those of a day together.
+    """Return the answers of one participant by session, oldest first; without a session, those of a
+    day together.
 
     ``limits``: of the sessions, by session.
     """
@@ -79,7 +98,9 @@ def by_visit(rows: Sequence[Row], limits: Mapping[str, PainLimits]) -> list[Visi
 
     def visit(own: Sequence[Row]) -> Visit:
         session = own[0]["session"] or ""
-        return Visit(own[0]["at"], session, sentences(own, own[0]["seat"], limits.get(session, PainLimits())))
+        return Visit(
+            own[0]["at"], session, sentences(own, own[0]["seat"], limits.get(session, PainLimits()))
+        )
 
     return [visit(own) for own in grouped.values()]
 
@@ -100,7 +121,11 @@ def _course(event: AdverseEvent, tr: Language) -> str:
     said = [f"{tr(event.severity)}: {_ended(event.what)}"]
     if event.action:
         said.append(f"{tr('Action')}: {_ended(event.action)}")
-    said.append(f"{tr('Outcome')}: {_ended(event.outcome)}" if event.outcome else tr("Outcome not yet recorded."))
+    said.append(
+        f"{tr('Outcome')}: {_ended(event.outcome)}"
+        if event.outcome
+        else tr("Outcome not yet recorded.")
+    )
     return " ".join(said)
 
 
@@ -117,13 +142,21 @@ def advice(reasons: Sequence[TellReason], tr: Language = _ENGLISH) -> list[str]:
 def _symptom(rows: Sequence[Row], question: str) -> str:
     parts = []
     for moment in ("before", "after"):
-        given = [row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, question)]
-        where = [row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, "place")]
+        given = [
+            row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, question)
+        ]
+        where = [
+            row["answer"] for row in rows if (row["moment"], row["question"]) == (moment, "place")
+        ]
         if given:
             has_place = question == "pain" and given[-1] != "0" and where and where[-1] != NOT_SAID
             place = f" ({where[-1]})" if has_place else ""
-            parts.append(f"{'would rather not say' if given[-1] == NOT_SAID else given[-1]} {moment}{place}")
-    pauses = [row["answer"] for row in rows if (row["moment"], row["question"]) == ("pause", question)]
+            parts.append(
+                f"{'would rather not say' if given[-1] == NOT_SAID else given[-1]} {moment}{place}"
+            )
+    pauses = [
+        row["answer"] for row in rows if (row["moment"], row["question"]) == ("pause", question)
+    ]
     if pauses:
         count, numbers = pauses.count(IN_PAUSE), ", then ".join(filter(str.isdecimal, pauses))
         times = "in a pause" if count < 2 else f"in {count} pauses"

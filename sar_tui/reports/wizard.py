@@ -1,4 +1,6 @@
-"""Operator statistics that a Wizard-of-Oz paper must report (Riek 2012), as far as they are recorded. Pure."""
+"""Operator statistics that a Wizard-of-Oz paper must report (Riek 2012), as far as they are
+recorded. Pure.
+"""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -57,7 +59,8 @@ class WizardReport(msgspec.Struct, frozen=True):
         plan: operator settings at the start of the session.
         operated: True if there was an operator at any time.
         initiated: counts of acts on the operators' own initiative, by kind.
-        therapist: counts of what a therapist did at the participant's terminal: commands, settings by name, notes.
+        therapist: counts of what a therapist did at the participant's terminal: commands, settings
+            by name, notes.
         decision_ms: from the appearance of a proposal on the operator's screen to the deciding key.
         undecided_seen: number of proposals that appeared without being decided by a key.
         waiting_ms: time pending until a proposal was decided by anyone.
@@ -155,12 +158,19 @@ def report(
 
 def operator_settings(parameters: Mapping[str, Any]) -> TaskParameters:
     """Return the settings of a session from its stored parameters."""
-    given = {"operator_ms_per_word": 0, **parameters}  # earlier versions gave each proposal the same time
+    # earlier versions gave each proposal the same time
+    given = {
+        "operator_ms_per_word": 0,
+        **parameters,
+    }
     return msgspec.convert(current_values(TaskParameters, given), TaskParameters)
 
 
 def _proposals(
-    records: Sequence[ProposalRecord], messages: Sequence[LoggedMessage], settings: TaskParameters, duration_s: float
+    records: Sequence[ProposalRecord],
+    messages: Sequence[LoggedMessage],
+    settings: TaskParameters,
+    duration_s: float,
 ) -> list[ProposalSummary]:
     """Return a row for each kind and mode that was ever set or has a proposal."""
     times = {(time.kind, time.mode): time for time in mode_times(messages, settings)}
@@ -202,7 +212,9 @@ def _share(part: float, whole: float) -> float | None:
 
 
 def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) -> Iterator[str]:
-    """Yield the acts on the operators' own initiative: remarks by source, commands, changes of mode."""
+    """Yield the acts on the operators' own initiative: remarks by source, commands, changes of
+    mode.
+    """
     for _, _, message in messages:
         match message:
             case m.Remark():
@@ -214,7 +226,9 @@ def _initiated(messages: Iterable[LoggedMessage], operators: Collection[str]) ->
 
 
 def _by_therapist(messages: Iterable[LoggedMessage]) -> Iterator[str]:
-    """Yield the acts of a therapist in the participant's terminal: commands, names of settings, "note"."""
+    """Yield the acts of a therapist in the participant's terminal: commands, names of settings,
+    "note".
+    """
     for _, _, message in messages:
         match message:
             case m.SessionCommand(actor="therapist"):

@@ -1,4 +1,6 @@
-"""Statistics on operators over several sessions: agreement, latencies by condition, exclusions, drift. Pure."""
+"""Statistics on operators over several sessions: agreement, latencies by condition, exclusions,
+drift. Pure.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,7 +14,13 @@ from sar_tui.reports.distribution import Distribution, distribution
 from sar_tui.reports.logged_messages import LoggedMessage
 from sar_tui.reports.proposals import ProposalRecord, proposal_records
 from sar_tui.reports.trend import Trend, trend
-from sar_tui.reports.wizard import Latencies, WizardReport, agreement_by_kind, operator_settings, report
+from sar_tui.reports.wizard import (
+    Latencies,
+    WizardReport,
+    agreement_by_kind,
+    operator_settings,
+    report,
+)
 
 ALIKE = "all alike"
 """Condition of sessions whose plans are the same."""
@@ -22,7 +30,8 @@ class StudySession(msgspec.Struct, frozen=True):
     """A session of the study.
 
     Attributes:
-        condition: the planned operator settings that are not the same in all sessions, and the task if it differs.
+        condition: the planned operator settings that are not the same in all sessions, and the task
+            if it differs.
         accepted_share: of the proposals that an operator decided on.
         decision_ms: median time from an operator's screen to the key.
         remarks: what a reader should know of it: that it ended early, that an operator was lost.
@@ -67,7 +76,8 @@ class Drift(msgspec.Struct, frozen=True):
         sessions: in which they decided, in order.
         decision_ms: trend of the sessions' medians, in ms per session.
         accepted_share: trend of the sessions' shares, per session.
-        first_half_ms, second_half_ms: medians of the first and of the second half of each session's decisions.
+        first_half_ms, second_half_ms: medians of the first and of the second half of each session's
+            decisions.
     """
 
     operator: str
@@ -82,7 +92,8 @@ class WizardStudy(msgspec.Struct, frozen=True):
     """Report on the operators of several sessions.
 
     Attributes:
-        agreement: over the decisions of all sessions together; ``agreement_by_kind`` for each kind of proposal.
+        agreement: over the decisions of all sessions together; ``agreement_by_kind`` for each kind
+            of proposal.
         accepted_shares: the smallest, the median and the greatest share of the sessions.
         decision_ms, waiting_ms, link_ms: as in `WizardReport`, of all sessions together.
         counts: deviations of all sessions by type.
@@ -116,7 +127,9 @@ class OperatedSession(NamedTuple):
 def read_session(row: Mapping[str, Any], messages: Sequence[LoggedMessage]) -> OperatedSession:
     """Return what a study needs of a session's messages."""
     made, latencies = report(row["id"], row["parameters"], messages)
-    return OperatedSession(row, made, latencies, proposal_records(messages, operator_settings(row["parameters"])))
+    return OperatedSession(
+        row, made, latencies, proposal_records(messages, operator_settings(row["parameters"]))
+    )
 
 
 def study(read: Iterable[OperatedSession], excluded: Sequence[Exclusion] = ()) -> WizardStudy:
@@ -139,7 +152,9 @@ def study(read: Iterable[OperatedSession], excluded: Sequence[Exclusion] = ()) -
     for each in kept:
         counts.update(each.report.counts)
     return WizardStudy(
-        sessions=[_session(each, condition) for each, condition in zip(kept, conditions, strict=True)],
+        sessions=[
+            _session(each, condition) for each, condition in zip(kept, conditions, strict=True)
+        ],
         excluded=left_out,
         operators=list(dict.fromkeys(name for each in kept for name in each.report.operators)),
         duration_s=round(sum(each.report.duration_s for each in kept), 3),
@@ -159,7 +174,11 @@ def study(read: Iterable[OperatedSession], excluded: Sequence[Exclusion] = ()) -
 def _conditions(kept: Sequence[OperatedSession]) -> list[str]:
     """Return the condition of each session: the parts of the plans that are not the same in all."""
     plans = [{**each.report.plan, "task": each.row["task"]} for each in kept]
-    differing = [name for name in (plans[0] if plans else ()) if len({repr(plan[name]) for plan in plans}) > 1]
+    differing = [
+        name
+        for name in (plans[0] if plans else ())
+        if len({repr(plan[name]) for plan in plans}) > 1
+    ]
     return [", ".join(f"{name} {plan[name]}" for name in differing) or ALIKE for plan in plans]
 
 
@@ -192,7 +211,9 @@ def _remarks(each: OperatedSession) -> Iterable[str]:
 
 def _deciding(kept: Sequence[OperatedSession]) -> list[str]:
     """Return the operators who decided on a proposal, in the order of their first decisions."""
-    return list(dict.fromkeys(record.by for each in kept for record in each.records if _is_theirs(record)))
+    return list(
+        dict.fromkeys(record.by for each in kept for record in each.records if _is_theirs(record))
+    )
 
 
 def _is_theirs(record: ProposalRecord) -> bool:
@@ -207,10 +228,14 @@ def _groups(kept: Sequence[OperatedSession], conditions: Sequence[str]) -> list[
             of_session.setdefault(record.by, []).append(record)
         for operator, records in of_session.items():
             found.setdefault((operator, condition), []).append(records)
-    return [_group(operator, condition, sessions) for (operator, condition), sessions in found.items()]
+    return [
+        _group(operator, condition, sessions) for (operator, condition), sessions in found.items()
+    ]
 
 
-def _group(operator: str, condition: str, sessions: Sequence[Sequence[ProposalRecord]]) -> OperatorGroup:
+def _group(
+    operator: str, condition: str, sessions: Sequence[Sequence[ProposalRecord]]
+) -> OperatorGroup:
     records = [record for session in sessions for record in session]
     agreed = agreement(records)
     return OperatorGroup(
@@ -220,7 +245,9 @@ def _group(operator: str, condition: str, sessions: Sequence[Sequence[ProposalRe
         decided=agreed.decided,
         accepted_share=agreed.accepted_share,
         valence_kappa=agreed.valence_kappa,
-        decision_ms=distribution([record.decision_ms for record in records if record.decision_ms is not None]),
+        decision_ms=distribution(
+            [record.decision_ms for record in records if record.decision_ms is not None]
+        ),
     )
 
 
@@ -228,7 +255,9 @@ def _drift(operator: str, kept: Sequence[OperatedSession]) -> Drift:
     medians, shares, first, second = [], [], [], []
     sessions = 0
     for each in kept:
-        decided = [record for record in each.records if _is_theirs(record) and record.by == operator]
+        decided = [
+            record for record in each.records if _is_theirs(record) and record.by == operator
+        ]
         if not decided:
             continue
         sessions += 1

@@ -33,7 +33,12 @@ def sections(found: WizardStudy) -> list[Section]:
         ]
     if found.excluded:
         rows = [(each.session, each.why) for each in found.excluded]
-        made.append(Section("Exclusions", [Table(("session", "why it does not count"), rows, whole=("session",))]))
+        made.append(
+            Section(
+                "Exclusions",
+                [Table(("session", "why it does not count"), rows, whole=("session",))],
+            )
+        )
     return [*made, Section("To add", [NOT_RECORDED])] if found.sessions else made
 
 
@@ -43,16 +48,28 @@ def _sessions(found: WizardStudy) -> Iterator[str | Table]:
         return
     persons = len({each.participant for each in found.sessions})
     simulated = sum(each.mode != "live" for each in found.sessions)
-    modes = "" if not simulated else " (simulated)" if simulated == len(found.sessions) else f" ({simulated} simulated)"
-    share = f" ({found.operated_s / found.duration_s:.0%} of their time)" if found.duration_s else ""
+    modes = (
+        ""
+        if not simulated
+        else " (simulated)"
+        if simulated == len(found.sessions)
+        else f" ({simulated} simulated)"
+    )
+    share = (
+        f" ({found.operated_s / found.duration_s:.0%} of their time)" if found.duration_s else ""
+    )
     yield (
         f"{count(len(found.sessions), 'session')} of {count(persons, 'participant')}{modes}, with "
-        f"{count(len(found.operators), 'operator')}: {', '.join(map(_person, found.operators))}. There was an operator "
-        f"for {found.operated_s / 60:.1f} min{share}. {count(len(found.excluded), 'session')} excluded."
+        f"{count(len(found.operators), 'operator')}: {', '.join(map(_person, found.operators))}. "
+        "There was an operator "
+        f"for {found.operated_s / 60:.1f} min{share}. {count(len(found.excluded), 'session')} "
+        "excluded."
     )
     letters = _letters(found)
     if len(letters) > 1:
-        yield "Conditions:\n" + "\n".join(f"{letter}  {condition}" for condition, letter in letters.items())
+        yield "Conditions:\n" + "\n".join(
+            f"{letter}  {condition}" for condition, letter in letters.items()
+        )
     rows = [
         (
             each.session[:_ID],
@@ -68,13 +85,19 @@ def _sessions(found: WizardStudy) -> Iterator[str | Table]:
     ]
     numbers = ("decided", "accepted", "ms")
     heads = ("session", "code", "operator", "in", *numbers, "remarks")
-    yield Table(heads, rows, numbers, ("session", "operator", *numbers), "ms: median time to decide.")
+    yield Table(
+        heads, rows, numbers, ("session", "operator", *numbers), "ms: median time to decide."
+    )
 
 
 def _letters(found: WizardStudy) -> dict[str, str]:
     """Return a short name for each condition: A, B, …, or 1, 2, … if there are many."""
     conditions = list(dict.fromkeys(each.condition for each in found.sessions))
-    names = ascii_uppercase if len(conditions) <= len(ascii_uppercase) else map(str, range(1, len(conditions) + 1))
+    names = (
+        ascii_uppercase
+        if len(conditions) <= len(ascii_uppercase)
+        else map(str, range(1, len(conditions) + 1))
+    )
     return dict(zip(conditions, names, strict=False))
 
 
@@ -89,7 +112,14 @@ def _agreement(found: WizardStudy) -> Iterator[str | Table]:
         least, middle, most = map(percent, found.accepted_shares)
         yield f"Accepted unchanged, by session: median {middle}, from {least} to {most}."
     rows = [
-        (kind, str(each.decided), percent(each.accepted_share), str(each.edited), str(each.vetoed), _kappa(each))
+        (
+            kind,
+            str(each.decided),
+            percent(each.accepted_share),
+            str(each.edited),
+            str(each.vetoed),
+            _kappa(each),
+        )
         for kind, each in found.agreement_by_kind.items()
     ]
     numbers = ("decided", "accepted", "edited", "vetoed", "kappa of valence")
@@ -117,7 +147,11 @@ def _latencies(found: WizardStudy) -> Iterator[str | Table]:
             str(each.sessions),
             percent(each.accepted_share),
             _kappa(each),
-            *(cell for head, cell in zip(LATENCY_COLUMNS, figures(each.decision_ms), strict=True) if head in _GROUP),
+            *(
+                cell
+                for head, cell in zip(LATENCY_COLUMNS, figures(each.decision_ms), strict=True)
+                if head in _GROUP
+            ),
         )
         for each in found.groups
     ]
@@ -137,20 +171,25 @@ def _drifts(found: WizardStudy) -> Iterator[str]:
 def _drift(each: Drift) -> Iterator[str]:
     if each.decision_ms is None or each.accepted_share is None:
         yield (
-            f"{_person(each.operator)} decided in {count(each.sessions, 'session')}: too few for a trend from session "
+            f"{_person(each.operator)} decided in {count(each.sessions, 'session')}: too few for "
+            "a trend from session "
             f"to session, which needs {FEWEST}."
         )
     else:
         time, share = each.decision_ms, each.accepted_share
         yield (
-            f"{_person(each.operator)}, {count(each.sessions, 'session')}: the median time to decide changed by "
-            f"{time.slope:+.0f} ms a session (95 % interval {time.low:+.0f} to {time.high:+.0f}: {_said(time)}); the "
-            f"share accepted by {share.slope * 100:+.1f} points (95 % interval {share.low * 100:+.1f} to "
+            f"{_person(each.operator)}, {count(each.sessions, 'session')}: the median time to "
+            "decide changed by "
+            f"{time.slope:+.0f} ms a session (95 % interval {time.low:+.0f} to {time.high:+.0f}: "
+            f"{_said(time)}); the "
+            f"share accepted by {share.slope * 100:+.1f} points (95 % interval "
+            f"{share.low * 100:+.1f} to "
             f"{share.high * 100:+.1f}: {_said(share)})."
         )
     if each.first_half_ms is not None and each.second_half_ms is not None:
         yield (
-            f"Within a session: median {each.first_half_ms:.0f} ms in the first half of the decisions, "
+            f"Within a session: median {each.first_half_ms:.0f} ms in the first half of the "
+            "decisions, "
             f"{each.second_half_ms:.0f} ms in the second."
         )
 
@@ -163,6 +202,7 @@ def _deviations(found: WizardStudy) -> str:
     if not found.counts:
         return "There was no deviation from the sessions' plans."
     return (
-        f"Deviations from the sessions' plans: {deviation_counts(found.counts)}. `sar-tui report wizard SESSION` lists "
+        f"Deviations from the sessions' plans: {deviation_counts(found.counts)}. `sar-tui report "
+        "wizard SESSION` lists "
         "those of a session."
     )

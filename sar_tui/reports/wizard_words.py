@@ -9,8 +9,10 @@ from sar_tui.reports.sections import Drawing, Section, Table
 from sar_tui.reports.wizard import Latencies, WizardReport
 
 NOT_RECORDED = (
-    "A paper must also report what is not recorded (Riek 2012): who the operators were, what they knew of the "
-    "hypotheses, how they were trained and instructed, how their errors were judged, and what the participant was "
+    "A paper must also report what is not recorded (Riek 2012): who the operators were, what they "
+    "knew of the "
+    "hypotheses, how they were trained and instructed, how their errors were judged, and what the "
+    "participant was "
     "told."
 )
 LATENCY_COLUMNS = ("n", "median", "IQR", "5 %", "95 %", "worst")
@@ -35,7 +37,12 @@ _FATES = {
 }
 DEVIATIONS = {"baton": "control"}
 """Shown names of stored spellings."""
-_INITIATED = {"phrase": "phrases", "free text": "free texts", "gesture": "gestures", "mode": "changes of mode"}
+_INITIATED = {
+    "phrase": "phrases",
+    "free text": "free texts",
+    "gesture": "gestures",
+    "mode": "changes of mode",
+}
 
 
 def sections(found: WizardReport, latencies: Latencies, width: int) -> list[Section]:
@@ -43,7 +50,8 @@ def sections(found: WizardReport, latencies: Latencies, width: int) -> list[Sect
     if not found.operated:
         proposed = sum(row.n for row in found.proposals)
         alone = (
-            f"No operator took part in session {found.session}: the agent decided on all its proposals ({proposed})."
+            f"No operator took part in session {found.session}: the agent decided on all its "
+            f"proposals ({proposed})."
         )
         parts = [alone, *_therapist(found)]
         return [Section("Operators", parts), *([_deviations(found)] if found.deviations else [])]
@@ -94,15 +102,19 @@ def agreement_sentences(found: Agreement) -> Iterator[str]:
     )
     if found.words_changed_median is not None and found.words_changed_most is not None:
         yield (
-            f"{count(found.edits_of_words, 'edit')} changed words: {found.words_changed_median:.0%} of them in the "
+            f"{count(found.edits_of_words, 'edit')} changed words: "
+            f"{found.words_changed_median:.0%} of them in the "
             f"median, {found.words_changed_most:.0%} at most."
         )
     if found.valences:
         kappa = (
-            "not defined, because there was only one valence" if found.valence_kappa is None else found.valence_kappa
+            "not defined, because there was only one valence"
+            if found.valence_kappa is None
+            else found.valence_kappa
         )
         yield (
-            f"The valence was overridden in {found.valences_overridden} of {found.valences} decided proposals that had "
+            f"The valence was overridden in {found.valences_overridden} of {found.valences} "
+            "decided proposals that had "
             f"one and were said; Cohen's kappa of proposed and said: {kappa}."
         )
 
@@ -121,7 +133,11 @@ def _therapist(found: WizardReport) -> list[str]:
 def _plan(plan: Mapping[str, object]) -> str:
     """Return the settings by name, without kinds that were autonomous from the start."""
     kinds = {f"operator_{kind}" for kind in KINDS}
-    said = (f"{name} {value}" for name, value in plan.items() if name not in kinds or value != "autonomous")
+    said = (
+        f"{name} {value}"
+        for name, value in plan.items()
+        if name not in kinds or value != "autonomous"
+    )
     return ", ".join(said)
 
 
@@ -129,17 +145,23 @@ def _proposals(found: WizardReport) -> Table:
     rows = []
     for row in found.proposals:
         fates = ", ".join(f"{n} {_FATES[fate]}" for fate, n in row.fates.items())
-        mode = (row.mode, percent(row.time_share)) if row.kind in KINDS else ("", "")  # a filler has no mode
+        # a filler has no mode
+        mode = (row.mode, percent(row.time_share)) if row.kind in KINDS else ("", "")
         rows.append((row.kind, *mode, str(row.n), percent(row.share), fates))
     numbers = ("time", "n", "of kind")
     return Table(("proposals", "mode", *numbers, "outcomes"), rows, numbers, ("proposals", "mode"))
 
 
 def _initiated(counts: Mapping[str, int]) -> str:
-    return ", ".join(f"{_INITIATED.get(what, what)} {n}" for what, n in sorted(counts.items())) or "nothing"
+    return (
+        ", ".join(f"{_INITIATED.get(what, what)} {n}" for what, n in sorted(counts.items()))
+        or "nothing"
+    )
 
 
-def _latencies(found: WizardReport, latencies: Latencies, width: int) -> Iterator[str | Table | Drawing]:
+def _latencies(
+    found: WizardReport, latencies: Latencies, width: int
+) -> Iterator[str | Table | Drawing]:
     rows = [
         (name, *figures(times))
         for name, times in (
@@ -152,7 +174,10 @@ def _latencies(found: WizardReport, latencies: Latencies, width: int) -> Iterato
     if drawing := histogram(latencies.decision, width):
         yield Drawing("From a proposal on the operator's screen to the key:", drawing)
     if found.undecided_seen:
-        yield f"{count(found.undecided_seen, 'proposal')} appeared on the operator's screen and got no key."
+        yield (
+            f"{count(found.undecided_seen, 'proposal')} appeared on the operator's screen and "
+            "got no key."
+        )
 
 
 def _deviations(found: WizardReport) -> Section:
@@ -160,21 +185,28 @@ def _deviations(found: WizardReport) -> Section:
     for absence in found.absences:
         back = "until one was back" if absence.came_back else "until the run ended"
         lines.append(
-            f"No operator from {absence.at_s:.1f} s of run {absence.run} on, for {absence.duration_s:.1f} s, {back} "
+            f"No operator from {absence.at_s:.1f} s of run {absence.run} on, for "
+            f"{absence.duration_s:.1f} s, {back} "
             f"({absence.actor} {absence.state})."
         )
     if not found.deviations:
-        return Section("Deviations", ["\n".join([*lines, "There was no deviation from the session's plan."])])
+        return Section(
+            "Deviations", ["\n".join([*lines, "There was no deviation from the session's plan."])]
+        )
     said = f"Deviations from the session's plan: {deviation_counts(found.counts)}."
     rows = []
     for each in found.deviations[:_LISTED]:
         notes = (each.detail, f"{each.duration_s:.1f} s" if each.duration_s is not None else "")
         what = DEVIATIONS.get(each.what, each.what)
-        rows.append((str(each.run), f"{each.at_s:.1f}", what, each.actor, ", ".join(filter(None, notes))))
+        rows.append(
+            (str(each.run), f"{each.at_s:.1f}", what, each.actor, ", ".join(filter(None, notes)))
+        )
     left = len(found.deviations) - _LISTED
     more = f"… and {left} more: --json has them all." if left > 0 else ""
     heads = ("run", "at, s", "what", "who", "detail")
-    return Section("Deviations", ["\n".join([*lines, said]), Table(heads, rows, heads[:2], ("what",), more)])
+    return Section(
+        "Deviations", ["\n".join([*lines, said]), Table(heads, rows, heads[:2], ("what",), more)]
+    )
 
 
 def _pauses(found: WizardReport) -> list[Section]:
@@ -183,7 +215,8 @@ def _pauses(found: WizardReport) -> list[Section]:
         reason = f" ({pause.reason})" if pause.reason else ""
         ended = f"{pause.ended_by} resumed" if pause.ended_by else "until the run ended"
         lines.append(
-            f"The participant paused at {pause.at_s:.1f} s of run {pause.run}{reason}, for {pause.duration_s:.1f} s; "
+            f"The participant paused at {pause.at_s:.1f} s of run {pause.run}{reason}, for "
+            f"{pause.duration_s:.1f} s; "
             f"{ended}."
         )
     return [Section("Pauses", ["\n".join(lines)])] if lines else []
@@ -194,7 +227,12 @@ def _notes(found: WizardReport) -> Section:
     if not found.written:
         return Section("Notes", [said])
     rows = [
-        (str(each.run), f"{each.at_s:.1f}", each.actor, ": ".join(filter(None, (each.label, each.text))))
+        (
+            str(each.run),
+            f"{each.at_s:.1f}",
+            each.actor,
+            ": ".join(filter(None, (each.label, each.text))),
+        )
         for each in found.written
     ]
     heads = ("run", "at, s", "who", "note or mark")

@@ -1,7 +1,8 @@
 """Arbitration: decides if a proposal is acted on, waits for an operator, or is dropped. Pure.
 
-Each kind of action has a mode, which determines whether an operator has to decide. Without an operator the modes do not
-apply; the setting ``operator_lost`` determines whether actions that would have waited are done or dropped.
+Each kind of action has a mode, which determines whether an operator has to decide. Without an
+operator the modes do not apply; the setting ``operator_lost`` determines whether actions that would
+have waited are done or dropped.
 """
 
 from collections.abc import Collection
@@ -23,7 +24,9 @@ CONTROLLED: dict[Kind, ControlledKind] = {
     "gesture": "gesture",
     "difficulty": "difficulty",
 }
-"""The kind whose mode applies to each kind of action. Others always act: an operator's own remarks, and fillers."""
+"""The kind whose mode applies to each kind of action. Others always act: an operator's own remarks,
+and fillers.
+"""
 
 
 CHOOSING = 2 * SECOND
@@ -83,8 +86,8 @@ def decide(
 ) -> Verdict:
     """Decide on a proposal made at ``now`` (ns), while others are ``pending``.
 
-    The operator has the time that `time_to_decide` returns. For feedback with a fixed delay it is that delay instead,
-    so that its timing does not show who decided.
+    The operator has the time that `time_to_decide` returns. For feedback with a fixed delay it is
+    that delay instead, so that its timing does not show who decided.
     """
     mode = state.mode(proposal.kind)
     if mode == "autonomous":
@@ -93,15 +96,21 @@ def decide(
         return Verdict("act" if parameters.operator_lost == "autonomous" else "drop", "no operator")
     approval = PendingApproval(seat=proposal.seat, proposal=proposal, mode=mode, level=level)
     if mode != "manual":
-        waits = time_to_decide(state, parameters, [*(one.proposal for one in pending if one.deadline), proposal])
+        waits = time_to_decide(
+            state, parameters, [*(one.proposal for one in pending if one.deadline), proposal]
+        )
         deadline = proposal.due if proposal.due > now else now + waits
         otherwise = "act" if mode == "veto" else parameters.operator_timeout
         approval = msgspec.structs.replace(approval, deadline=deadline, otherwise=otherwise)
     return Verdict("wait", pending=approval)
 
 
-def time_to_decide(state: Arbitration, parameters: OperatorSettings, proposals: Collection[Proposal]) -> int:
-    """Return the time (ns) to read proposals one after the other and decide on each; at least ``operator_time_ms``."""
+def time_to_decide(
+    state: Arbitration, parameters: OperatorSettings, proposals: Collection[Proposal]
+) -> int:
+    """Return the time (ns) to read proposals one after the other and decide on each; at least
+    ``operator_time_ms``.
+    """
     least = parameters.operator_time_ms * MS
     if state.version < 2 or not parameters.operator_ms_per_word:
         return least
@@ -109,18 +118,28 @@ def time_to_decide(state: Arbitration, parameters: OperatorSettings, proposals: 
     return max(least, words * parameters.operator_ms_per_word * MS + len(proposals) * CHOOSING)
 
 
-def is_gesture_separate(state: Arbitration, parameters: OperatorSettings, proposal: Proposal) -> bool:
-    """Return True if a proposal's gesture is decided separately from its text: its mode is not autonomous."""
+def is_gesture_separate(
+    state: Arbitration, parameters: OperatorSettings, proposal: Proposal
+) -> bool:
+    """Return True if a proposal's gesture is decided separately from its text: its mode is not
+    autonomous.
+    """
     if not proposal.gesture or proposal.kind not in CONTROLLED:
         return False
-    return state.mode("gesture") != "autonomous" and (state.operated or parameters.operator_lost == "silent")
+    return state.mode("gesture") != "autonomous" and (
+        state.operated or parameters.operator_lost == "silent"
+    )
 
 
 def is_awaited(state: Arbitration, pending: PendingApproval) -> bool:
-    """Return True if no attempt begins before a decision: it has a deadline, so that nothing that is due is lost."""
+    """Return True if no attempt begins before a decision: it has a deadline, so that nothing that
+    is due is lost.
+    """
     return pending.deadline is not None and (state.version >= 2 or comes_first(pending))
 
 
 def comes_first(pending: PendingApproval) -> bool:
-    """Return True if encouragement and rest wait for a decision: on feedback or a change of level, with a deadline."""
+    """Return True if encouragement and rest wait for a decision: on feedback or a change of level,
+    with a deadline.
+    """
     return pending.deadline is not None and pending.proposal.kind in _FIRST

@@ -30,16 +30,24 @@ def meta(
         unit: shown beside the field.
         help: one or two plain sentences.
         takes: what a text may be, in words: "a code in lower case, such as en".
-        group: its heading on the settings form. A task's own parameters need none; a common one that a task redeclares
-            keeps its heading.
-        renamed: former spellings of a choice, each with its present one: ``{"thesis": "one-up-one-down"}``. Stored
-            settings and `--set` may still use them; ``current_values`` translates.
-        personal: True if it belongs to the person or the place (hand, language, sensor, limits), not to the exercise,
-            so that no preset changes it (see `runs.presets`).
-        bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``. Those of a tuple's
-            items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)], ...]``.
+        group: its heading on the settings form. A task's own parameters need none; a common one
+            that a task redeclares keeps its heading.
+        renamed: former spellings of a choice, each with its present one: ``{"thesis":
+            "one-up-one-down"}``. Stored settings and `--set` may still use them; ``current_values``
+            translates.
+        personal: True if it belongs to the person or the place (hand, language, sensor, limits),
+            not to the exercise, so that no preset changes it (see `runs.presets`).
+        bounds: ``ge`` and ``le`` (both inclusive), or ``min_length``, ``max_length``, ``pattern``.
+            Those of a tuple's items stand in its type: ``tuple[Annotated[float, Meta(ge=0, le=1)],
+            ...]``.
     """
-    extra = {"unit": unit, "takes": takes, "group": group, "renamed": dict(renamed), "personal": personal}
+    extra = {
+        "unit": unit,
+        "takes": takes,
+        "group": group,
+        "renamed": dict(renamed),
+        "personal": personal,
+    }
     return Meta(title=title, description=help or None, extra=extra, **bounds)
 
 
@@ -62,8 +70,9 @@ class ParameterError(ValueError):
 class Field(msgspec.Struct, frozen=True):
     """A declared parameter, as needed by forms, checks and documentation (see ``meta``).
 
-    ``ge`` and ``le``: inclusive bounds of a number. ``least`` and ``most``: bounds of the length of a text or list.
-    ``labels``: choices as they are shown, if they are shown in another way than they are stored.
+    ``ge`` and ``le``: inclusive bounds of a number. ``least`` and ``most``: bounds of the length of
+    a text or list. ``labels``: choices as they are shown, if they are shown in another way than
+    they are stored.
     """
 
     name: str
@@ -146,10 +155,18 @@ def declared_field(field: inspect.Field) -> Field:
         renamed = (kind.extra or {}).get("renamed", renamed)
         personal = (kind.extra or {}).get("personal", personal)
         kind = kind.type
-    declared: dict[str, Any] = {"name": field.name, "title": title, "unit": unit, "help": help, "group": group}
+    declared: dict[str, Any] = {
+        "name": field.name,
+        "title": title,
+        "unit": unit,
+        "help": help,
+        "group": group,
+    }
     declared["renamed"] = renamed
     declared["personal"] = personal
-    declared["default"] = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
+    declared["default"] = (
+        field.default_factory() if field.default is msgspec.NODEFAULT else field.default
+    )
     match kind:
         case inspect.IntType(ge=ge, le=le):
             return Field(**declared, kind="int", ge=ge, le=le)
@@ -158,17 +175,33 @@ def declared_field(field: inspect.Field) -> Field:
         case inspect.BoolType():
             return Field(**declared, kind="bool")
         case inspect.LiteralType(values=values):
-            return Field(**declared, kind="choice", choices=_in_order(field, tuple(map(str, values))))
+            return Field(
+                **declared, kind="choice", choices=_in_order(field, tuple(map(str, values)))
+            )
         case inspect.VarTupleType() | inspect.ListType():
             numbers = isinstance(kind.item_type, inspect.IntType | inspect.FloatType)
             items: Literal["words", "numbers"] = "numbers" if numbers else "words"
             item = kind.item_type
-            ge, le = (item.ge, item.le) if isinstance(item, inspect.IntType | inspect.FloatType) else (None, None)
+            ge, le = (
+                (item.ge, item.le)
+                if isinstance(item, inspect.IntType | inspect.FloatType)
+                else (None, None)
+            )
             return Field(
-                **declared, kind="list", items=items, least=kind.min_length, most=kind.max_length, ge=ge, le=le
+                **declared,
+                kind="list",
+                items=items,
+                least=kind.min_length,
+                most=kind.max_length,
+                ge=ge,
+                le=le,
             )
         case _:
-            lengths = (kind.min_length, kind.max_length) if isinstance(kind, inspect.StrType) else (None, None)
+            lengths = (
+                (kind.min_length, kind.max_length)
+                if isinstance(kind, inspect.StrType)
+                else (None, None)
+            )
             return Field(**declared, kind="text", takes=takes, least=lengths[0], most=lengths[1])
 
 
@@ -183,9 +216,14 @@ def read(field: Field, text: str) -> object:
     if field.kind == "list":
         return text.replace(",", " ").split()
     if field.kind == "bool":
-        return {"yes": True, "true": True, "on": True, "no": False, "false": False, "off": False}.get(
-            text.lower(), text
-        )
+        return {
+            "yes": True,
+            "true": True,
+            "on": True,
+            "no": False,
+            "false": False,
+            "off": False,
+        }.get(text.lower(), text)
     return text
 
 

@@ -7,7 +7,8 @@ from sar_tui.model.messages import AttemptEnded
 
 
 def why_hard(attempts: Sequence[AttemptEnded], level: int) -> Literal["", "failures", "new level"]:
-    """Return why the next attempt is hard: after two failures in a row, or at a new highest level; empty if it is not.
+    """Return why the next attempt is hard: after two failures in a row, or at a new highest level;
+    empty if it is not.
 
     Args:
         attempts: scored so far, oldest first.
@@ -21,5 +22,7 @@ def why_hard(attempts: Sequence[AttemptEnded], level: int) -> Literal["", "failu
 
 
 def rest_due(attempts: int, every: int) -> bool:
-    """Return True if a reminder of rest is due after ``attempts`` attempts; with ``every`` 0, never."""
+    """Return True if a reminder of rest is due after ``attempts`` attempts; with ``every`` 0,
+    never.
+    """
     return bool(every) and attempts > 0 and attempts % every == 0

@@ -27,22 +27,31 @@ def remember(history: History, attempt: JudgedAttempt, parameters: TaskParameter
 
 
 def choose(
-    history: History, attempt: JudgedAttempt, parameters: TaskParameters, content: Content, *, practice: bool = False
+    history: History,
+    attempt: JudgedAttempt,
+    parameters: TaskParameters,
+    content: Content,
+    *,
+    practice: bool = False,
 ) -> FeedbackChoice:
     """Decide on the feedback on an attempt, by the schedule that is set.
 
     Args:
-        history: of the scored attempts, this one included (see ``remember``) unless it is for practice.
+        history: of the scored attempts, this one included (see ``remember``) unless it is for
+            practice.
         attempt: the attempt.
         parameters: of the session.
         content: the task's content of feedback (``Task.feedback_on``).
-        practice: True if the attempt is for practice. Most schedules give feedback on each of those.
+        practice: True if the attempt is for practice. Most schedules give feedback on each of
+            those.
     """
     schedule = parameters.feedback_schedule
     policy = POLICIES[schedule]
     decision = policy.decide(history, attempt, registry.own_settings(policy.settings, parameters))
     if practice and policy.feedback_on_practice:
-        decision = decision._replace(due=True, why="Each practice attempt gets feedback.", tolerance=None, attempts=1)
+        decision = decision._replace(
+            due=True, why="Each practice attempt gets feedback.", tolerance=None, attempts=1
+        )
     return FeedbackChoice(
         schedule=schedule,
         due=decision.due,

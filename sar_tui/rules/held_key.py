@@ -1,4 +1,6 @@
-"""Tells a key that is held down from one that is tapped. A terminal reports presses only, never releases."""
+"""Tells a key that is held down from one that is tapped. A terminal reports presses only, never
+releases.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -7,16 +9,20 @@ from typing import Literal
 from sar_tui.model.units import MS
 
 LONGEST_DELAY = 700 * MS
-"""A press within this time of the one before may be the first repeat of a held key: keyboards begin to repeat after 250
-to 660 ms."""
+"""A press within this time of the one before may be the first repeat of a held key: keyboards begin
+to repeat after 250 to 660 ms.
+"""
 LONGEST_INTERVAL = 250 * MS
 """Repeats of a held key are closer together than this."""
 
 STREAM, STREAM_LASTS = 5, 220 * MS
-"""So many presses of one key within this time, about 20 a second, are made by the keyboard: no finger taps half as
-often again as the fastest, 12 a second."""
+"""So many presses of one key within this time, about 20 a second, are made by the keyboard: no
+finger taps half as often again as the fastest, 12 a second.
+"""
 _NEIGHBOUR = 75 * MS
-"""A repeat is as close as this to the one before or after it, also if a busy machine reads some of them late."""
+"""A repeat is as close as this to the one before or after it, also if a busy machine reads some of
+them late.
+"""
 
 Press = Literal["first", "held", "tapped"]
 
@@ -24,8 +30,8 @@ Press = Literal["first", "held", "tapped"]
 class HeldKey:
     """Judges the presses of one key.
 
-    A held key begins to repeat after one longer time, and then repeats quickly. A second longer time in succession
-    means that the key is released in between.
+    A held key begins to repeat after one longer time, and then repeats quickly. A second longer
+    time in succession means that the key is released in between.
     """
 
     def __init__(self) -> None:
@@ -37,7 +43,9 @@ class HeldKey:
         self._last, self._was_longer = None, False
 
     def press(self, at: int) -> Press:
-        """Return how the key was pressed at ``at`` (ns): first for a while, perhaps held, or tapped again."""
+        """Return how the key was pressed at ``at`` (ns): first for a while, perhaps held, or tapped
+        again.
+        """
         last, self._last = self._last, at
         was_longer, self._was_longer = self._was_longer, False
         if last is None or at - last >= LONGEST_DELAY:
@@ -47,14 +55,18 @@ class HeldKey:
 
 
 def is_stream(stamps: Sequence[int]) -> bool:
-    """Return True if the last presses of a key, at these times (ns), come as fast as a held key is repeated."""
+    """Return True if the last presses of a key, at these times (ns), come as fast as a held key is
+    repeated.
+    """
     return len(stamps) >= STREAM and stamps[-1] - stamps[-STREAM] <= STREAM_LASTS
 
 
 def repeats(stamps: Sequence[int]) -> set[int]:
-    """Return those of the presses of one key (ns, in order) that its keyboard made while it was held.
+    """Return those of the presses of one key (ns, in order) that its keyboard made while it was
+    held.
 
-    The first of them comes a good while after the key went down, so it can be told from a tap by what follows only.
+    The first of them comes a good while after the key went down, so it can be told from a tap by
+    what follows only.
     """
     fast = {
         each

@@ -11,13 +11,17 @@ Reason = Literal["goal", "missed", "band", "accuracy", "empty", "won", "lost", "
 RACED = ("won", "lost", "drawn")
 """Reasons given for the result of a race."""
 SLIGHT, STRONG = 0.1, 0.25
-"""Distances from the goal, as shares of it: below the first, the degree is slight; from the second on, strong."""
+"""Distances from the goal, as shares of it: below the first, the degree is slight; from the second
+on, strong.
+"""
 ROUNDING = 1e-9
 """Rounding error allowed in comparisons, as a share of the goal: 0.8 lies within 0.1 of 0.7."""
 
 
 class Judgement(msgspec.Struct, frozen=True):
-    """The result of judging an attempt. ``reason`` explains the valence (see `messages.Feedback`)."""
+    """The result of judging an attempt. ``reason`` explains the valence (see
+    `messages.Feedback`).
+    """
 
     outcome: Outcome
     valence: Valence
@@ -45,9 +49,10 @@ class JudgedAttempt(msgspec.Struct, frozen=True):
 def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> Judgement:
     """Judge an attempt (thesis 4.2.1, 4.4.2).
 
-    Success: the metric is better than the threshold (equal is not) and the accuracy reaches its minimum.
-    Valence: positive on success, negative on failure, neutral within the band (bounds included) of the
-    threshold; below the minimum accuracy, or with nothing to average, always negative.
+    Success: the metric is better than the threshold (equal is not) and the accuracy reaches its
+    minimum. Valence: positive on success, negative on failure, neutral within the band (bounds
+    included) of the threshold; below the minimum accuracy, or with nothing to average, always
+    negative.
     """
     accurate = score.accuracy is None or score.accuracy >= min_accuracy
     if score.metric is None:
@@ -56,16 +61,22 @@ def judge(score: Score, metric: Metric, target: Target, min_accuracy: float) -> 
         return Judgement("failure", "negative", "accuracy")
     success = metric.is_better(score.metric, target.threshold)
     outcome: Outcome = "success" if success else "failure"
-    if abs(score.metric - target.threshold) <= target.neutral_band + ROUNDING * abs(target.threshold):
+    if abs(score.metric - target.threshold) <= target.neutral_band + ROUNDING * abs(
+        target.threshold
+    ):
         return Judgement(outcome, "neutral", "band")
-    return Judgement(outcome, "positive", "goal") if success else Judgement(outcome, "negative", "missed")
+    return (
+        Judgement(outcome, "positive", "goal")
+        if success
+        else Judgement(outcome, "negative", "missed")
+    )
 
 
 def judge_race(scores: dict[str, Score], judgements: dict[str, Judgement]) -> dict[str, Judgement]:
     """Return the judgements of a race: by the number of trials won, whatever the goal.
 
-    The winner is praised, the loser consoled, and a draw is neutral; the outcomes are those of ``judgements``. Without
-    a race, or if nobody won a trial, ``judgements`` are returned.
+    The winner is praised, the loser consoled, and a draw is neutral; the outcomes are those of
+    ``judgements``. Without a race, or if nobody won a trial, ``judgements`` are returned.
     """
     won = {seat: score.won for seat, score in scores.items() if score.won is not None}
     most = max(won.values(), default=0)
@@ -73,7 +84,11 @@ def judge_race(scores: dict[str, Score], judgements: dict[str, Judgement]) -> di
         return judgements
     is_drawn = min(won.values()) == most
     by_seat: dict[str, tuple[Valence, Reason]] = {
-        seat: ("neutral", "drawn") if is_drawn else ("positive", "won") if count == most else ("negative", "lost")
+        seat: ("neutral", "drawn")
+        if is_drawn
+        else ("positive", "won")
+        if count == most
+        else ("negative", "lost")
         for seat, count in won.items()
     }
     return {seat: Judgement(judgements[seat].outcome, *what) for seat, what in by_seat.items()}
@@ -88,7 +103,9 @@ def degree(metric: float | None, target: Target) -> Degree:
 
 
 def summary(recent: tuple[JudgedAttempt, ...]) -> tuple[Score, Target, int]:
-    """Return the means of some attempts (results, accuracies, goals), and how many reached their goals."""
+    """Return the means of some attempts (results, accuracies, goals), and how many reached their
+    goals.
+    """
     measured = [judged for judged in recent if judged.score.metric is not None]
     accuracies = [judged.score.accuracy for judged in recent if judged.score.accuracy is not None]
     accuracy = sum(accuracies) / len(accuracies) if accuracies else None
@@ -106,14 +123,18 @@ def judge_summary(
 ) -> tuple[Judgement, Score, Target, int]:
     """Judge some attempts together, by their means.
 
-    The judgement is neutral instead of positive if fewer than half reached their goals, and instead of negative if more
-    than half did: a single outlier can move the mean.
+    The judgement is neutral instead of positive if fewer than half reached their goals, and instead
+    of negative if more than half did: a single outlier can move the mean.
 
     Returns the judgement, the mean score, the mean goal, and how many reached their goals.
     """
     score, target, reached = summary(recent)
     judged = judge(score, metric, target, min_accuracy)
-    against = {"positive": 2 * reached < len(recent), "negative": 2 * reached > len(recent), "neutral": False}
+    against = {
+        "positive": 2 * reached < len(recent),
+        "negative": 2 * reached > len(recent),
+        "neutral": False,
+    }
     if against[judged.valence]:
         judged = msgspec.structs.replace(judged, valence="neutral")
     return judged, score, target, reached

@@ -1,7 +1,9 @@
-"""Tells keys that are pressed for what stands on the screen from those that were pressed for what stood there before.
+"""Tells keys that are pressed for what stands on the screen from those that were pressed for what
+stood there before.
 
-One rule for all that a participant sees: a key that was down when it appeared, its repeats, and presses within
-`UNREAD` of its appearance do nothing; and an attempt is begun only after `QUIET` without keys.
+One rule for all that a participant sees: a key that was down when it appeared, its repeats, and
+presses within `UNREAD` of its appearance do nothing; and an attempt is begun only after `QUIET`
+without keys.
 """
 
 from typing import NamedTuple
@@ -58,4 +60,9 @@ class KeyGuard:
             self._began = at
         after_quiet, self._last = at - self._last >= QUIET, max(at, self._last)
         age = self._began - self._appeared
-        return GuardedPress(is_new, counts=age >= UNREAD, is_left_over=age <= 0 and not is_new, after_quiet=after_quiet)
+        return GuardedPress(
+            is_new,
+            counts=age >= UNREAD,
+            is_left_over=age <= 0 and not is_new,
+            after_quiet=after_quiet,
+        )

@@ -14,10 +14,14 @@ def start(parameters: TaskParameters, levels: int) -> Difficulty:
     """Return the difficulty of the first attempt; if the task has fewer levels, its last."""
     policy = POLICIES[parameters.difficulty_policy]
     settings = registry.own_settings(policy.settings, parameters)
-    return Difficulty(level=policy.start(parameters.start_level, settings, bounds(parameters, levels)))
+    return Difficulty(
+        level=policy.start(parameters.start_level, settings, bounds(parameters, levels))
+    )
 
 
-def step(state: Difficulty, attempt: ScoredAttempt, parameters: TaskParameters, levels: int) -> Difficulty:
+def step(
+    state: Difficulty, attempt: ScoredAttempt, parameters: TaskParameters, levels: int
+) -> Difficulty:
     """Return the difficulty after one more attempt, by the policy that is set.
 
     Args:
@@ -27,7 +31,12 @@ def step(state: Difficulty, attempt: ScoredAttempt, parameters: TaskParameters, 
         levels: number of levels that the task has.
     """
     policy = POLICIES[parameters.difficulty_policy]
-    return policy.step(state, attempt, registry.own_settings(policy.settings, parameters), bounds(parameters, levels))
+    return policy.step(
+        state,
+        attempt,
+        registry.own_settings(policy.settings, parameters),
+        bounds(parameters, levels),
+    )
 
 
 def moves_goal(parameters: TaskParameters) -> bool:
@@ -40,8 +49,12 @@ def moves_level(parameters: TaskParameters) -> bool:
     return POLICIES[parameters.difficulty_policy].moves_level
 
 
-def goal(results: Sequence[float | None], metric: Metric, parameters: TaskParameters) -> Goal | None:
-    """Return the goal of the next attempt, from the results so far at its level; None: the task's own."""
+def goal(
+    results: Sequence[float | None], metric: Metric, parameters: TaskParameters
+) -> Goal | None:
+    """Return the goal of the next attempt, from the results so far at its level; None: the task's
+    own.
+    """
     policy = POLICIES[parameters.difficulty_policy]
     if policy.goal is None:
         return None

@@ -11,7 +11,9 @@ OF_A_DAY = ("minutes_a_day", "attempts_a_day", "repetitions_a_day")
 
 
 class Dose(msgspec.Struct, frozen=True):
-    """Amount of practice: minutes in attempts, attempts without practice, and repetitions with practice."""
+    """Amount of practice: minutes in attempts, attempts without practice, and repetitions with
+    practice.
+    """
 
     minutes: float = 0.0
     attempts: int = 0
@@ -32,7 +34,11 @@ class Dose(msgspec.Struct, frozen=True):
 
     def plus(self, *, minutes: float, repetitions: int, is_practice: bool) -> "Dose":
         """Return the dose after one more attempt."""
-        return Dose(self.minutes + minutes, self.attempts + (not is_practice), self.repetitions + repetitions)
+        return Dose(
+            self.minutes + minutes,
+            self.attempts + (not is_practice),
+            self.repetitions + repetitions,
+        )
 
 
 def limits_day(settings: LimitSettings) -> bool:
@@ -54,5 +60,9 @@ def is_session_over(settings: LimitSettings, minutes: float) -> bool:
 
 
 def is_rest_due(settings: LimitSettings, attempts: int, minutes: float) -> bool:
-    """Return True if the participant must rest, after so many attempts and minutes since the last such rest."""
-    return 0 < settings.rest_after_attempts <= attempts or 0 < settings.rest_after_minutes <= minutes
+    """Return True if the participant must rest, after so many attempts and minutes since the last
+    such rest.
+    """
+    return (
+        0 < settings.rest_after_attempts <= attempts or 0 < settings.rest_after_minutes <= minutes
+    )

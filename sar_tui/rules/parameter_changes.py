@@ -27,14 +27,21 @@ class Change(msgspec.Struct, frozen=True, omit_defaults=True):
     @property
     def text(self) -> str:
         """The change in words: "Goal 1000 → 900 ms"."""
-        values = [self.labels.get(shown, shown) or "none" for shown in (show(self.before), show(self.after))]
+        values = [
+            self.labels.get(shown, shown) or "none"
+            for shown in (show(self.before), show(self.after))
+        ]
         return " ".join(filter(None, (self.title, " → ".join(values), self.unit)))
 
 
 def changes(
-    parameters: type[TaskParameters], before: Mapping[str, Any], after: Mapping[str, Any], tr: Language | None = None
+    parameters: type[TaskParameters],
+    before: Mapping[str, Any],
+    after: Mapping[str, Any],
+    tr: Language | None = None,
 ) -> tuple[Change, ...]:
-    """Return what differs between two sets of values, in the order of the declaration; in a language, or English.
+    """Return what differs between two sets of values, in the order of the declaration; in a
+    language, or English.
 
     A value that is missing is the default; of a parameter that does not exist any more it is None.
     """
@@ -47,6 +54,8 @@ def changes(
         default = field.default if field else None
         old, new = before.get(name, default), after.get(name, default)
         if show(old) != show(new):
-            title, unit, labels = (field.title, field.unit, field.labels) if field else (name, "", {})
+            title, unit, labels = (
+                (field.title, field.unit, field.labels) if field else (name, "", {})
+            )
             found.append(Change(name, title, unit, old, new, labels))
     return tuple(found)

@@ -45,7 +45,9 @@ _COMMON: tuple[type[Settings], ...] = (
 
 class _Checked(Settings, frozen=True, kw_only=True):
     def problems(self) -> dict[str, str]:
-        """Return settings that do not fit together: parameter name to one clear sentence. Extend it in a subclass."""
+        """Return settings that do not fit together: parameter name to one clear sentence. Extend it
+        in a subclass.
+        """
         return {name: problem for kind in _COMMON for name, problem in kind.problems(self).items()}
 
 
@@ -112,7 +114,9 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
     common = _declared(TaskParameters)
     found = [
         msgspec.structs.replace(
-            field, group=field.group or common[name].group, renamed=field.renamed or common[name].renamed
+            field,
+            group=field.group or common[name].group,
+            renamed=field.renamed or common[name].renamed,
         )
         if name in common
         else field
@@ -124,13 +128,17 @@ def fields(parameters: type[TaskParameters]) -> tuple[Field, ...]:
 def grouped(parameters: type[TaskParameters]) -> dict[str, tuple[Field, ...]]:
     """Return the declared parameters by heading, in the order of the settings form.
 
-    The task's own under ``""`` come first, then headings that only this task has, then the common ones.
+    The task's own under ``""`` come first, then headings that only this task has, then the common
+    ones.
     """
     common = list(dict.fromkeys(field.group for field in fields(TaskParameters)))
     found: dict[str, list[Field]] = {}
     for field in fields(parameters):
         found.setdefault(field.group, []).append(field)
-    ranks = {heading: common.index(heading) + 1 if heading in common else bool(heading) - 1 for heading in found}
+    ranks = {
+        heading: common.index(heading) + 1 if heading in common else bool(heading) - 1
+        for heading in found
+    }
     return {heading: tuple(found[heading]) for heading in sorted(found, key=ranks.__getitem__)}
 
 
@@ -141,13 +149,17 @@ def _declared(parameters: type[TaskParameters]) -> dict[str, Field]:
 
 
 def current_values(parameters: type[TaskParameters], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values with former spellings of choices replaced by the present ones (``renamed`` of ``meta``).
+    """Return values with former spellings of choices replaced by the present ones (``renamed`` of
+    ``meta``).
 
-    Call it on values from a database or a file before showing or comparing them; ``build`` does it itself.
+    Call it on values from a database or a file before showing or comparing them; ``build`` does it
+    itself.
     """
     renamed = {field.name: field.renamed for field in fields(parameters) if field.renamed}
     return {
-        name: renamed[name].get(value, value) if name in renamed and isinstance(value, str) else value
+        name: renamed[name].get(value, value)
+        if name in renamed and isinstance(value, str)
+        else value
         for name, value in values.items()
     }
 
@@ -156,7 +168,8 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     """Build checked parameters from values, typed or as text.
 
     Raises:
-        ParameterError: names every parameter that is unknown, out of bounds, or in conflict with another.
+        ParameterError: names every parameter that is unknown, out of bounds, or in conflict with
+            another.
     """
     declared = {field.name: field for field in fields(parameters)}
     types = {field.name: field.type for field in msgspec.structs.fields(parameters)}
@@ -165,10 +178,14 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     for name, value in current_values(parameters, values).items():
         if name not in declared:
             near = difflib.get_close_matches(name, declared, 1)
-            problems[name] = f"There is no parameter {name}." + (f" Did you mean {near[0]}?" if near else "")
+            problems[name] = f"There is no parameter {name}." + (
+                f" Did you mean {near[0]}?" if near else ""
+            )
             continue
         if not _is_text(value):
-            problems[name] = f"{declared[name].title} is a text with bytes that are not UTF-8: {show(value)}."
+            problems[name] = (
+                f"{declared[name].title} is a text with bytes that are not UTF-8: {show(value)}."
+            )
             continue
         given = read(declared[name], value) if isinstance(value, str) else value
         try:
@@ -181,24 +198,31 @@ def build(parameters: type[P], values: Mapping[str, object]) -> P:
     return built
 
 
-def usable(parameters: type[TaskParameters], values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+def usable(
+    parameters: type[TaskParameters], values: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the values that can be used, and for each of the others why not, in one sentence.
 
-    Values that were valid when they were saved may be out of bounds, in conflict, or unknown in another version of the
-    task.
+    Values that were valid when they were saved may be out of bounds, in conflict, or unknown in
+    another version of the task.
 
     Raises:
         ParameterError: no choice of the values can be used.
     """
     groups = {field.name: field.group for field in fields(parameters)}
-    left_out = {name: f"The setting {name} does not exist any more." for name in values if name not in groups}
+    left_out = {
+        name: f"The setting {name} does not exist any more."
+        for name in values
+        if name not in groups
+    }
     kept = {name: value for name, value in values.items() if name in groups}
     while True:
         try:
             build(parameters, kept)
         except ParameterError as error:
             wrong = kept.keys() & error.problems
-            if not wrong:  # in conflict with the default of another parameter, under the same heading
+            # in conflict with the default of another parameter, under the same heading
+            if not wrong:
                 reported = {groups.get(name) for name in error.problems}
                 wrong = {name for name in kept if groups[name] in reported}
             if not wrong:
@@ -210,17 +234,23 @@ def usable(parameters: type[TaskParameters], values: Mapping[str, Any]) -> tuple
 
 
 def _conflicts(parameters: TaskParameters) -> dict[str, str]:
-    """Return the problems that a task finds in its parameters; if that fails, this under its first parameter."""
+    """Return the problems that a task finds in its parameters; if that fails, this under its first
+    parameter.
+    """
     try:
         with calling("task", type(parameters)):
             return {str(name): str(problem) for name, problem in parameters.problems().items()}
     except PLUGIN_ERRORS as error:
         first, *_ = fields(type(parameters))
-        return {first.name: f"The settings cannot be checked: problems() failed ({describe(error)})."}
+        return {
+            first.name: f"The settings cannot be checked: problems() failed ({describe(error)})."
+        }
 
 
 def _is_text(value: object) -> bool:
-    """Return False for a text, or a list with one, that cannot be stored: bytes of an argument that are not UTF-8."""
+    """Return False for a text, or a list with one, that cannot be stored: bytes of an argument that
+    are not UTF-8.
+    """
     try:
         show(value).encode()
     except UnicodeEncodeError:

@@ -1,8 +1,10 @@
-"""A staircase that weighs all answers: each prompt is put where the threshold most likely is, given them.
+"""A staircase that weighs all answers: each prompt is put where the threshold most likely is, given
+them.
 
-After Watson and Pelli (1983), Percept. Psychophys. 33, 113-120: the observer's share of right answers is a Weibull
-function of known slope, whose place is unknown; Bayes' rule gives the probability of each place on a grid. The next
-prompt is at its mean, rather than at its mode (King-Smith et al. 1994, Vision Res. 34, 885-912).
+After Watson and Pelli (1983), Percept. Psychophys. 33, 113-120: the observer's share of right
+answers is a Weibull function of known slope, whose place is unknown; Bayes' rule gives the
+probability of each place on a grid. The next prompt is at its mean, rather than at its mode
+(King-Smith et al. 1994, Vision Res. 34, 885-912).
 """
 
 import math
@@ -15,17 +17,21 @@ import msgspec
 
 
 class Estimate(NamedTuple):
-    """The threshold, as far as it is known: mean and standard deviation, in the unit of the values."""
+    """The threshold, as far as it is known: mean and standard deviation, in the unit of the
+    values.
+    """
 
     mean: float
     sd: float
 
 
 class Quest(msgspec.Struct, frozen=True, kw_only=True):
-    """An adaptive estimate of the value at which a share of the answers is right: a pure function of the answers.
+    """An adaptive estimate of the value at which a share of the answers is right: a pure function
+    of the answers.
 
-    Values are on a grid from ``lowest`` to ``highest``. For a physical intensity, let them be its logarithm to base 10:
-    with a ``slope`` of 8 the function is then the Weibull function of exponent 3.5 that Watson and Pelli use.
+    Values are on a grid from ``lowest`` to ``highest``. For a physical intensity, let them be its
+    logarithm to base 10: with a ``slope`` of 8 the function is then the Weibull function of
+    exponent 3.5 that Watson and Pelli use.
 
     Args:
         lowest, highest: bounds of values and threshold.
@@ -55,11 +61,15 @@ class Quest(msgspec.Struct, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         if not (self.lowest < self.highest and 0 < self.grain <= self.highest - self.lowest):
-            raise ValueError("the values go from the lowest to the highest by their grain, which is above 0")
+            raise ValueError(
+                "the values go from the lowest to the highest by their grain, which is above 0"
+            )
         if self.spread <= 0 or self.slope <= 0:
             raise ValueError("the spread and the slope are above 0")
         if not 0 <= self.guesses < self.target < 1 - self.lapses <= 1:
-            raise ValueError("the target is above the share of guesses, and below that of an observer who lapses")
+            raise ValueError(
+                "the target is above the share of guesses, and below that of an observer who lapses"
+            )
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -75,8 +85,12 @@ class Quest(msgspec.Struct, frozen=True, kw_only=True):
         return _estimate(self, self.posterior(answers))
 
     def posterior(self, answers: Sequence[bool]) -> tuple[float, ...]:
-        """Return the probability of each value of the grid to be the threshold, from the answers so far."""
-        steps = accumulate(answers, lambda before, is_right: _updated(self, before, is_right), initial=_prior(self))
+        """Return the probability of each value of the grid to be the threshold, from the answers so
+        far.
+        """
+        steps = accumulate(
+            answers, lambda before, is_right: _updated(self, before, is_right), initial=_prior(self)
+        )
         *_, last = steps
         return last
 
@@ -89,19 +103,25 @@ def _values(quest: Quest) -> tuple[float, ...]:
 
 @cache
 def _prior(quest: Quest) -> tuple[float, ...]:
-    return _normed([math.exp(-(((value - quest.start) / quest.spread) ** 2) / 2) for value in _values(quest)])
+    return _normed(
+        [math.exp(-(((value - quest.start) / quest.spread) ** 2) / 2) for value in _values(quest)]
+    )
 
 
 @cache
 def _right(quest: Quest) -> tuple[float, ...]:
-    """Return the share of right answers by the distance of a prompt from the threshold, in places of the grid.
+    """Return the share of right answers by the distance of a prompt from the threshold, in places
+    of the grid.
 
     The middle one is for no distance; prompts become harder from the first to the last.
     """
     number = len(_values(quest))
     sees = (quest.target - quest.guesses) / (1 - quest.guesses - quest.lapses)
     at_threshold = math.log(-math.log1p(-sees))
-    return tuple(_share(quest, at_threshold - quest.slope * place * quest.grain) for place in range(1 - number, number))
+    return tuple(
+        _share(quest, at_threshold - quest.slope * place * quest.grain)
+        for place in range(1 - number, number)
+    )
 
 
 def _share(quest: Quest, log_strength: float) -> float:
@@ -116,7 +136,12 @@ def _updated(quest: Quest, before: tuple[float, ...], is_right: bool) -> tuple[f
     first = number - 1 - place if quest.harder == "lower" else number - 1 + place
     towards = 1 if quest.harder == "lower" else -1
     likely = [shares[first + towards * threshold] for threshold in range(number)]
-    return _normed([was * (share if is_right else 1 - share) for was, share in zip(before, likely, strict=True)])
+    return _normed(
+        [
+            was * (share if is_right else 1 - share)
+            for was, share in zip(before, likely, strict=True)
+        ]
+    )
 
 
 def _nearest(quest: Quest, posterior: Sequence[float]) -> int:
@@ -127,7 +152,9 @@ def _nearest(quest: Quest, posterior: Sequence[float]) -> int:
 def _estimate(quest: Quest, posterior: Sequence[float]) -> Estimate:
     values = _values(quest)
     mean = sum(value * share for value, share in zip(values, posterior, strict=True))
-    variance = sum((value - mean) ** 2 * share for value, share in zip(values, posterior, strict=True))
+    variance = sum(
+        (value - mean) ** 2 * share for value, share in zip(values, posterior, strict=True)
+    )
     return Estimate(mean, math.sqrt(variance))
 
 

@@ -7,7 +7,9 @@ from sar_tui.rules.wellbeing import PAIN_ENDS
 
 _AGREE = ("not at all true", "a little true", "somewhat true", "rather true", "very true")
 PAIN = "pain"
-"""Name of the question about pain now: too much leads to the advice to stop, whoever declares a question like it."""
+"""Name of the question about pain now: too much leads to the advice to stop, whoever declares a
+question like it.
+"""
 QUESTIONS: dict[str, Step] = {
     step.name: step
     for step in (
@@ -24,7 +26,12 @@ QUESTIONS: dict[str, Step] = {
             kind="number",
             labels=("not tired at all", "as tired as can be"),
         ),
-        Step(name="enjoyment", text="I enjoyed this exercise very much.", kind="likert", labels=_AGREE),
+        Step(
+            name="enjoyment",
+            text="I enjoyed this exercise very much.",
+            kind="likert",
+            labels=_AGREE,
+        ),
         Step(
             name="difficulty",
             text="How was the exercise for you?",
@@ -34,11 +41,14 @@ QUESTIONS: dict[str, Step] = {
         Step(name="remark", text="Is there anything you would like to tell us?", kind="text"),
     )
 }
-"""Questions by name. ``effort`` is Borg's CR10; ``enjoyment`` an item of the Intrinsic Motivation Inventory (Ryan 1982,
-J Pers Soc Psychol 43:450-461), with five points instead of seven."""
+"""Questions by name. ``effort`` is Borg's CR10; ``enjoyment`` an item of the Intrinsic Motivation
+Inventory (Ryan 1982, J Pers Soc Psychol 43:450-461), with five points instead of seven.
+"""
 
 
-_BEFORE_RULES_6 = {PAIN: replace(QUESTIONS[PAIN], labels=("no pain", "the worst pain you can imagine"))}
+_BEFORE_RULES_6 = {
+    PAIN: replace(QUESTIONS[PAIN], labels=("no pain", "the worst pain you can imagine"))
+}
 
 
 def chosen(names: tuple[str, ...], every: int, rules: int) -> tuple[Step, ...]:

@@ -1,17 +1,21 @@
 """Change that is real: more than the noise of this person's own last attempts.
 
-A difference between two means is compared with its minimal detectable change, MDC95 = 1.96 · √2 · SEM (Weir 2005). The
-standard error of measurement (SEM) of an attempt's mean is found in two ways, of which the larger counts:
+A difference between two means is compared with its minimal detectable change, MDC95 = 1.96 · √2 ·
+SEM (Weir 2005). The standard error of measurement (SEM) of an attempt's mean is found in two ways,
+of which the larger counts:
 
-- the SD between the means of the earlier attempts. It holds whatever makes attempts differ, but a few attempts that
-  happen to be alike would make it far too small;
-- the SD of single trials within attempts, divided by the root of their number. It comes from many more trials, but
-  holds only if nothing except chance makes attempts differ: people drift, tire, and have better moments.
+- the SD between the means of the earlier attempts. It holds whatever makes attempts differ, but a
+  few attempts that happen to be alike would make it far too small;
+- the SD of single trials within attempts, divided by the root of their number. It comes from many
+  more trials, but holds only if nothing except chance makes attempts differ: people drift, tire,
+  and have better moments.
 
-Outliers are kept: the attempt that is compared with may be one, and must then widen the margin instead of earning
-praise for the next. As all comes from few trials of one person, 1.96 gives way to Student's t.
+Outliers are kept: the attempt that is compared with may be one, and must then widen the margin
+instead of earning praise for the next. As all comes from few trials of one person, 1.96 gives way
+to Student's t.
 
-``sar-tui validate --only praise`` counts how often "better" is said by chance, and how often a true change is found.
+``sar-tui validate --only praise`` counts how often "better" is said by chance, and how often a true
+change is found.
 """
 
 import math
@@ -32,7 +36,9 @@ LATEST = 10
 TWO_SIDED = 0.05
 """Largest share of differences by chance, either way, that exceed the MDC95 of one measure."""
 BETTER_BY_CHANCE = 0.04
-"""Largest share of attempts in which one of several measures is called better by chance, under normal noise."""
+"""Largest share of attempts in which one of several measures is called better by chance, under
+normal noise.
+"""
 _ROUNDING = 1e-9
 """Share of a mean below which a difference is an error of rounding."""
 
@@ -54,7 +60,9 @@ class Sample(msgspec.Struct, frozen=True):
 
 
 class Change(msgspec.Struct, frozen=True):
-    """A difference that was judged: ``by``, later minus earlier, and its MDC95, both in the measure's unit."""
+    """A difference that was judged: ``by``, later minus earlier, and its MDC95, both in the
+    measure's unit.
+    """
 
     by: float
     mdc95: float
@@ -78,8 +86,8 @@ def judge(
         earlier: comparable attempts, oldest first; the noise is that of the last of them.
         better: the direction of improvement.
         least: smallest difference that is worth a word, whatever the noise.
-        measures: that are judged together. With more than one, the difference must be the larger, so that the chance of
-            any praise stays as small.
+        measures: that are judged together. With more than one, the difference must be the larger,
+            so that the chance of any praise stays as small.
 
     Returns:
         None if the earlier attempts, or their trials, are too few.
@@ -98,7 +106,9 @@ def judge(
 
 
 def _standard_error(now: Sample, before: Sample, earlier: Sequence[Sample]) -> float:
-    """Return the standard error of the difference of two means; √2 SEM if both are single attempts alike."""
+    """Return the standard error of the difference of two means; √2 SEM if both are single attempts
+    alike.
+    """
     between = spread_of([each.mean for each in earlier]) * math.sqrt(1 + 1 / before.attempts)
     freedom = sum(each.n - 1 for each in earlier)
     squares = sum((each.n - 1) * each.sd**2 for each in earlier)
@@ -107,7 +117,9 @@ def _standard_error(now: Sample, before: Sample, earlier: Sequence[Sample]) -> f
 
 
 def spread_of(values: Sequence[float]) -> float:
-    """Return the SD of values, by n - 1; 0 for one. ``statistics.stdev`` is exact, and thirty times as slow."""
+    """Return the SD of values, by n - 1; 0 for one. ``statistics.stdev`` is exact, and thirty times
+    as slow.
+    """
     if len(values) < 2:
         return 0.0
     mean = fmean(values)

@@ -20,21 +20,32 @@ class HasSettings(Protocol):
 
 
 def find(package: str, path: Iterable[str], kind: type[P]) -> dict[str, P]:
-    """Return the policies of a package by name: the ``POLICY`` of each module that has one, in order of name.
+    """Return the policies of a package by name: the ``POLICY`` of each module that has one, in
+    order of name.
 
     The name is that of the module, with hyphens.
     """
-    modules = (importlib.import_module(f"{package}.{found.name}") for found in pkgutil.iter_modules(path))
+    modules = (
+        importlib.import_module(f"{package}.{found.name}") for found in pkgutil.iter_modules(path)
+    )
     policies = (
-        (module.__name__.rpartition(".")[2].replace("_", "-"), getattr(module, "POLICY", None)) for module in modules
+        (module.__name__.rpartition(".")[2].replace("_", "-"), getattr(module, "POLICY", None))
+        for module in modules
     )
     return {name: policy for name, policy in sorted(policies) if isinstance(policy, kind)}
 
 
 def settings_types(policies: Mapping[str, HasSettings]) -> tuple[type[Settings], ...]:
-    """Return each type of settings that the policies read, once, in order of the name of its first parameter."""
+    """Return each type of settings that the policies read, once, in order of the name of its first
+    parameter.
+    """
     kinds = {policy.settings for policy in policies.values()}
-    return tuple(sorted((kind for kind in kinds if kind.__struct_fields__), key=lambda kind: kind.__struct_fields__[0]))
+    return tuple(
+        sorted(
+            (kind for kind in kinds if kind.__struct_fields__),
+            key=lambda kind: kind.__struct_fields__[0],
+        )
+    )
 
 
 def own_settings(kind: type[S], parameters: Settings) -> S:

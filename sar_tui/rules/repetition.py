@@ -18,14 +18,18 @@ def repeated(text: str, other: str) -> int:
 
 
 def least_repeating(wordings: Mapping[str, str], beside: str, before: str) -> list[str]:
-    """Return the wordings that repeat least of the text beside them, and among these, of the text before.
+    """Return the wordings that repeat least of the text beside them, and among these, of the text
+    before.
 
     Args:
         wordings: the texts that are said, by wording.
         beside: said in the same breath; empty for nothing.
         before: said the last time.
     """
-    repeats = {wording: (repeated(text, beside), repeated(text, before)) for wording, text in wordings.items()}
+    repeats = {
+        wording: (repeated(text, beside), repeated(text, before))
+        for wording, text in wordings.items()
+    }
     least = min(repeats.values())
     return [wording for wording, found in repeats.items() if found == least]
 

@@ -1,11 +1,13 @@
 """Staircases within an attempt: the value of the next prompt, from the answers so far.
 
 A `Staircase` is a pure function of the answers, so a task needs no memory: it gives it those of
-``situation.results``. After enough right answers in a row the next prompt is harder by a step, after enough wrong ones
-easier, so that the values come to rest where a certain share of the answers is right: `Staircase.target`.
+``situation.results``. After enough right answers in a row the next prompt is harder by a step,
+after enough wrong ones easier, so that the values come to rest where a certain share of the answers
+is right: `Staircase.target`.
 
-One up, two down ends at 70.7 % (Levitt 1971, J. Acoust. Soc. Am. 49, 467-477); unequal steps, one up and one down, at
-any share (Kaernbach 1991, Percept. Psychophys. 49, 227-229). `quest` has one that weighs all answers.
+One up, two down ends at 70.7 % (Levitt 1971, J. Acoust. Soc. Am. 49, 467-477); unequal steps, one
+up and one down, at any share (Kaernbach 1991, Percept. Psychophys. 49, 227-229). `quest` has one
+that weighs all answers.
 """
 
 from collections.abc import Sequence
@@ -17,7 +19,9 @@ _BISECTIONS = 60
 
 
 class Track(msgspec.Struct, frozen=True):
-    """Values of a staircase so far. ``reversals``: those at which it turned round; ``next``: of the next prompt."""
+    """Values of a staircase so far. ``reversals``: those at which it turned round; ``next``: of the
+    next prompt.
+    """
 
     values: tuple[float, ...]
     reversals: tuple[float, ...]
@@ -25,11 +29,13 @@ class Track(msgspec.Struct, frozen=True):
 
 
 class Staircase(msgspec.Struct, frozen=True, kw_only=True):
-    """A staircase that moves up after ``wrong`` wrong answers in a row, and down after ``right`` right ones.
+    """A staircase that moves up after ``wrong`` wrong answers in a row, and down after ``right``
+    right ones.
 
     Args:
         start: value of the first prompt.
-        steps: a step towards the harder side, before the first reversal, after it, and so on; the last one stays.
+        steps: a step towards the harder side, before the first reversal, after it, and so on; the
+            last one stays.
         right: the number of right answers in a row after which prompts become harder.
         wrong: the number of wrong answers in a row after which they become easier.
         easier: a step to the easier side, as a multiple of one to the harder side.
@@ -80,7 +86,9 @@ class Staircase(msgspec.Struct, frozen=True, kw_only=True):
         return self.track(answers).next
 
     def track(self, answers: Sequence[bool]) -> Track:
-        """Return the values of all prompts so far, of the reversals among them, and of the next prompt."""
+        """Return the values of all prompts so far, of the reversals among them, and of the next
+        prompt.
+        """
         value, values, reversals = self.start, [], []
         run, direction = 0, 0  # a run of right answers counts up, one of wrong answers down
         for is_right in answers:
@@ -101,7 +109,9 @@ class Staircase(msgspec.Struct, frozen=True, kw_only=True):
         return max(self.lowest, min(moved, self.highest))
 
     def threshold(self, answers: Sequence[bool], reversals: int = 6) -> float | None:
-        """Return the mean of the last reversals, an even number of them; None if there are not so many yet."""
+        """Return the mean of the last reversals, an even number of them; None if there are not so
+        many yet.
+        """
         found = self.track(answers).reversals
         return sum(found[-reversals:]) / reversals if len(found) >= reversals else None
 
@@ -115,7 +125,8 @@ def weighted(
     lowest: float = float("-inf"),
     highest: float = float("inf"),
 ) -> Staircase:
-    """Return a staircase of one up and one down whose steps balance at a share of right answers (Kaernbach 1991).
+    """Return a staircase of one up and one down whose steps balance at a share of right answers
+    (Kaernbach 1991).
 
     Raises:
         ValueError: the share is not between 0 and 1, or the numbers make no staircase.
@@ -124,5 +135,12 @@ def weighted(
         raise ValueError(f"the target of a staircase is a share between 0 and 1, not {target:g}")
     easier = target / (1 - target)
     return Staircase(
-        start=start, steps=steps, right=1, wrong=1, easier=easier, harder=harder, lowest=lowest, highest=highest
+        start=start,
+        steps=steps,
+        right=1,
+        wrong=1,
+        easier=easier,
+        harder=harder,
+        lowest=lowest,
+        highest=highest,
     )

@@ -26,7 +26,9 @@ def read_steps(path: Path) -> tuple[Step, ...]:
     try:
         read = msgspec.toml.decode(path.read_bytes(), type=_Steps)
     except OSError as error:
-        raise StepFileError(f"The steps cannot be read: {error.strerror or error}: {path.name}.") from error
+        raise StepFileError(
+            f"The steps cannot be read: {error.strerror or error}: {path.name}."
+        ) from error
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise StepFileError(f"{path.name} is not a list of steps: {error}.") from error
     if why := problem_of(read.steps):
@@ -37,7 +39,10 @@ def read_steps(path: Path) -> tuple[Step, ...]:
 def problem_of(steps: tuple[Step, ...]) -> str:
     """Return why some steps cannot be used together, in one sentence; empty if they can."""
     if not isinstance(steps, tuple | list):
-        return f"The steps of a task are a tuple of Step, even if there is one, (Step(…),), not {steps!r:.60}."
+        return (
+            "The steps of a task are a tuple of Step, even if there is one, (Step(…),), not "
+            f"{steps!r:.60}."
+        )
     if wrong := [step for step in steps if not isinstance(step, Step)]:
         return f"Among the steps is {wrong[0]!r:.60}, which is no Step."
     names = [step.name for step in steps]

@@ -10,7 +10,9 @@ _HIGHEST = 64.0
 
 
 def within(t: float, df: int) -> float:
-    """Return the probability of a value between -t and t (Abramowitz & Stegun 1964, 26.7.3 and 26.7.4)."""
+    """Return the probability of a value between -t and t (Abramowitz & Stegun 1964, 26.7.3 and
+    26.7.4).
+    """
     angle = math.atan(t / math.sqrt(df))
     cosine = math.cos(angle)
     is_odd = df % 2 == 1
@@ -26,7 +28,9 @@ def within(t: float, df: int) -> float:
 
 @cache
 def quantile(df: int, share: float) -> float:
-    """Return the value t that leaves a share of the distribution, at least a half, between -t and t."""
+    """Return the value t that leaves a share of the distribution, at least a half, between -t and
+    t.
+    """
     low, high = 0.5, _HIGHEST
     for _ in range(_STEPS):
         middle = (low + high) / 2

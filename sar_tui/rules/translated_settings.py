@@ -1,4 +1,6 @@
-"""Declared settings in another language: titles, units, meanings, groups and choices, as people read them."""
+"""Declared settings in another language: titles, units, meanings, groups and choices, as people
+read them.
+"""
 
 from pathlib import Path
 
@@ -8,11 +10,15 @@ from sar_tui.model.language import Language
 from sar_tui.rules.declaration import Field
 
 COMMON = Path(__file__).parent / "settings"
-"""The folder of the translations of common settings and of those of policies. A task's own are in its folder."""
+"""The folder of the translations of common settings and of those of policies. A task's own are in
+its folder.
+"""
 
 
 def translated(field: Field, tr: Language) -> Field:
-    """Return a setting in another language. What has no translation stays English; its name and values are the same."""
+    """Return a setting in another language. What has no translation stays English; its name and
+    values are the same.
+    """
     return msgspec.structs.replace(
         field,
         title=tr(field.title),

@@ -11,7 +11,9 @@ KEY_GAP_MS = 250.0
 
 
 class TypedText(msgspec.Struct, frozen=True):
-    """Text typed so far. ``began``: time stamp (ns) of its first key; ``corrections``: number of deleted characters."""
+    """Text typed so far. ``began``: time stamp (ns) of its first key; ``corrections``: number of
+    deleted characters.
+    """
 
     text: str = ""
     began: int | None = None
@@ -19,7 +21,8 @@ class TypedText(msgspec.Struct, frozen=True):
     corrections: int = 0
 
     def pressed(self, key: str, at: int, expects: str) -> "TypedText":
-        """Return the text after a key: a character is added, Backspace deletes the last one, others do nothing.
+        """Return the text after a key: a character is added, Backspace deletes the last one, others
+        do nothing.
 
         Args:
             key: its name, as in `messages.KeyPerceived`.
@@ -47,7 +50,9 @@ def _character(key: str, expects: str) -> str:
 
 
 def problem(stimulus: Stimulus) -> str:
-    """Return a sentence that says why a prompt cannot be answered by typing; empty if it can, or need not be."""
+    """Return a sentence that says why a prompt cannot be answered by typing; empty if it can, or
+    need not be.
+    """
     if stimulus.expects == "key":
         return ""
     if stimulus.expects not in ("text", "digits"):
@@ -55,13 +60,21 @@ def problem(stimulus: Stimulus) -> str:
     if stimulus.halves or (stimulus.frames and stimulus.frames[-1].halves):
         return "A prompt that expects typed text has no halves: the text stands below the prompt."
     if stimulus.frames and not stimulus.frames[-1].awaited:
-        return "Typed text is awaited from the last frame of a prompt on: that frame must have awaited=True."
+        return (
+            "Typed text is awaited from the last frame of a prompt on: that frame must have "
+            "awaited=True."
+        )
     return ""
 
 
 def typing(text: str, performance: Performance) -> list[Act]:
-    """Return the acts of a simulated participant who types and sends a text; a slip leaves out its last character."""
+    """Return the acts of a simulated participant who types and sends a text; a slip leaves out its
+    last character.
+    """
     if performance.slips:
         text = text[:-1] or "0"
     keys = ["space" if character == " " else character for character in text]
-    return [(performance.reaction_ms + number * KEY_GAP_MS, key) for number, key in enumerate([*keys, "enter"])]
+    return [
+        (performance.reaction_ms + number * KEY_GAP_MS, key)
+        for number, key in enumerate([*keys, "enter"])
+    ]

@@ -1,4 +1,6 @@
-"""Settings that have no effect, because they belong to policies of difficulty or feedback that are not chosen."""
+"""Settings that have no effect, because they belong to policies of difficulty or feedback that are
+not chosen.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,10 +16,12 @@ _CHOICES: Mapping[str, Mapping[str, Any]] = {
 
 
 def without_effect(values: Mapping[str, object]) -> dict[str, str]:
-    """Return the settings that have no effect beside others, each with the policies that use it: "target".
+    """Return the settings that have no effect beside others, each with the policies that use it:
+    "target".
 
     Args:
-        values: of the settings, by name. Those of a choice that is not known leave everything in effect.
+        values: of the settings, by name. Those of a choice that is not known leave everything in
+            effect.
     """
     found: dict[str, str] = {}
     for choice, policies in _CHOICES.items():

@@ -10,15 +10,23 @@ import msgspec
 
 Moment = Literal["before", "pause", "after"]
 HIGHEST = 10
-"""The worst pain, and the greatest tiredness: both are rated from 0, as on a numeric rating scale (NRS)."""
+"""The worst pain, and the greatest tiredness: both are rated from 0, as on a numeric rating scale
+(NRS).
+"""
 SEVERE = 7
 """Ratings from here on are severe: on the NRS for pain, 1-3 is mild, 4-6 moderate, 7-10 severe."""
 PAIN_ENDS = ("no pain", "worst pain imaginable")
-"""The words at both ends of each scale of pain: 0 and 10. Kept as they are, so that ratings can be compared."""
+"""The words at both ends of each scale of pain: 0 and 10. Kept as they are, so that ratings can be
+compared.
+"""
 PAIN_SESSIONS = 4
-"""Pain is an adverse reaction if it is new or worse over this number of sessions (FAST-INdiCATE trial)."""
+"""Pain is an adverse reaction if it is new or worse over this number of sessions (FAST-INdiCATE
+trial).
+"""
 TIRED_SESSIONS = 2
-"""The same for tiredness. That trial confirms it by a clinical test; this rule asks for severe ratings instead."""
+"""The same for tiredness. That trial confirms it by a clinical test; this rule asks for severe
+ratings instead.
+"""
 
 StopReason = Literal["too much pain", "rising pain"]
 Advice = Literal["shown", "stopped", "went on"]
@@ -29,9 +37,9 @@ TellReason = Literal["stop", "stopped", "went on", "new pain", "worse pain", "ti
 class PainLimits(msgspec.Struct, frozen=True):
     """Limits of pain, set by the therapist. No numeric rule to stop was found for stroke.
 
-    ``highest``: more is a reason to stop; above 5 is the red zone of a pain-monitoring model for tendons (Silbernagel
-    et al. 2007). ``rise``: so much more than before the session, too; a change of 2 is clinically important (Farrar
-    et al. 2001).
+    ``highest``: more is a reason to stop; above 5 is the red zone of a pain-monitoring model for
+    tendons (Silbernagel et al. 2007). ``rise``: so much more than before the session, too; a change
+    of 2 is clinically important (Farrar et al. 2001).
     """
 
     highest: int = 5
@@ -41,9 +49,9 @@ class PainLimits(msgspec.Struct, frozen=True):
 class SessionRatings(msgspec.Struct, frozen=True):
     """Ratings of one session; None if not asked, or not answered.
 
-    ``pain_pause``: the worst in a pause. ``told_pain``: pain was said in a pause, with a number or without.
-    ``limits``: those of the session. ``advice``: what came of the advice not to train; empty if it was not shown.
-    ``began``: False for answers before a session that never began.
+    ``pain_pause``: the worst in a pause. ``told_pain``: pain was said in a pause, with a number or
+    without. ``limits``: those of the session. ``advice``: what came of the advice not to train;
+    empty if it was not shown. ``began``: False for answers before a session that never began.
     """
 
     pain_before: int | None = None
@@ -58,14 +66,22 @@ class SessionRatings(msgspec.Struct, frozen=True):
 
     @property
     def pain(self) -> int | None:
-        """The worst pain of the session: at least 1 if it was told in a pause; None if nothing is known."""
-        known = [rating for rating in (self.pain_before, self.pain_pause, self.pain_after) if rating is not None]
+        """The worst pain of the session: at least 1 if it was told in a pause; None if nothing is
+        known.
+        """
+        known = [
+            rating
+            for rating in (self.pain_before, self.pain_pause, self.pain_after)
+            if rating is not None
+        ]
         return max([*known, *([1] if self.told_pain else [])], default=None)
 
     @property
     def fatigue(self) -> int | None:
         """The greatest tiredness of the session; None if nothing is known."""
-        known = [rating for rating in (self.fatigue_before, self.fatigue_after) if rating is not None]
+        known = [
+            rating for rating in (self.fatigue_before, self.fatigue_after) if rating is not None
+        ]
         return max(known, default=None)
 
     @property
@@ -93,8 +109,8 @@ def stop_now(before: int | None, now: int | None, limits: PainLimits) -> StopRea
 def tell_therapist(sessions: Sequence[SessionRatings]) -> tuple[TellReason, ...]:
     """Return what the therapist should be told after some sessions of a participant, oldest first.
 
-    Sessions in which nothing is known of a symptom are left out for that symptom. Answers before a session that never
-    began count only for the first two.
+    Sessions in which nothing is known of a symptom are left out for that symptom. Answers before a
+    session that never began count only for the first two.
 
     - Stop: pain was a reason to stop when it was last told.
     - Stopped, went on: then the participant was advised not to train, and did as advised, or not.
@@ -102,7 +118,8 @@ def tell_therapist(sessions: Sequence[SessionRatings]) -> tuple[TellReason, ...]
     - Worse pain: more in each of the last four than before them.
     - Tired: severe tiredness after each of the last two.
 
-    The pain before is that of the session before those four; without one, the first rating of the four.
+    The pain before is that of the session before those four; without one, the first rating of the
+    four.
     """
     found: list[TellReason] = []
     known = [session for session in sessions if session.pain is not None]
@@ -113,7 +130,9 @@ def tell_therapist(sessions: Sequence[SessionRatings]) -> tuple[TellReason, ...]
     known = [session for session in known if session.began]
     if len(known) >= PAIN_SESSIONS:
         recent = [session.pain or 0 for session in known[-PAIN_SESSIONS:]]
-        earlier = known[-PAIN_SESSIONS - 1].pain if len(known) > PAIN_SESSIONS else known[0].pain_before
+        earlier = (
+            known[-PAIN_SESSIONS - 1].pain if len(known) > PAIN_SESSIONS else known[0].pain_before
+        )
         if earlier is not None and min(recent) > earlier:
             found.append("worse pain" if earlier else "new pain")
     tired = [session.fatigue_after for session in sessions if session.fatigue_after is not None]

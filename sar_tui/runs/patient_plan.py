@@ -18,11 +18,13 @@ RESUMED_WITHIN = timedelta(hours=12)
 """Age up to which an interrupted session goes on; after that, a new one begins."""
 
 
-def exercises(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str) -> list[str]:
+def exercises(
+    database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str
+) -> list[str]:
     """Return the names of the tasks that a participant does alone.
 
-    These are the tasks of their programmes, or without one, the task of their last session. Tasks for two and tasks
-    that are not installed any more are left out.
+    These are the tasks of their programmes, or without one, the task of their last session. Tasks
+    for two and tasks that are not installed any more are left out.
 
     Raises:
         StoreError: there is none.
@@ -34,7 +36,8 @@ def exercises(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, 
     found = [name for name in names if _is_for_one(catalogue, name)]
     if not found:
         raise StoreError(
-            f"{participant} has no exercise to do alone. Save a programme in the app (F2), or run a session first.",
+            f"{participant} has no exercise to do alone. Save a programme in the app (F2), or run "
+            "a session first.",
             bad_input=True,
         )
     return found
@@ -47,7 +50,9 @@ def _is_for_one(catalogue: Catalogue, name: str) -> bool:
         return False
 
 
-def plan_exercise(database: sqlite3.Connection, catalogue: Catalogue, participant: str, task: str) -> Plan:
+def plan_exercise(
+    database: sqlite3.Connection, catalogue: Catalogue, participant: str, task: str
+) -> Plan:
     """Return the plan of a new session by the newest programme. Raises like `plan.make_plan`."""
     saved = programmes.newest(database, participant, task)
     return make_plan(catalogue, task, [participant], saved=saved)
@@ -60,7 +65,9 @@ def unfinished(
     task: str,
     now: Callable[[], datetime] = lambda: datetime.now(UTC),
 ) -> str | None:
-    """Return the id of the participant's last session of a task if it was interrupted here not long ago; else None."""
+    """Return the id of the participant's last session of a task if it was interrupted here not long
+    ago; else None.
+    """
     rows = sessions.listing(database, folder, participant=participant, limit=_LOOKED_AT)
     last = next((row for row in rows if row["task"] == task and counts(row)), None)
     if last is None or last["status"] != "interrupted" or last["partner"] or last["site"]:

@@ -1,4 +1,6 @@
-"""The plan of a session: the one place where names and values become a task with checked parameters."""
+"""The plan of a session: the one place where names and values become a task with checked
+parameters.
+"""
 
 import secrets
 from collections.abc import Mapping, Sequence
@@ -30,7 +32,8 @@ class Plan(msgspec.Struct, frozen=True):
         partner: the code of the participant at seat B, in a task for two.
         id: the session's id; if empty, it is drawn when the session starts.
         programme: the version of the participant's programme; None if there is none.
-        left_out: values of the programme that this version of the task cannot use, and for each why not.
+        left_out: values of the programme that this version of the task cannot use, and for each why
+            not.
         steps: between attempts, beside the task's own.
     """
 
@@ -79,10 +82,12 @@ def make_plan(
     Args:
         catalogue: where the task and the theme are found.
         task: the task or its name.
-        participants: codes in the order of the task's seats; a simulated session makes up the second if it is missing.
-        settings: values of the task's parameters, typed or as text; they override the saved ones. A start level among
-            them is fixed.
-        saved: the programme of the first participant. Values that the task cannot use any more are left out.
+        participants: codes in the order of the task's seats; a simulated session makes up the
+            second if it is missing.
+        settings: values of the task's parameters, typed or as text; they override the saved ones. A
+            start level among them is fixed.
+        saved: the programme of the first participant. Values that the task cannot use any more are
+            left out.
         theme: name of the theme; by default the saved one.
         speech: overrides the setting of that name, and adds speech to the outputs.
         seed: decides everything random; drawn by default.
@@ -91,9 +96,11 @@ def make_plan(
         steps: between attempts, beside the task's own (see `rules.step_file.read_steps`).
 
     Raises:
-        StoreError: a code is not valid, or of another site, or the codes do not match the task's seats.
+        StoreError: a code is not valid, or of another site, or the codes do not match the task's
+            seats.
         PluginError: there is no such task or theme.
-        ParameterError: a setting is unknown or out of bounds, or there is no such output, language or level.
+        ParameterError: a setting is unknown or out of bounds, or there is no such output, language
+            or level.
         Failed: the task cannot be set up.
     """
     saved = saved or Programme()
@@ -110,8 +117,12 @@ def make_plan(
     catalogue.theme(name, parameters.language)
     check_language(parameters.language, catalogue.theme_folder(name))
     own = set_up(kind, parameters).steps
-    if why := problem_of((*own, *chosen(parameters.questions, parameters.questions_every, RULES), *steps)):
-        raise ParameterError({"questions": f"{why} The task, the settings and a file of steps may each bring some."})
+    if why := problem_of(
+        (*own, *chosen(parameters.questions, parameters.questions_every, RULES), *steps)
+    ):
+        raise ParameterError(
+            {"questions": f"{why} The task, the settings and a file of steps may each bring some."}
+        )
     return Plan(
         task=kind,
         parameters=parameters,
@@ -132,10 +143,15 @@ def left_out_text(plan: Plan) -> str:
     if not plan.left_out:
         return ""
     reasons = " ".join(plan.left_out.values())
-    return f"Version {plan.programme} of the programme of {plan.participant} is not used in full. {reasons}"
+    return (
+        f"Version {plan.programme} of the programme of {plan.participant} is not used in full. "
+        f"{reasons}"
+    )
 
 
-def _parameters(kind: type[Task], values: Mapping[str, object], speech: str | None) -> TaskParameters:
+def _parameters(
+    kind: type[Task], values: Mapping[str, object], speech: str | None
+) -> TaskParameters:
     if speech is None:
         return build(kind.Parameters, values)
     values = {**values, "speech": speech}
@@ -153,7 +169,10 @@ def check_seats(task: type[Task], codes: Sequence[str]) -> None:
     elif len(codes) > len(task.seats):
         problem = f"The task {task.name} is for one: name one participant only."
     elif len(codes) < len(task.seats):
-        problem = f"The task {task.name} is for two: name the participant on the left, and then the one on the right."
+        problem = (
+            f"The task {task.name} is for two: name the participant on the left, and then "
+            "the one on the right."
+        )
     elif len(set(codes)) < len(codes):
         problem = f"{codes[0]} cannot sit at both seats: name two participants."
     if problem:
@@ -163,16 +182,21 @@ def check_seats(task: type[Task], codes: Sequence[str]) -> None:
 def check_language(language: str, folder: Path) -> None:
     """Raise ParameterError if a theme has no phrases in a language.
 
-    A theme uses English for single phrases that it lacks, but a language without any phrase is probably a typing error.
+    A theme uses English for single phrases that it lacks, but a language without any phrase is
+    probably a typing error.
     """
     known = languages(folder)
     if language.partition("-")[0] not in {name.partition("-")[0] for name in known}:
-        problem = f"The theme {folder.name} has no phrases in {language}; it has: {', '.join(known)}."
+        problem = (
+            f"The theme {folder.name} has no phrases in {language}; it has: {', '.join(known)}."
+        )
         raise ParameterError({"language": problem})
 
 
 def check_outputs(parameters: TaskParameters) -> None:
-    """Raise ParameterError if ``outputs`` names an output that does not exist, or ``speech`` cannot be played."""
+    """Raise ParameterError if ``outputs`` names an output that does not exist, or ``speech`` cannot
+    be played.
+    """
     from sar_tui.outputs.output import OutputError
     from sar_tui.outputs.outputs import check_outputs as check
 
@@ -186,10 +210,15 @@ def set_up(kind: type[Task], parameters: TaskParameters) -> Task:
     """Return the task with its parameters.
 
     Raises:
-        ParameterError: there is no such output, or the task does not have the start level or the lowest level.
+        ParameterError: there is no such output, or the task does not have the start level or the
+            lowest level.
         Failed: the task raised.
     """
-    if (parameters.outputs, parameters.speech) != (("screen",), "sound"):  # the check loads the sound library
+    # the check loads the sound library
+    if (parameters.outputs, parameters.speech) != (
+        ("screen",),
+        "sound",
+    ):
         check_outputs(parameters)
     return without_outputs(kind, parameters)
 
@@ -211,12 +240,18 @@ def without_outputs(kind: type[Task], parameters: TaskParameters) -> Task:
     if wrong := problem_of_nodes(nodes):
         raise Failed(f"The task {kind.name} cannot be set up: {wrong}")
     if type(levels) is not int or levels < 1:
-        raise Failed(f"The task {kind.name} cannot be set up: its levels are {levels!r}, not a whole number from 1 on.")
+        raise Failed(
+            f"The task {kind.name} cannot be set up: its levels are {levels!r}, not a whole "
+            "number from 1 on."
+        )
     if wrong_steps:
         raise Failed(f"The task {kind.name} cannot be set up. {wrong_steps}")
     for name in ("start_level", "min_level"):
         if (level := getattr(parameters, name)) > levels:
             raise ParameterError(
-                {name: f"With these settings the task {kind.name} has {levels} levels; there is no level {level}."}
+                {
+                    name: f"With these settings the task {kind.name} has {levels} levels; there "
+                    f"is no level {level}."
+                }
             )
     return task

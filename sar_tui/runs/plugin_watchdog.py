@@ -9,22 +9,27 @@ from sar_tui.plugin_calls import LIMIT_S, NotResponding, PluginCall, under_way
 PERIOD_S = 1.0
 """Interval at which the watchdog looks."""
 _MOST_ERRORS = 3
-"""A call that goes on after this many errors, or is in a library that no error reaches, is given up."""
+"""A call that goes on after this many errors, or is in a library that no error reaches, is given
+up.
+"""
 
 
 class PluginWatchdog:
     """Watches the thread that creates it, from a thread of its own. A context manager.
 
-    A call that does not return gets a `NotResponding` where it is, which is then reported like any other error of the
-    plug-in. Time in which the whole program stood still (a suspended computer) does not count.
+    A call that does not return gets a `NotResponding` where it is, which is then reported like any
+    other error of the plug-in. Time in which the whole program stood still (a suspended computer)
+    does not count.
 
     Args:
-        give_up: called with the plug-in, such as ``task reaching``, from the watchdog's thread, when no error ends the
-            call.
+        give_up: called with the plug-in, such as ``task reaching``, from the watchdog's thread,
+            when no error ends the call.
         limit_s, period_s: longest duration of a call, and the interval at which it is checked.
     """
 
-    def __init__(self, give_up: Callable[[str], object], limit_s: float = LIMIT_S, period_s: float = PERIOD_S) -> None:
+    def __init__(
+        self, give_up: Callable[[str], object], limit_s: float = LIMIT_S, period_s: float = PERIOD_S
+    ) -> None:
         self._give_up = give_up
         self._most_looks = max(1, round(limit_s / period_s))
         self._period_s = period_s
@@ -38,7 +43,10 @@ class PluginWatchdog:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self._stopped.set()
 
@@ -47,7 +55,9 @@ class PluginWatchdog:
             self.look()
 
     def look(self) -> None:
-        """Find out whether the same call is still under way, and end it if it is and its time is over."""
+        """Find out whether the same call is still under way, and end it if it is and its time is
+        over.
+        """
         call = under_way(self._watched)
         if call is None or call is not self._call:
             self._call, self._looks = call, 0
@@ -59,4 +69,6 @@ class PluginWatchdog:
         elif errors >= 0:
             import ctypes  # loads slowly, and is hardly ever needed
 
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._watched), ctypes.py_object(NotResponding))
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                ctypes.c_ulong(self._watched), ctypes.py_object(NotResponding)
+            )

@@ -1,7 +1,8 @@
 """Presets: named exercises, shipped with a task or saved by a therapist.
 
-The scope of a preset is every setting of its task, common ones included, but those that belong to the person or the
-place (``personal`` in `declaration.meta`). It states all of them: what its file does not name is at its default.
+The scope of a preset is every setting of its task, common ones included, but those that belong to
+the person or the place (``personal`` in `declaration.meta`). It states all of them: what its file
+does not name is at its default.
 """
 
 from collections.abc import Mapping
@@ -16,15 +17,17 @@ from sar_tui.runs.programme_file import ProgrammeFile, read
 from sar_tui.store.database import StoreError
 
 FOLDER = "presets"
-"""Folder of presets, in a task's folder and in the data folder; there it has a folder for each task."""
+"""Folder of presets, in a task's folder and in the data folder; there it has a folder for each
+task.
+"""
 _ORDER = ("mild", "moderate", "severe")
 
 
 def applied(task: type[Task], preset: ProgrammeFile, current: Mapping[str, Any]) -> dict[str, Any]:
     """Return the value of every setting after a preset: nothing of an earlier preset is left.
 
-    Personal settings keep their ``current`` values. Names in the preset that are no settings stay, for `build` to
-    refuse.
+    Personal settings keep their ``current`` values. Names in the preset that are no settings stay,
+    for `build` to refuse.
     """
     personal = {field.name for field in fields(task.Parameters) if field.personal}
     named = current_values(task.Parameters, preset.parameters)
@@ -37,7 +40,11 @@ def applied(task: type[Task], preset: ProgrammeFile, current: Mapping[str, Any])
 
 def not_applied(task: type[Task], preset: ProgrammeFile) -> list[Field]:
     """Return the personal settings that a preset's file names, although no preset changes them."""
-    return [field for field in fields(task.Parameters) if field.personal and field.name in preset.parameters]
+    return [
+        field
+        for field in fields(task.Parameters)
+        if field.personal and field.name in preset.parameters
+    ]
 
 
 def own_folder(data: Path, task: type[Task]) -> Path:
@@ -46,14 +53,17 @@ def own_folder(data: Path, task: type[Task]) -> Path:
 
 
 def files(data: Path, task: type[Task]) -> dict[str, Path]:
-    """Return the files of a task's presets by name: those of the task first, in order of severity, then one's own.
+    """Return the files of a task's presets by name: those of the task first, in order of severity,
+    then one's own.
 
     One's own replaces one of the task with the same name.
     """
     shipped = {path.stem: path for path in (task_folder(task) / FOLDER).glob("*.toml")}
     own = {path.stem: path for path in own_folder(data, task).glob("*.toml")}
     ranks = {name: rank for rank, name in enumerate(_ORDER)}
-    names = sorted(shipped | own, key=lambda name: (name not in shipped, ranks.get(name, len(ranks)), name))
+    names = sorted(
+        shipped | own, key=lambda name: (name not in shipped, ranks.get(name, len(ranks)), name)
+    )
     return {name: own.get(name) or shipped[name] for name in names}
 
 
@@ -69,5 +79,7 @@ def find(data: Path, task: type[Task], name: str) -> ProgrammeFile:
         raise StoreError(f"The task {task.name} has no preset {name}. {has}", bad_input=True)
     preset = read(known[name])
     if preset.task != task.name:
-        raise StoreError(f"{known[name]} is for the task {preset.task}, not {task.name}.", bad_input=True)
+        raise StoreError(
+            f"{known[name]} is for the task {preset.task}, not {task.name}.", bad_input=True
+        )
     return preset

@@ -19,7 +19,8 @@ from sar_tui.store.results import sessions_of
 def beside_earlier_sessions(
     folder: Path, task: Task, session: str, attempts: Sequence[AttemptEnded], tr: Language
 ) -> str:
-    """Return the comparison in words; empty if there is no earlier session like it, or the database cannot be read.
+    """Return the comparison in words; empty if there is no earlier session like it, or the database
+    cannot be read.
 
     Args:
         folder: the data folder.
@@ -28,7 +29,9 @@ def beside_earlier_sessions(
         attempts: the scored attempts, without practice.
         tr: the language of the session.
     """
-    results = [AttemptResult(attempt.level, attempt.metric, attempt.correct) for attempt in attempts]
+    results = [
+        AttemptResult(attempt.level, attempt.metric, attempt.correct) for attempt in attempts
+    ]
     judged = [attempt.outcome == "success" for attempt in attempts if attempt.outcome != "none"]
     try:
         with closing(connect(folder)) as database:

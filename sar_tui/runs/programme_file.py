@@ -68,7 +68,9 @@ def parse(text: str, name: str) -> ProgrammeFile:
     unknown = content.keys() - {*_KEYS, "parameters"}
     if unknown:
         where = "Settings belong under [parameters]."
-        raise StoreError(f"{name} has unknown entries: {', '.join(sorted(unknown))}. {where}", bad_input=True)
+        raise StoreError(
+            f"{name} has unknown entries: {', '.join(sorted(unknown))}. {where}", bad_input=True
+        )
     try:
         return msgspec.convert(content, ProgrammeFile)
     except msgspec.ValidationError as error:
@@ -76,7 +78,9 @@ def parse(text: str, name: str) -> ProgrammeFile:
 
 
 def write(task: type[Task], participant: str, programme: Programme) -> str:
-    """Return a programme as TOML: what differs from the defaults as values, all else as comments."""
+    """Return a programme as TOML: what differs from the defaults as values, all else as
+    comments.
+    """
     head = {
         "task": task.name,
         "participant": participant,
@@ -98,7 +102,9 @@ def write(task: type[Task], participant: str, programme: Programme) -> str:
 
 
 def write_preset(task: type[Task], programme: Programme) -> str:
-    """Return the settings of a programme that a preset states (see `runs.presets`) as TOML, each with its value."""
+    """Return the settings of a programme that a preset states (see `runs.presets`) as TOML, each
+    with its value.
+    """
     lines = [f"# Preset for {task.title}", *_assignments({"task": task.name}), "", "[parameters]"]
     for heading, declared in grouped(task.Parameters).items():
         stated = [field for field in declared if not field.personal]
@@ -124,7 +130,12 @@ def _about(field: Field) -> str:
     title = f"{field.title} ({field.unit})." if field.unit else f"{field.title}."
     bounds = f"{field.bounds}." if field.bounds else ""
     default = json.dumps(msgspec.to_builtins(field.default), ensure_ascii=False)
-    return " ".join(filter(None, (title, field.help, f"Allowed: {bounds}" if bounds else "", f"Default: {default}.")))
+    return " ".join(
+        filter(
+            None,
+            (title, field.help, f"Allowed: {bounds}" if bounds else "", f"Default: {default}."),
+        )
+    )
 
 
 def _comments(text: str) -> list[str]:

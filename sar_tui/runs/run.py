@@ -31,7 +31,9 @@ from sar_tui.store.rescue import rescue_files
 from sar_tui.store.safeguard import Safeguard
 
 _LAST_WAIT_MS = 1000
-"""Longest wait for a database that another program keeps locked, while a session is written and left."""
+"""Longest wait for a database that another program keeps locked, while a session is written and
+left.
+"""
 
 _TOLD_EVERY = 100
 """Messages of a replay from one report of its progress to the next."""
@@ -42,10 +44,12 @@ NodeFactory = Callable[[Task, Theme, int], Sequence[Node]]
 
 
 class Run:
-    """A session in progress in this program. Made by ``start`` or ``resume``; always call ``close`` at its end.
+    """A session in progress in this program. Made by ``start`` or ``resume``; always call ``close``
+    at its end.
 
     Attributes:
-        theme_notice: text that says why the session goes on with another theme than it began with; else empty.
+        theme_notice: text that says why the session goes on with another theme than it began with;
+            else empty.
     """
 
     def __init__(
@@ -70,7 +74,10 @@ class Run:
     @property
     def participants(self) -> dict[str, str]:
         """The participants' codes by seat."""
-        return {row["seat"]: row["participant"] for row in sessions.rows(self._database, "seats", self.id)}
+        return {
+            row["seat"]: row["participant"]
+            for row in sessions.rows(self._database, "seats", self.id)
+        }
 
     def begin(self) -> None:
         """Start the loop."""
@@ -80,10 +87,15 @@ class Run:
         """Raise Failed if a vital node has failed."""
         if fault := self.session.broken:
             name = self.session.task.name
-            raise Failed(f"The task {name} failed ({fault.error}, {fault.place}). What was done so far is kept.")
+            raise Failed(
+                f"The task {name} failed ({fault.error}, {fault.place}). What was done so far is "
+                "kept."
+            )
 
     def close(self) -> None:
-        """Detach the nodes and release the locks. A session that has not ended is stored as interrupted."""
+        """Detach the nodes and release the locks. A session that has not ended is stored as
+        interrupted.
+        """
         try:
             self.session.detach()
             if self.rescue_file:
@@ -147,7 +159,9 @@ def start(
             held += [locks.hold(folder, "participant", code) for code in codes]
         facts = _participant_facts(database, task, codes, plan.mode)
         _check_day(task, codes[0], facts["done_today"])
-        session = Session(task, theme, clock, plan.seed, nodes, **facts, steps=plan.steps, parts=parts)
+        session = Session(
+            task, theme, clock, plan.seed, nodes, **facts, steps=plan.steps, parts=parts
+        )
         session_id = plan.id or sessions.new_id()
         held.append(locks.hold(folder, "session", session_id))
         provenance = _provenance(plan.task, theme.name, folder, catalogue)
@@ -176,7 +190,8 @@ def resume(
     make_nodes: NodeFactory,
     progress: Progress | None = None,
 ) -> Run:
-    """Bring an interrupted session to the state at its interruption by a replay, and build its run, ready to begin.
+    """Bring an interrupted session to the state at its interruption by a replay, and build its run,
+    ready to begin.
 
     Args:
         session_id: the session, or the beginning of its id.
@@ -185,7 +200,8 @@ def resume(
 
     Raises:
         StoreError: there is no such session, or it is live, or it has ended.
-        PluginError: its task does not exist any more. In place of its theme, it can go on with the default one.
+        PluginError: its task does not exist any more. In place of its theme, it can go on with the
+            default one.
         Failed: its replay differs from the record.
     """
     database = connect(folder)
@@ -195,7 +211,8 @@ def resume(
         codes = list(sessions.codes(row))
         held += [locks.hold(folder, "participant", code) for code in codes]
         held.append(locks.hold(folder, "session", row["id"]))
-        status = sessions.stored_status(database, row["id"])  # another program may have ended it before we held it
+        # another program may have ended it before we held it
+        status = sessions.stored_status(database, row["id"])
         if status not in ("running", "interrupted"):
             raise _not_resumable(row["id"], status or "gone")
         kind = catalogue.task(row["task"])
@@ -214,21 +231,26 @@ def resume(
         run = _with_recorder(row["id"], number, session, folder, database, held)
         if theme.name != row["theme"]:
             run.theme_notice = (
-                f"The theme {row['theme']} of session {row['id']} cannot be loaded any more: it went on with "
+                f"The theme {row['theme']} of session {row['id']} cannot be loaded any more: it "
+                "went on with "
                 f"{theme.name}, whose words and looks differ."
             )
         return run
 
 
 def _theme_of(row: sessions.Row, catalogue: Catalogue, language: str) -> Theme:
-    """Load the theme of a stored session, or the default one if it is not there any more. Raises PluginError."""
+    """Load the theme of a stored session, or the default one if it is not there any more. Raises
+    PluginError.
+    """
     try:
         return catalogue.theme(row["theme"], language)
     except PluginError:
         return catalogue.theme(DEFAULT_THEME, language)
 
 
-def told_history(database: sqlite3.Connection, session_id: str, progress: Progress) -> Iterator[Record]:
+def told_history(
+    database: sqlite3.Connection, session_id: str, progress: Progress
+) -> Iterator[Record]:
     """Yield the messages of a session, and tell the progress."""
     _, last = messages.extent(database, session_id)
     for count, record in enumerate(sessions.history(database, session_id)):
@@ -241,15 +263,21 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
     """Return the interrupted session that `store.sessions.find` finds for a name.
 
     Raises:
-        StoreError: there is no such session, or it is live, or it has ended, or it is of another site.
+        StoreError: there is no such session, or it is live, or it has ended, or it is of another
+            site.
     """
     row = sessions.find(database, folder, name)
     if files := rescue_files(folder, row["id"]):
         raise StoreError(
-            f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` first.", bad_input=True
+            f"The last messages of session {row['id']} are in {files[0]}. Run `sar-tui rescue` "
+            "first.",
+            bad_input=True,
         )
     if row["site"]:
-        raise StoreError(f"The session {row['id']} is of {row['site']}: it can be resumed only there.", bad_input=True)
+        raise StoreError(
+            f"The session {row['id']} is of {row['site']}: it can be resumed only there.",
+            bad_input=True,
+        )
     if row["status"] != "interrupted" or row["mode"] != "live":
         raise _not_resumable(row["id"], row["status"] if row["mode"] == "live" else row["mode"])
     return row
@@ -257,7 +285,9 @@ def find_resumable(database: sqlite3.Connection, folder: Path, name: str) -> ses
 
 def _not_resumable(session_id: str, state: str) -> StoreError:
     return StoreError(
-        f"The session {session_id} is {state}; only a live one that was interrupted can be resumed.", bad_input=True
+        f"The session {session_id} is {state}; only a live one that was interrupted can be "
+        "resumed.",
+        bad_input=True,
     )
 
 
@@ -280,9 +310,15 @@ class _ParticipantFacts(TypedDict):
 
 
 def _participant_facts(
-    database: sqlite3.Connection, task: Task, codes: Sequence[str], mode: sessions.Mode, without: str = ""
+    database: sqlite3.Connection,
+    task: Task,
+    codes: Sequence[str],
+    mode: sessions.Mode,
+    without: str = "",
 ) -> _ParticipantFacts:
-    """Look up the best results of earlier live sessions, and the codes if the agent addresses participants by them."""
+    """Look up the best results of earlier live sessions, and the codes if the agent addresses
+    participants by them.
+    """
     best: list[dict[str, float]] = [{} for _ in codes]
     if mode == "live":
         best = [sessions.best(database, code, task, without=without) for code in codes]
@@ -291,7 +327,9 @@ def _participant_facts(
     return {
         "best": best[0],
         "others_best": dict(zip(seats[1:], best[1:], strict=True)) if mode == "live" else {},
-        "names": dict(zip(seats, codes, strict=True)) if len(codes) > 1 and task.address == "code" else {},
+        "names": dict(zip(seats, codes, strict=True))
+        if len(codes) > 1 and task.address == "code"
+        else {},
         "done_today": _done_today(database, task, codes[0]).as_dict() if limited else {},
     }
 
@@ -305,20 +343,27 @@ def _now() -> datetime:
 
 
 def _check_day(task: Task, participant: str, done: dict[str, float]) -> None:
-    """Raise EnoughToday, with a kind sentence, if the participant has done what the programme allows on a day."""
+    """Raise EnoughToday, with a kind sentence, if the participant has done what the programme
+    allows on a day.
+    """
     if name := reached_of_day(task.parameters, Dose.of(done)):
         limit = next(field for field in fields(type(task.parameters)) if field.name == name)
         amount = getattr(task.parameters, name)
         raise EnoughToday(
-            f"That is enough for {participant} today: the programme's limit of {amount} {limit.title.lower()} is "
+            f"That is enough for {participant} today: the programme's limit of {amount} "
+            f"{limit.title.lower()} is "
             "reached. The next session can be tomorrow."
         )
 
 
-def _provenance(kind: type[Task], theme: str, folder: Path, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
+def _provenance(
+    kind: type[Task], theme: str, folder: Path, catalogue: Catalogue
+) -> dict[str, dict[str, Any]]:
     """Describe the software and the machine of a run, as they are stored."""
     return {
-        "software": software(kind, task_source(kind), task_code(kind), catalogue.theme_folder(theme)),
+        "software": software(
+            kind, task_source(kind), task_code(kind), catalogue.theme_folder(theme)
+        ),
         "machine": machine() | {"timing": measured_timing(folder)},
     }
 
@@ -331,18 +376,24 @@ def _with_recorder(
     database: sqlite3.Connection,
     held: Sequence[BaseFileLock],
 ) -> Run:
-    """Return the run of a session with a recorder. In a live session it has its own database connection and thread."""
+    """Return the run of a session with a recorder. In a live session it has its own database
+    connection and thread.
+    """
 
     def withholds() -> bool:
         return session.awaits_agreement
 
     if isinstance(session.clock, VirtualClock):
-        recorder = Recorder(database, session_id, number, session.bus, withholds=withholds, inline=True)
+        recorder = Recorder(
+            database, session_id, number, session.bus, withholds=withholds, inline=True
+        )
     else:
         own = connect(folder)
         own.execute(f"PRAGMA busy_timeout={_LAST_WAIT_MS}")
         safeguard = Safeguard(folder, session_id, own)
-        recorder = Recorder(own, session_id, number, session.bus, withholds=withholds, safeguard=safeguard)
+        recorder = Recorder(
+            own, session_id, number, session.bus, withholds=withholds, safeguard=safeguard
+        )
     return Run(session_id, number, session, recorder, database, held, folder)
 
 

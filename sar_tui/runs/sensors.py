@@ -1,4 +1,6 @@
-"""Motion sensors of a session: opens and checks them, and makes their nodes. Imports numpy: import it late."""
+"""Motion sensors of a session: opens and checks them, and makes their nodes. Imports numpy: import
+it late.
+"""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -29,8 +31,11 @@ _TRUNK = "imu_trunk"
 """The parameter that names the sensor on the trunk."""
 
 
-def open_sensors(task: type[Task], parameters: TaskParameters, seed: int, clock: Clock, folder: Path) -> list[ImuFeed]:
-    """Open the sensor of each seat that has one, in the order of the seats, and last one on the trunk.
+def open_sensors(
+    task: type[Task], parameters: TaskParameters, seed: int, clock: Clock, folder: Path
+) -> list[ImuFeed]:
+    """Open the sensor of each seat that has one, in the order of the seats, and last one on the
+    trunk.
 
     None is started yet.
 
@@ -41,16 +46,24 @@ def open_sensors(task: type[Task], parameters: TaskParameters, seed: int, clock:
     worn = _worn(parameters, task.sensor_seats(parameters))
     _check_distinct(parameters, worn)
     return [
-        open_sensor(parameters, seed + number, clock, folder, seat, part) for number, (seat, part) in enumerate(worn)
+        open_sensor(parameters, seed + number, clock, folder, seat, part)
+        for number, (seat, part) in enumerate(worn)
     ]
 
 
 def open_sensor(
-    parameters: TaskParameters, seed: int, clock: Clock, folder: Path, seat: str = "A", part: BodyPart = "hand"
+    parameters: TaskParameters,
+    seed: int,
+    clock: Clock,
+    folder: Path,
+    seat: str = "A",
+    part: BodyPart = "hand",
 ) -> ImuFeed:
-    """Open the sensor that a parameter names, without starting it: ``imu``, for seat B ``imu_b``; ``imu_trunk``.
+    """Open the sensor that a parameter names, without starting it: ``imu``, for seat B ``imu_b``;
+    ``imu_trunk``.
 
-    The names are those of `inputs.sources.open_source`, and ``session:ID`` for the samples of an earlier session.
+    The names are those of `inputs.sources.open_source`, and ``session:ID`` for the samples of an
+    earlier session.
 
     Raises:
         ParameterError: there is no such sensor.
@@ -71,10 +84,15 @@ def open_sensor(
 
 
 def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
-    """Raise ParameterError if a parameter names a kind of sensor that does not exist, or two the same device."""
+    """Raise ParameterError if a parameter names a kind of sensor that does not exist, or two the
+    same device.
+    """
     known = [*source_names(), "session"]
     worn = _worn(parameters, seats)
-    kinds = {sensor_parameter(*where): _address(parameters, *where).strip().partition(":")[0] for where in worn}
+    kinds = {
+        sensor_parameter(*where): _address(parameters, *where).strip().partition(":")[0]
+        for where in worn
+    }
     problems = {
         name: f'There is no sensor "{kind}". Choose one of: {", ".join(known)}.'
         for name, kind in kinds.items()
@@ -86,19 +104,24 @@ def check_sensors(parameters: TaskParameters, seats: Sequence[str]) -> None:
 
 
 def _worn(parameters: TaskParameters, seats: Sequence[str]) -> list[tuple[str, BodyPart]]:
-    """Return where sensors are worn: on the hand of each seat, and on the trunk if a sensor is named for it."""
+    """Return where sensors are worn: on the hand of each seat, and on the trunk if a sensor is
+    named for it.
+    """
     worn: list[tuple[str, BodyPart]] = [(seat, "hand") for seat in seats]
     return [*worn, ("A", "trunk")] if getattr(parameters, _TRUNK, "") else worn
 
 
 def _check_distinct(parameters: TaskParameters, worn: Sequence[tuple[str, BodyPart]]) -> None:
-    if len(worn) < 2 or (address := _address(parameters, *worn[0])) != _address(parameters, *worn[1]):
+    if len(worn) < 2 or (address := _address(parameters, *worn[0])) != _address(
+        parameters, *worn[1]
+    ):
         return
     if address.partition(":")[0] in _EXCLUSIVE:
         name = sensor_parameter(*worn[1])
         first, second = ("the hand", "the trunk") if name == _TRUNK else ("the left", "the right")
         problem = (
-            f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL for {first}, "
+            f"Both sensors are named {address}. Say which belongs to whom: --imu phidget:SERIAL "
+            f"for {first}, "
             f"--set {name}=phidget:SERIAL for {second}."
         )
         raise ParameterError({name: problem})
@@ -115,11 +138,13 @@ def _address(parameters: TaskParameters, seat: str, part: BodyPart) -> str:
     return str(getattr(parameters, sensor_parameter(seat, part), "phidget"))
 
 
-def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str, part: BodyPart) -> RecordedSource:
+def _stored_source(
+    name: str, folder: Path, clock: Clock | None, seat: str, part: BodyPart
+) -> RecordedSource:
     """Open the samples of a stored session's last run that has any.
 
-    They come in real time, or at once if the name is ``ID?speed=fast``. If the session has no sensor at this seat,
-    the samples are those of seat A.
+    They come in real time, or at once if the name is ``ID?speed=fast``. If the session has no
+    sensor at this seat, the samples are those of seat A.
     """
     name, _, option = name.partition("?")
     database = connect(folder)
@@ -129,18 +154,24 @@ def _stored_source(name: str, folder: Path, clock: Clock | None, seat: str, part
         runs = sorted({stream["run"] for stream in streams}, reverse=True)
         known = seat if seat in {stream["seat"] for stream in streams} else "A"
         recorded = [
-            samples for run in runs if len(samples := imu.samples(database, session, run=run, seat=known, part=part))
+            samples
+            for run in runs
+            if len(samples := imu.samples(database, session, run=run, seat=known, part=part))
         ]
     finally:
         database.close()
     if not recorded:
         raise SourceError(f"The session {session} holds no samples of a sensor on the {part}.")
     is_fast = option == "speed=fast"
-    return RecordedSource(recorded[0], "fast" if is_fast else "real time", clock=clock, name=f"session {session}")
+    return RecordedSource(
+        recorded[0], "fast" if is_fast else "real time", clock=clock, name=f"session {session}"
+    )
 
 
 def sensor_nodes(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
-    """Make the nodes of a live session's sensors; a simulated one moves like an average person's hand or trunk."""
+    """Make the nodes of a live session's sensors; a simulated one moves like an average person's
+    hand or trunk.
+    """
     trunk = next((feed for feed in feeds if feed.part == "trunk"), None)
     nodes: list[Node] = []
     for feed in feeds:
@@ -156,8 +187,11 @@ def sensor_nodes(task: Task, seed: int, *feeds: ImuFeed) -> list[Node]:
     return nodes
 
 
-def simulated_nodes(person: Person, task: Task, seed: int, clock: Clock, partner: Person) -> list[Node]:
-    """Make a simulated participant with a simulated sensor on the hand; in a task for two, also a partner.
+def simulated_nodes(
+    person: Person, task: Task, seed: int, clock: Clock, partner: Person
+) -> list[Node]:
+    """Make a simulated participant with a simulated sensor on the hand; in a task for two, also a
+    partner.
 
     If a sensor is named for the trunk, it is simulated too.
     """
@@ -169,10 +203,18 @@ def simulated_nodes(person: Person, task: Task, seed: int, clock: Clock, partner
         trunk, lean = [], None
     if type(clock) is VirtualClock and not task.seats[1:]:
         sensor = SimulatedSensor(simulated_hand(person.hand, seed))
-        return [SimulatedParticipant(person, task, seed, leaning(person, sensor.move, lean)), *trunk, sensor]
+        return [
+            SimulatedParticipant(person, task, seed, leaning(person, sensor.move, lean)),
+            *trunk,
+            sensor,
+        ]
     hand = open_source(f"simulated:{person.hand}", seed=seed, clock=clock)
     move = leaning(person, _mover(hand), lean)
-    nodes: list[Node] = [SimulatedParticipant(person, task, seed, move), *trunk, Imu(ImuFeed(hand, clock.now))]
+    nodes: list[Node] = [
+        SimulatedParticipant(person, task, seed, move),
+        *trunk,
+        Imu(ImuFeed(hand, clock.now)),
+    ]
     for seat in task.seats[1:]:
         other = open_source(f"simulated:{partner.hand}", seed=seed + 1, clock=clock)
         nodes.append(SimulatedPartner(partner, task, seed, _mover(other), seat))

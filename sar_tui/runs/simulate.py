@@ -34,7 +34,8 @@ def simulate(
 ) -> str:
     """Run a whole session into the database, and return its id.
 
-    It takes no longer than computing it, unless an output works on a thread of its own, which is waited for.
+    It takes no longer than computing it, unless an output works on a thread of its own, which is
+    waited for.
 
     Args:
         plan: the session.
@@ -54,13 +55,18 @@ def simulate(
     clock = VirtualClock() if set(plan.parameters.outputs) <= {"screen"} else PacedClock()
 
     def make_nodes(task: Task, theme: Theme, seed: int) -> list[Node]:
-        others = [*([SimulatedOperator(operator, seed)] if operator else []), *output_nodes(task, theme)]
+        others = [
+            *([SimulatedOperator(operator, seed)] if operator else []),
+            *output_nodes(task, theme),
+        ]
         others += [OutputNode(body, body.name, theme) for body in bodies]
         if task.sensor_seats(task.parameters):
             from sar_tui.runs.sensors import simulated_nodes  # imports numpy
 
             return [*simulated_nodes(person, task, seed, clock, partner or person), *others]
-        partners = [SimulatedPartner(partner or person, task, seed, seat=seat) for seat in task.seats[1:]]
+        partners = [
+            SimulatedPartner(partner or person, task, seed, seat=seat) for seat in task.seats[1:]
+        ]
         return [SimulatedParticipant(person, task, seed), *partners, *others]
 
     run = start(plan, folder, catalogue, clock, make_nodes, parts)
@@ -75,12 +81,14 @@ def simulate(
         run.check()
         if fault := participant_fault(session):
             raise Failed(
-                f"The simulated participant failed ({fault.error}, {fault.place}). Look at the method rehearse of the "
+                f"The simulated participant failed ({fault.error}, {fault.place}). Look at the "
+                "method rehearse of the "
                 f"task {plan.task.name}. What was done so far is kept."
             )
         if not session.ended:
             raise Failed(
-                f"The session {run.id} stopped before its end: the task {plan.task.name} waits for something that the "
+                f"The session {run.id} stopped before its end: the task {plan.task.name} waits "
+                "for something that the "
                 "simulated participant does not do. What was done so far is kept."
             )
     finally:
@@ -98,6 +106,8 @@ def participant_fault(session: Session) -> Fault | None:
 
 
 def _goes_on(session: Session) -> bool:
-    """Return True until the session has ended, and its goodbye was decided on and said, or a part of it failed."""
+    """Return True until the session has ended, and its goodbye was decided on and said, or a part
+    of it failed.
+    """
     is_whole = session.broken is None and participant_fault(session) is None
     return is_whole and (not session.ended or session.is_agent_acting or session.awaits_operator)

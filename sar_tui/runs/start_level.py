@@ -1,4 +1,6 @@
-"""The level at which a live session starts: from the last session's estimate, its last level, or as it is set."""
+"""The level at which a live session starts: from the last session's estimate, its last level, or as
+it is set.
+"""
 
 import sqlite3
 from collections.abc import Iterable, Sequence
@@ -14,7 +16,9 @@ from sar_tui.rules.parameters import TaskParameters
 from sar_tui.store.results import newest_of
 
 LOOKED_AT = 16
-"""Newest sessions that the estimate is made from: the slope that they share hardly changes with more."""
+"""Newest sessions that the estimate is made from: the slope that they share hardly changes with
+more.
+"""
 
 
 class Start(NamedTuple):
@@ -27,8 +31,8 @@ class Start(NamedTuple):
 def with_start_level(database: sqlite3.Connection, task: Task, participant: str) -> TaskParameters:
     """Return a task's parameters with the start level of the participant's next session.
 
-    It stays as set if it is fixed, if the policy does not move the level, if two people share the level, or if there
-    is no live session with comparable settings.
+    It stays as set if it is fixed, if the policy does not move the level, if two people share the
+    level, or if there is no live session with comparable settings.
     """
     if not _moves(task):
         return task.parameters
@@ -42,7 +46,9 @@ def _moves(task: Task) -> bool:
 
 
 def started_after(task: Task, sessions: Iterable[SessionResults]) -> TaskParameters:
-    """Return the same from a participant's newest sessions of the task, the oldest of them first."""
+    """Return the same from a participant's newest sessions of the task, the oldest of them
+    first.
+    """
     return msgspec.structs.replace(task.parameters, start_level=start_after(task, sessions).level)
 
 
@@ -64,12 +70,17 @@ def start_after(task: Task, sessions: Iterable[SessionResults]) -> Start:
     else:
         return Start(given.start_level, "the first session with these settings" if played else "")
     by_estimate = given.start_from == "estimate" and last.estimate is not None
-    level = max(given.min_level, min(_level(last, task, by_estimate=by_estimate), given.max_level, task.levels))
+    level = max(
+        given.min_level,
+        min(_level(last, task, by_estimate=by_estimate), given.max_level, task.levels),
+    )
     return Start(level, f"from {at}" if by_estimate else "as the last one ended")
 
 
 def _around_goal(points: Sequence[Point], task: Task) -> Point:
-    """Return the newest sessions as one: as many as have results on both sides of the goal, or all."""
+    """Return the newest sessions as one: as many as have results on both sides of the goal, or
+    all.
+    """
     results: list[AttemptResult] = []
     found = points[-1]
     for point in reversed(points):
@@ -83,8 +94,14 @@ def _around_goal(points: Sequence[Point], task: Task) -> Point:
 
 
 def _level(last: Point, task: Task, *, by_estimate: bool) -> int:
-    """Return the hardest level whose goal the person is expected to reach; without an estimate the last one played."""
+    """Return the hardest level whose goal the person is expected to reach; without an estimate the
+    last one played.
+    """
     if not by_estimate or last.estimate is None:
         return last.results.results[-1].level
-    reached = [level for level in range(1, task.levels + 1) if task.difficulty(level) <= last.estimate.value]
+    reached = [
+        level
+        for level in range(1, task.levels + 1)
+        if task.difficulty(level) <= last.estimate.value
+    ]
     return max(reached, default=1)

@@ -28,7 +28,8 @@ class Address(msgspec.Struct, frozen=True):
     def __post_init__(self) -> None:
         if self.public_url and _origin(self.public_url) is None:
             raise AddressError(
-                f"{self.public_url} is not a valid public URL. It consists of http or https, a host and "
+                f"{self.public_url} is not a valid public URL. It consists of http or https, a "
+                "host and "
                 "optionally a port: https://lab.example:8443."
             )
 
@@ -54,8 +55,8 @@ class Address(msgspec.Struct, frozen=True):
     def allows_host(self, host: str) -> bool:
         """Return whether a request's ``Host`` is accepted.
 
-        Another site can point its own name to this machine (DNS rebinding), so only IP addresses, ``localhost`` and
-        the configured names are accepted.
+        Another site can point its own name to this machine (DNS rebinding), so only IP addresses,
+        ``localhost`` and the configured names are accepted.
         """
         requested = _origin(f"http://{host}")
         if requested is None:
@@ -72,16 +73,22 @@ class Address(msgspec.Struct, frozen=True):
         return name in ("localhost", self.host.lower()) or _is_ip_address(name)
 
     def allows_origin(self, origin: str, host: str) -> bool:
-        """Return whether an ``Origin`` is that of a page served here under ``host``, which must be accepted itself."""
+        """Return whether an ``Origin`` is that of a page served here under ``host``, which must be
+        accepted itself.
+        """
         page = _origin(origin)
         return page is not None and page in (_origin(f"http://{host}"), _origin(self.public_url))
 
 
 def _reachable(host: str) -> str:
-    """Return a host that others can open: for a wildcard address, this machine's address on its default route."""
+    """Return a host that others can open: for a wildcard address, this machine's address on its
+    default route.
+    """
     if not (_is_ip_address(host) and ip_address(host).is_unspecified):
         return host
-    family, elsewhere = (socket.AF_INET6, "2001:db8::1") if ":" in host else (socket.AF_INET, "192.0.2.1")
+    family, elsewhere = (
+        (socket.AF_INET6, "2001:db8::1") if ":" in host else (socket.AF_INET, "192.0.2.1")
+    )
     try:
         with socket.socket(family, socket.SOCK_DGRAM) as probe:
             probe.connect((elsewhere, 9))  # sends nothing: it only finds the route

@@ -37,7 +37,10 @@ class BrowserView(AppService):
     """
 
     def __init__(
-        self, program: Sequence[str], socket: WebSocketResponse, speak: Callable[[SpeechRequest], Awaitable[None]]
+        self,
+        program: Sequence[str],
+        socket: WebSocketResponse,
+        speak: Callable[[SpeechRequest], Awaitable[None]],
     ) -> None:
         super().__init__(
             shlex.join(program),
@@ -60,7 +63,9 @@ class BrowserView(AppService):
         return super()._build_environment(width, height) | {"TEXTUAL_DRIVER": DRIVER}
 
     async def _open_app_process(self, width: int = 80, height: int = 24) -> Process:
-        """Start the program in a session of its own, so that Ctrl-C for the server does not reach it."""
+        """Start the program in a session of its own, so that Ctrl-C for the server does not reach
+        it.
+        """
         self._process = process = await asyncio.create_subprocess_exec(
             *self._program,
             stdin=PIPE,
@@ -126,7 +131,9 @@ class BrowserView(AppService):
         return visible(message.decode(errors="replace"), "\n").strip()
 
     async def on_data(self, payload: bytes) -> None:
-        """Send to the browser. If it is gone, the output is still read, so that the program can end."""
+        """Send to the browser. If it is gone, the output is still read, so that the program can
+        end.
+        """
         with contextlib.suppress(ConnectionError, RuntimeError):
             await self.remote_write_bytes(payload)
 

@@ -16,7 +16,9 @@ _MAX_ADDRESSES = 1000
 
 
 class AccessRequest(NamedTuple):
-    """Parts of a request that decide on access. ``token``: from its URL; ``cookie``: ours, or empty."""
+    """Parts of a request that decide on access. ``token``: from its URL; ``cookie``: ours, or
+    empty.
+    """
 
     host: str
     origin: str | None
@@ -34,11 +36,17 @@ class Refusal(NamedTuple):
 
 
 FOREIGN_HOST = Refusal(
-    "This is not a name that sar-tui is served under; use the address that `sar-tui serve` printed.", "another host"
+    "This is not a name that sar-tui is served under; use the address that `sar-tui serve` "
+    "printed.",
+    "another host",
 )
 FOREIGN_PAGE = Refusal("Other pages may not connect to this one.", "another origin")
-NO_TOKEN = Refusal("Open the complete address that `sar-tui serve` printed, with its token.", "no token")
-WRONG_TOKEN = Refusal("This token is wrong; use the address that `sar-tui serve` printed.", "a wrong token", True)
+NO_TOKEN = Refusal(
+    "Open the complete address that `sar-tui serve` printed, with its token.", "no token"
+)
+WRONG_TOKEN = Refusal(
+    "This token is wrong; use the address that `sar-tui serve` printed.", "a wrong token", True
+)
 
 
 class Guard:

@@ -34,14 +34,22 @@ def listen(host: str, port: int) -> socket.socket:
     try:
         family, _, _, _, place = socket.getaddrinfo(host or "?", port, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError):
-        raise AddressError(f"There is no host {host}. Leave out --host to serve this machine only.") from None
+        raise AddressError(
+            f"There is no host {host}. Leave out --host to serve this machine only."
+        ) from None
     try:
         return socket.create_server(place[:2], family=family)
     except OSError as error:
         if error.errno == errno.EADDRNOTAVAIL:
             raise AddressError(f"This machine has no address {host} to serve at.") from error
-        why = "is in use" if error.errno == errno.EADDRINUSE else f"cannot be opened ({error.strerror})"
-        raise ListenError(f"Port {port} {why}; choose another with --port, or 0 for any free one.") from error
+        why = (
+            "is in use"
+            if error.errno == errno.EADDRINUSE
+            else f"cannot be opened ({error.strerror})"
+        )
+        raise ListenError(
+            f"Port {port} {why}; choose another with --port, or 0 for any free one."
+        ) from error
 
 
 def run(server: Server, listening: socket.socket, on_ready: Callable[[], None]) -> int:
@@ -58,7 +66,9 @@ def run(server: Server, listening: socket.socket, on_ready: Callable[[], None]) 
 async def _run(server: Server, listening: socket.socket, on_ready: Callable[[], None]) -> int:
     ended: asyncio.Future[int] = asyncio.get_running_loop().create_future()
     _catch_signals(ended)
-    runner = web.AppRunner(server.app(), access_log=None, logger=_logger, shutdown_timeout=_SHUTDOWN_TIMEOUT_S)
+    runner = web.AppRunner(
+        server.app(), access_log=None, logger=_logger, shutdown_timeout=_SHUTDOWN_TIMEOUT_S
+    )
     await runner.setup()
     try:
         await web.SockSite(runner, listening).start()

@@ -31,7 +31,8 @@ _PAGE = Path(__file__).parent / "page"
 _LIBRARY = Path(textual_serve.__file__).parent / "static"
 _HEADERS = {
     "Content-Security-Policy": (
-        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; font-src 'self'; img-src 'self' "
+        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; font-src "
+        "'self'; img-src 'self' "
         "data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     ),
     "Referrer-Policy": "no-referrer",
@@ -129,7 +130,8 @@ class Server:
         app.on_shutdown.append(self._shut_down)
         return app
 
-    # --- access -----------------------------------------------------------------------------------------------
+    # --- access
+    # -----------------------------------------------------------------------------------------------
 
     @web.middleware
     async def _check_access(self, request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -153,10 +155,14 @@ class Server:
             raise
         except Exception as error:
             self._log(f"{request.remote} error: {type(error).__name__}: {error}")
-            return web.Response(status=500, text="Something went wrong; see the terminal where sar-tui serve runs.")
+            return web.Response(
+                status=500, text="Something went wrong; see the terminal where sar-tui serve runs."
+            )
 
     async def _refuse(self, request: web.Request, refusal: Refusal) -> web.Response:
-        self._log(f"{request.remote} refused: {refusal.log_text} ({request.rel_url.raw_path[:100]})")
+        self._log(
+            f"{request.remote} refused: {refusal.log_text} ({request.rel_url.raw_path[:100]})"
+        )
         if refusal.is_wrong_token and (seconds := self._delay.next_delay(request.remote or "")):
             await self._sleep(seconds)
         return web.Response(status=403, text=refusal.sentence)
@@ -178,7 +184,8 @@ class Server:
         response.headers.update(_HEADERS)
         response.headers.popall("Server", None)
 
-    # --- pages --------------------------------------------------------------------------------------------------
+    # --- pages
+    # --------------------------------------------------------------------------------------------------
 
     async def _index(self, request: web.Request) -> web.Response:
         page = string.Template((_PAGE / "index.html").read_text("utf-8"))
@@ -198,7 +205,9 @@ class Server:
         name = request.match_info["view"]
         if len(self._views) + self._opening >= MAX_VIEWS or name in self._views:
             self._log(f"{request.remote} refused: {MAX_VIEWS} browsers are connected already")
-            return web.Response(status=503, text=f"{MAX_VIEWS} browsers are connected already; close one of them.")
+            return web.Response(
+                status=503, text=f"{MAX_VIEWS} browsers are connected already; close one of them."
+            )
         self._opening += 1
         try:
             socket = web.WebSocketResponse(heartbeat=_HEARTBEAT_S, max_msg_size=_MAX_MESSAGE_BYTES)
@@ -207,7 +216,9 @@ class Server:
             self._views[name] = view
         finally:
             self._opening -= 1
-        self._log(f"{request.remote} opened the {self._kind}'s view ({len(self._views)} of {MAX_VIEWS})")
+        self._log(
+            f"{request.remote} opened the {self._kind}'s view ({len(self._views)} of {MAX_VIEWS})"
+        )
         try:
             await view.start(_cells(request, "width", 80), _cells(request, "height", 24))
             await self._forward_input(socket, view)
@@ -239,7 +250,9 @@ class Server:
                     await view.send_bytes(received.text.encode(errors="replace"))
                 case _Resize():
                     size = received.size
-                    await view.set_terminal_size(_clamp(size.get("width", 80)), _clamp(size.get("height", 24)))
+                    await view.set_terminal_size(
+                        _clamp(size.get("width", 80)), _clamp(size.get("height", 24))
+                    )
                 case _Ping():
                     await socket.send_json(["pong", received.at])
                 case _Focus():
@@ -247,7 +260,8 @@ class Server:
                 case _Blur():
                     await view.blur()
 
-    # --- speech -----------------------------------------------------------------------------------------------
+    # --- speech
+    # -----------------------------------------------------------------------------------------------
 
     async def _voice(self, request: web.Request) -> web.StreamResponse:
         """Let a browser speak for the agent that it shows; nothing is read from it."""
@@ -270,10 +284,13 @@ class Server:
             with contextlib.suppress(ConnectionError, RuntimeError):
                 await voice.send_json(spoken)
 
-    # --- shutdown ---------------------------------------------------------------------------------------------
+    # --- shutdown
+    # ---------------------------------------------------------------------------------------------
 
     async def _shut_down(self, _: web.Application) -> None:
-        """Stop the programs first, so that they can leave the session, then disconnect the browsers."""
+        """Stop the programs first, so that they can leave the session, then disconnect the
+        browsers.
+        """
         await asyncio.gather(*(view.stop() for view in list(self._views.values())))
         for voice in list(self._voices.values()):
             await voice.close()

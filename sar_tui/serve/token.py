@@ -1,4 +1,6 @@
-"""Token that opens a served view: new each time, or stored in a file that only its owner can read."""
+"""Token that opens a served view: new each time, or stored in a file that only its owner can
+read.
+"""
 
 import os
 import secrets
@@ -36,7 +38,9 @@ def load_or_create_token(path: Path) -> str:
         raise TokenError(f"The token file {path} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError:
         token = ""
-    if len(token) < _MIN_LENGTH or not all(character.isalnum() or character in "-_" for character in token):
+    if len(token) < _MIN_LENGTH or not all(
+        character.isalnum() or character in "-_" for character in token
+    ):
         raise TokenError(
             f"The file {path} contains no token: {_MIN_LENGTH} or more letters, digits, - and _. "
             "Give the name of a new file to create one."
@@ -46,7 +50,10 @@ def load_or_create_token(path: Path) -> str:
 
 def _refuse_shared(path: Path, status: os.stat_result) -> None:
     if os.name == "posix" and stat.S_IMODE(status.st_mode) & 0o077:
-        raise TokenError(f"Other users can read the token file {path}: run chmod 600 {path}, or use another file.")
+        raise TokenError(
+            f"Other users can read the token file {path}: run chmod 600 {path}, or use another "
+            "file."
+        )
 
 
 def _create(path: Path) -> str:

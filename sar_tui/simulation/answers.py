@@ -17,7 +17,10 @@ def answer_keys(step: Step, streams: RandomStreams) -> tuple[str, ...]:
     if step.kind in TIMED:
         return ()
     if step.required:
-        return (next(point.typed for point in points(step) if point.label == step.required), "enter")
+        return (
+            next(point.typed for point in points(step) if point.label == step.required),
+            "enter",
+        )
     if step.is_question and streams.uniform("declines") < DECLINES:
         return (DECLINE_KEY,)
     return (*_chosen(step, streams), "enter")
@@ -27,11 +30,15 @@ def _chosen(step: Step, streams: RandomStreams) -> tuple[str, ...]:
     """Return the keys before Enter."""
     match step.kind:
         case "text":
-            return tuple("space" if char == " " else char for char in streams.choice(_WORDS, "words"))
+            return tuple(
+                "space" if char == " " else char for char in streams.choice(_WORDS, "words")
+            )
         case "line":
             return (str(int(_middling(streams) * FULL) // 10),)
         case "choices":
-            return tuple(str(n) for n in range(1, len(step.labels) + 1) if streams.uniform("tick", n) < 0.5) or ("1",)
+            return tuple(
+                str(n) for n in range(1, len(step.labels) + 1) if streams.uniform("tick", n) < 0.5
+            ) or ("1",)
         case "choice":
             return (streams.choice(points(step), "option").typed,)
         case "screen":

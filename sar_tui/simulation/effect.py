@@ -8,7 +8,8 @@ from sar_tui.model.messages import TrialEnded
 
 
 class Effect(NamedTuple):
-    """A published effect, and how it is found in a session. ``effect.py`` defines one, named ``EFFECT``.
+    """A published effect, and how it is found in a session. ``effect.py`` defines one, named
+    ``EFFECT``.
 
     Attributes:
         title: what it is, in a few words: "incongruent minus congruent".
@@ -32,5 +33,9 @@ class Effect(NamedTuple):
 
 def mean_time(trials: Sequence[TrialEnded]) -> float | None:
     """Return the mean reaction time of correct trials, ms; None without any."""
-    times = [trial.reaction_time_ms for trial in trials if trial.correct and trial.reaction_time_ms is not None]
+    times = [
+        trial.reaction_time_ms
+        for trial in trials
+        if trial.correct and trial.reaction_time_ms is not None
+    ]
     return sum(times) / len(times) if times else None

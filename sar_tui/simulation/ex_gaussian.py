@@ -4,7 +4,8 @@ from random import Random
 
 
 def ex_gaussian(generator: Random, mean: float, sigma: float, tau: float) -> float:
-    """Draw the sum of a normal part with standard deviation ``sigma`` and an exponential tail with mean ``tau``.
+    """Draw the sum of a normal part with standard deviation ``sigma`` and an exponential tail with
+    mean ``tau``.
 
     ``mean`` is that of the sum.
     """

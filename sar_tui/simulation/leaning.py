@@ -31,7 +31,9 @@ def leaning(person: Person, hand: Move | None, trunk: Move | None) -> Move | Non
 
 
 def lean(person: Person, shape: ReachShape) -> ReachShape:
-    """Return the movement of a person's trunk in a reach: smooth, as long as the reach, by about ``lean_deg``."""
+    """Return the movement of a person's trunk in a reach: smooth, as long as the reach, by about
+    ``lean_deg``.
+    """
     generator = RandomStreams(shape.seed, "trunk").generator("lean", person.name)
     angle = math.radians(person.lean_deg) * math.exp(generator.gauss(0.0, SPREAD))
     return msgspec.structs.replace(

@@ -1,6 +1,7 @@
 """A simulated operator, who reads proposals and decides on them according to a profile. Seeded."""
 
 from collections.abc import Callable
+from functools import partial
 
 import msgspec
 
@@ -33,17 +34,18 @@ NAME = "operator.simulated"
 PAINTING = 30 * MS
 """Time until a pending proposal is on the operator's screen."""
 TOO_LATE_TO_STOP = 200 * MS
-"""A key press due within this time happens even if the proposal is gone: about the stop-signal reaction time of healthy
-adults (Logan & Cowan 1984)."""
+"""A key press due within this time happens even if the proposal is gone: about the stop-signal
+reaction time of healthy adults (Logan & Cowan 1984).
+"""
 
 
 class OperatorProfile(msgspec.Struct, frozen=True):
     """Model of someone who decides on proposals.
 
-    A decision takes the time to read (``ms_per_word``) and then to choose, which is ex-Gaussian like other choice
-    times (Luce 1986; see `simulation.participant_model`). Reading every word takes 252 ms a word on average
-    (238 words a minute, Brysbaert 2019); an operator knows the texts and only recognises them. The values are
-    assumptions: we know of no study of operators.
+    A decision takes the time to read (``ms_per_word``) and then to choose, which is ex-Gaussian
+    like other choice times (Luce 1986; see `simulation.participant_model`). Reading every word
+    takes 252 ms a word on average (238 words a minute, Brysbaert 2019); an operator knows the texts
+    and only recognises them. The values are assumptions: we know of no study of operators.
 
     Args:
         name: ``careful``, ``hasty`` or ``absent``.
@@ -88,17 +90,38 @@ class OperatorProfile(msgspec.Struct, frozen=True):
         if streams.uniform("miss", self.name) < self.misses:
             return "miss"
         drawn = streams.uniform("verdict", self.name)
-        meant = "veto" if drawn < self.vetoes else "edit" if drawn < self.vetoes + self.edits else "accept"
+        meant = (
+            "veto"
+            if drawn < self.vetoes
+            else "edit"
+            if drawn < self.vetoes + self.edits
+            else "accept"
+        )
         if streams.uniform("slip", self.name) < self.slips:
-            return streams.choice([verdict for verdict in ("accept", "veto", "edit") if verdict != meant], "slipped")
+            return streams.choice(
+                [verdict for verdict in ("accept", "veto", "edit") if verdict != meant], "slipped"
+            )
         return meant
 
 
 PROFILES = {
     profile.name: profile
     for profile in (
-        OperatorProfile("careful", 90, 700, 120, 250, vetoes=0.08, edits=0.12, slips=0.01, misses=0.01, notes=0.2),
-        OperatorProfile("hasty", 25, 380, 80, 120, vetoes=0.1, edits=0.02, slips=0.08, misses=0.04, notes=0.02),
+        OperatorProfile(
+            "careful",
+            90,
+            700,
+            120,
+            250,
+            vetoes=0.08,
+            edits=0.12,
+            slips=0.01,
+            misses=0.01,
+            notes=0.2,
+        ),
+        OperatorProfile(
+            "hasty", 25, 380, 80, 120, vetoes=0.1, edits=0.02, slips=0.08, misses=0.04, notes=0.02
+        ),
         OperatorProfile(
             "absent",
             90,
@@ -114,13 +137,16 @@ PROFILES = {
         ),
     )
 }
-"""``careful`` reads everything and errs little, ``hasty`` decides before reading, ``absent`` comes and goes."""
+"""``careful`` reads everything and errs little, ``hasty`` decides before reading, ``absent`` comes
+and goes.
+"""
 
 
 class SimulatedOperator(Node):
     """Operator who joins at the session's start and decides on one proposal after the other.
 
-    Its acts are drawn from the seed and the proposal's id or the attempt: the same seed gives the same session.
+    Its acts are drawn from the seed and the proposal's id or the attempt: the same seed gives the
+    same session.
     """
 
     name = "operator"
@@ -193,49 +219,65 @@ class SimulatedOperator(Node):
             if streams.uniform(name, profile.name) < share:
                 self._at(self._time + round((1 + 2 * streams.uniform(name, "when")) * SECOND), act)
 
-    # --- proposals --------------------------------------------------------------------------------------------
+    # --- proposals
+    # --------------------------------------------------------------------------------------------
 
     def _schedule_decision(self, approval: m.PendingApproval) -> None:
-        """Schedule the decision after those on earlier proposals: an operator reads one at a time."""
+        """Schedule the decision after those on earlier proposals: an operator reads one at a
+        time.
+        """
         id = approval.proposal.id
         if earlier := self._pending.pop(id, None):
             earlier[1].cancel()
         streams = RandomStreams(self._seed, "operator", id)
         seen = self._time + PAINTING
-        self._at(seen, lambda at: self.emit(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=NAME, at=at)))
+        self._at(
+            seen, lambda at: self.emit(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=NAME, at=at))
+        )
         verdict = self._profile.verdict(streams)
         if verdict == "miss":
             return
         reaction = self._profile.reaction_ms(approval.proposal.text, streams)
         due = self._busy_until = max(seen, self._busy_until) + round(reaction * MS)
         decision = self._decision(approval, verdict, streams)
-        handle = self.bus.clock.call_at(due, lambda: self._decide(msgspec.structs.replace(decision, at=due)))
+        handle = self.bus.clock.call_at(
+            due, lambda: self._decide(msgspec.structs.replace(decision, at=due))
+        )
         self._pending[id] = due, handle
 
     def _decide(self, decision: m.Decision) -> None:
         self._pending.pop(decision.action, None)
         self.emit(DECISION, decision)
 
-    def _decision(self, approval: m.PendingApproval, verdict: str, streams: RandomStreams) -> m.Decision:
-        """Return the decision. An edit adds encouragement and makes blame neutral, or lowers the level by one."""
+    def _decision(
+        self, approval: m.PendingApproval, verdict: str, streams: RandomStreams
+    ) -> m.Decision:
+        """Return the decision. An edit adds encouragement and makes blame neutral, or lowers the
+        level by one.
+        """
         proposal = approval.proposal
-        about = {"seat": proposal.seat, "action": proposal.id, "actor": NAME}
+        decide = partial(m.Decision, seat=proposal.seat, action=proposal.id, actor=NAME)
         if verdict != "edit" or (proposal.kind == "gesture" and approval.level is None):
-            return m.Decision(**about, verdict="accept" if verdict == "accept" else "veto")  # type: ignore[arg-type]
+            return decide(verdict="accept" if verdict == "accept" else "veto")
         if approval.level is not None:
-            return m.Decision(**about, verdict="edit", level=max(1, approval.level - 1))  # type: ignore[arg-type]
-        milder = {"valence": "neutral"} if proposal.valence == "negative" else {}
+            return decide(verdict="edit", level=max(1, approval.level - 1))
         addition = streams.choice(self._theme.phrases["encouragement"], "words")
-        return m.Decision(**about, **milder, verdict="edit", text=f"{proposal.text} {addition}".strip())  # type: ignore[arg-type]
+        text = f"{proposal.text} {addition}".strip()
+        if proposal.valence == "negative":
+            return decide(verdict="edit", text=text, valence="neutral")
+        return decide(verdict="edit", text=text)
 
     def _drop(self, id: str) -> None:
-        """Cancel the decision on a proposal that no longer waits, unless it is too late to stop the key press."""
+        """Cancel the decision on a proposal that no longer waits, unless it is too late to stop the
+        key press.
+        """
         due, handle = self._pending.get(id, (0, None))
         if handle and due - self._time > TOO_LATE_TO_STOP:
             handle.cancel()
             del self._pending[id]
 
-    # --- own initiative -------------------------------------------------------------------------------------------
+    # --- own initiative
+    # -------------------------------------------------------------------------------------------
 
     def _remark(self, streams: RandomStreams, seat: str, at: int) -> None:
         text = streams.choice(self._theme.phrases["encouragement"], "remark", "words")
@@ -248,15 +290,21 @@ class SimulatedOperator(Node):
     def _set_level(self, ended: m.AttemptEnded, at: int) -> None:
         """Lower the level after a failure, raise it after a success."""
         level = ended.level + 1 if ended.outcome == "success" else max(1, ended.level - 1)
-        self.emit(COMMAND, m.SessionCommand(seat=ended.seat, command="level", value=level, actor=NAME, at=at))
+        self.emit(
+            COMMAND,
+            m.SessionCommand(seat=ended.seat, command="level", value=level, actor=NAME, at=at),
+        )
 
-    # --- presence -----------------------------------------------------------------------------------------
+    # --- presence
+    # -----------------------------------------------------------------------------------------
 
     def _join(self) -> None:
         self._is_here = True
         self._busy_until = self._time
         for state in ("joined", "baton"):  # "baton": takes control
-            changed = m.OperatorChanged(actor=NAME, state=state, operated=True, peers={NAME: "operator"})
+            changed = m.OperatorChanged(
+                actor=NAME, state=state, operated=True, peers={NAME: "operator"}
+            )
             self.emit(PRESENCE, changed)
 
     def _leave(self, streams: RandomStreams) -> None:

@@ -1,4 +1,6 @@
-"""Simulated participants: nodes that receive prompts, and publish key presses or move a simulated hand."""
+"""Simulated participants: nodes that receive prompts, and publish key presses or move a simulated
+hand.
+"""
 
 from collections.abc import Callable
 from typing import Any, ClassVar, Protocol
@@ -68,8 +70,12 @@ class Person(Protocol):
 
 
 def acts(person: Person, task: Task, seed: int, prompt: Prompt, seat: str = "A") -> list[Act]:
-    """Return the acts of a person at a seat on a prompt: none if they miss it or it is for the other seat."""
-    streams = RandomStreams(seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial)
+    """Return the acts of a person at a seat on a prompt: none if they miss it or it is for the
+    other seat.
+    """
+    streams = RandomStreams(
+        seed, "person" if seat == "A" else f"person {seat}", prompt.attempt, prompt.trial
+    )
     if prompt.seat not in ("", seat) or person.misses_it(streams):
         return []
     stimulus = Stimulus(
@@ -102,7 +108,12 @@ class _Performer(Node):
     """
 
     def __init__(
-        self, person: Person, task: Task, seed: int, move: Callable[[int, Any], None] | None = None, seat: str = "A"
+        self,
+        person: Person,
+        task: Task,
+        seed: int,
+        move: Callable[[int, Any], None] | None = None,
+        seat: str = "A",
     ) -> None:
         super().__init__()
         self._person = person
@@ -113,7 +124,9 @@ class _Performer(Node):
         self._responds_until = 0
 
     def _perform(self, prompt: Prompt, shown: int) -> None:
-        """Respond to a prompt shown at ``shown`` (ns): with keys if the node emits any, and with movements."""
+        """Respond to a prompt shown at ``shown`` (ns): with keys if the node emits any, and with
+        movements.
+        """
         onset = shown + planned(prompt.frames, timed(prompt.frames))
         for delay_ms, act in acts(self._person, self._task, self._seed, prompt, self._seat):
             at = onset + round(delay_ms * MS)
@@ -129,7 +142,9 @@ class _Performer(Node):
 
 
 class SimulatedParticipant(_Performer):
-    """Presses Enter when the session waits for it, and responds to each prompt as its person would."""
+    """Presses Enter when the session waits for it, and responds to each prompt as its person
+    would.
+    """
 
     name = "participant"
     emits: ClassVar[tuple[Topic[Any], ...]] = (KEY, SHOWN, TRIAL_FEEDBACK_SHOWN, REPORT, TONE_BEGAN)
@@ -141,21 +156,27 @@ class SimulatedParticipant(_Performer):
     def waiting(self, waiting: Waiting) -> None:
         """Press the key that the session waits for, or the key that requests feedback.
 
-        A response that is late for its prompt comes first: a key just after it would not count. A press that is due is
-        cancelled if the session waits for something else by then.
+        A response that is late for its prompt comes first: a key just after it would not count. A
+        press that is due is cancelled if the session waits for something else by then.
         """
         if self._next:
             self._next.cancel()
         if waiting.step and not waiting.until:
             self._answer(waiting.step)
             return
-        key = {"enter": "" if waiting.until else "enter", "start": self._task.start_key}.get(waiting.what)
+        key = {"enter": "" if waiting.until else "enter", "start": self._task.start_key}.get(
+            waiting.what
+        )
         if waiting.ask and self._wants_feedback(waiting):
             key = waiting.ask
-        self._next = self._press(key, max(self.now, self._responds_until) + READING) if key else None
+        self._next = (
+            self._press(key, max(self.now, self._responds_until) + READING) if key else None
+        )
 
     def _answer(self, asked: AskedStep) -> None:
-        """Press the next of the keys that answer a question; each changes what the session waits for."""
+        """Press the next of the keys that answer a question; each changes what the session waits
+        for.
+        """
         is_new = (asked.number, asked.shown) != self._asked or asked.entry == Entry()
         if asked.entry == Entry():
             streams = RandomStreams(self._seed, "person", "step", asked.number)
@@ -165,11 +186,17 @@ class SimulatedParticipant(_Performer):
         elif is_new:
             self._keys = ("enter",)  # something was chosen before the session was interrupted
         self._asked = (asked.number, asked.shown)
-        self._next = self._press(self._keys[0], self.now + (READING if is_new else TYPING)) if self._keys else None
+        self._next = (
+            self._press(self._keys[0], self.now + (READING if is_new else TYPING))
+            if self._keys
+            else None
+        )
         self._keys = self._keys[1:]
 
     def _wants_feedback(self, waiting: Waiting) -> bool:
-        return self._person.wants_feedback(RandomStreams(self._seed, "person", waiting.attempt, waiting.stage))
+        return self._person.wants_feedback(
+            RandomStreams(self._seed, "person", waiting.attempt, waiting.stage)
+        )
 
     @on(PROMPT)
     def prompted(self, prompt: Prompt) -> None:
@@ -210,18 +237,27 @@ class SimulatedParticipant(_Performer):
     @on(TRIAL_FEEDBACK)
     def trial_feedback_due(self, due: TrialFeedback) -> None:
         onset = self.now + SHOWING
-        shown = TrialFeedbackShown(seat=due.seat, attempt=due.attempt, trial=due.trial, at=onset, source="virtual")
+        shown = TrialFeedbackShown(
+            seat=due.seat, attempt=due.attempt, trial=due.trial, at=onset, source="virtual"
+        )
         self.bus.clock.call_at(onset, lambda: self.emit(TRIAL_FEEDBACK_SHOWN, shown))
 
     @on(ACTION)
     def action_begun(self, action: Action) -> None:
         """Report that the text of an action is shown at once."""
         for state in _SEEN:
-            self.emit(REPORT, OutputReport(action=action.id, output="screen", part="show", state=state, at=self.now))
+            self.emit(
+                REPORT,
+                OutputReport(
+                    action=action.id, output="screen", part="show", state=state, at=self.now
+                ),
+            )
 
 
 class SimulatedPartner(_Performer):
-    """Responds to the prompts of one seat at the same keyboard, and leaves other keys to the participant at seat A."""
+    """Responds to the prompts of one seat at the same keyboard, and leaves other keys to the
+    participant at seat A.
+    """
 
     name = "partner"
     emits = (KEY,)

@@ -1,4 +1,6 @@
-"""Models of participants: reaction times, errors, practice and fatigue, drawn from seeded random streams."""
+"""Models of participants: reaction times, errors, practice and fatigue, drawn from seeded random
+streams.
+"""
 
 import math
 
@@ -12,9 +14,10 @@ from sar_tui.simulation.ex_gaussian import ex_gaussian
 class Person(msgspec.Struct, frozen=True):
     """A model of a person at a choice-reaction task.
 
-    Reaction times are ex-Gaussian (Luce 1986; Heathcote, Popiel & Mewhort 1991): a normal part and an
-    exponential tail of mean ``tau_ms``. Their mean grows with the information in a choice among n stimuli,
-    log2 n bits (Hick 1952; Hyman 1953), shrinks with practice towards an asymptote, and grows with fatigue.
+    Reaction times are ex-Gaussian (Luce 1986; Heathcote, Popiel & Mewhort 1991): a normal part and
+    an exponential tail of mean ``tau_ms``. Their mean grows with the information in a choice among
+    n stimuli, log2 n bits (Hick 1952; Hyman 1953), shrinks with practice towards an asymptote, and
+    grows with fatigue.
 
     Args:
         name: ``poor``, ``average``, ``competent``.
@@ -77,7 +80,10 @@ class Person(msgspec.Struct, frozen=True):
     def reaction_ms(self, choices: int, attempt: int, streams: RandomStreams) -> float:
         """Draw a reaction time of at least 120 ms, the fastest possible choice."""
         generator = streams.generator("reaction", self.name)
-        return max(120.0, ex_gaussian(generator, self.mean_ms(choices, attempt), self.sigma_ms, self.tau_ms))
+        return max(
+            120.0,
+            ex_gaussian(generator, self.mean_ms(choices, attempt), self.sigma_ms, self.tau_ms),
+        )
 
     def misses_it(self, streams: RandomStreams) -> bool:
         """Return True if this prompt gets no response."""

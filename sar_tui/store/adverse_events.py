@@ -58,7 +58,8 @@ def check_onset(text: str) -> str:
         began = datetime.fromisoformat(onset)
     except ValueError:
         raise StoreError(
-            f"The onset must be a date, such as 2026-03-01 or 2026-03-01T14:30, not {text!r}.", bad_input=True
+            f"The onset must be a date, such as 2026-03-01 or 2026-03-01T14:30, not {text!r}.",
+            bad_input=True,
         ) from None
     if began > datetime.now():
         raise StoreError(f"The onset {onset} is in the future.", bad_input=True)
@@ -66,7 +67,8 @@ def check_onset(text: str) -> str:
 
 
 def session_at(db: sqlite3.Connection, participant: str, onset: str) -> str | None:
-    """Return the live session of a participant that was under way at an onset; None without a time, or a session.
+    """Return the live session of a participant that was under way at an onset; None without a time,
+    or a session.
 
     Raises:
         StoreError: the onset is not valid.
@@ -120,24 +122,32 @@ def report(
     return _insert(db, event)
 
 
-def amend(db: sqlite3.Connection, event: str, author: str = "", **changes: str | None) -> AdverseEvent:
+def amend(
+    db: sqlite3.Connection, event: str, author: str = "", **changes: str | None
+) -> AdverseEvent:
     """Store a new version of an adverse event, and return it; the earlier versions stay.
 
     Args:
         db: the database.
         event: its id.
         author: who records it.
-        changes: new values of ``onset``, ``what``, ``severity``, ``action`` or ``outcome``; None keeps one.
+        changes: new values of ``onset``, ``what``, ``severity``, ``action`` or ``outcome``; None
+            keeps one.
 
     Raises:
-        StoreError: there is no such event, nothing would change, a value is not valid, or the disk cannot write.
+        StoreError: there is no such event, nothing would change, a value is not valid, or the disk
+            cannot write.
     """
     found = versions(db, event)
     _, sign, site = event.partition("@")
     if found and sign:
-        raise StoreError(f"The adverse event {event} is of {site}: it can be amended only there.", bad_input=True)
+        raise StoreError(
+            f"The adverse event {event} is of {site}: it can be amended only there.", bad_input=True
+        )
     if not found:
-        raise StoreError(f"There is no adverse event {event}. `sar-tui adverse list` lists them.", bad_input=True)
+        raise StoreError(
+            f"There is no adverse event {event}. `sar-tui adverse list` lists them.", bad_input=True
+        )
     given = {name: value for name, value in changes.items() if value is not None}
     if "onset" in given:
         given["onset"] = check_onset(given["onset"])
@@ -148,14 +158,23 @@ def amend(db: sqlite3.Connection, event: str, author: str = "", **changes: str |
             given[name] = _text(name, given[name], needed=name == "what")
     last = found[-1]
     if all(getattr(last, name) == value for name, value in given.items()):
-        raise StoreError("Nothing would change. Give a new onset, what, severity, action or outcome.", bad_input=True)
+        raise StoreError(
+            "Nothing would change. Give a new onset, what, severity, action or outcome.",
+            bad_input=True,
+        )
     now = datetime.now(UTC).isoformat()
-    changed = msgspec.structs.replace(last, **given, version=last.version + 1, recorded_at=now, recorded_by=author)
+    changed = msgspec.structs.replace(
+        last, **given, version=last.version + 1, recorded_at=now, recorded_by=author
+    )
     return _insert(db, changed)
 
 
-def listing(db: sqlite3.Connection, participant: str | None = None, session: str | None = None) -> list[AdverseEvent]:
-    """Return the adverse events as they are known now, by onset; only those of a participant or session if given."""
+def listing(
+    db: sqlite3.Connection, participant: str | None = None, session: str | None = None
+) -> list[AdverseEvent]:
+    """Return the adverse events as they are known now, by onset; only those of a participant or
+    session if given.
+    """
     newest = {one.event: one for one in _select(db)}
     wanted = (
         one
@@ -171,7 +190,9 @@ def versions(db: sqlite3.Connection, event: str) -> list[AdverseEvent]:
 
 
 def _select(db: sqlite3.Connection, condition: str = "", *values: str) -> list[AdverseEvent]:
-    rows = db.execute(f"SELECT {', '.join(_FIELDS)} FROM adverse_events {condition} ORDER BY version", values)
+    rows = db.execute(
+        f"SELECT {', '.join(_FIELDS)} FROM adverse_events {condition} ORDER BY version", values
+    )
     return [AdverseEvent(**dict[str, Any](zip(_FIELDS, row, strict=True))) for row in rows]
 
 
@@ -180,19 +201,25 @@ def _insert(db: sqlite3.Connection, event: AdverseEvent) -> AdverseEvent:
     slots = ",".join("?" for _ in _FIELDS)
     with transaction(db) as connection:
         connection.execute(
-            f"INSERT INTO adverse_events ({', '.join(_FIELDS)}) VALUES ({slots})", msgspec.structs.astuple(event)
+            f"INSERT INTO adverse_events ({', '.join(_FIELDS)}) VALUES ({slots})",
+            msgspec.structs.astuple(event),
         )
     return event
 
 
 def _severity(text: str) -> str:
     if text.strip().lower() not in SEVERITIES:
-        raise StoreError(f"The severity must be {', '.join(SEVERITIES[:-1])} or {SEVERITIES[-1]}.", bad_input=True)
+        raise StoreError(
+            f"The severity must be {', '.join(SEVERITIES[:-1])} or {SEVERITIES[-1]}.",
+            bad_input=True,
+        )
     return text.strip().lower()
 
 
 def _text(name: str, text: str, *, needed: bool = False) -> str:
-    """Return a text without blanks at its ends. Raises StoreError if it is missing, or `check_text` refuses it."""
+    """Return a text without blanks at its ends. Raises StoreError if it is missing, or `check_text`
+    refuses it.
+    """
     cleaned = check_text(f"The text for {name}", text, LONGEST_REMARK)
     if needed and not cleaned:
         raise StoreError("Say what happened, in a few words.", bad_input=True)

@@ -18,7 +18,17 @@ from sar_tui.store.database import FILE, StoreError, connect, connect_to_read, e
 from sar_tui.store.integrity import Flaw, Progress, counts, flaws
 from sar_tui.store.locks import Held, hold
 
-_KEPT = ("participants", "sessions", "seats", "runs", "attempts", "trials", "messages", "imu_chunks", "programmes")
+_KEPT = (
+    "participants",
+    "sessions",
+    "seats",
+    "runs",
+    "attempts",
+    "trials",
+    "messages",
+    "imu_chunks",
+    "programmes",
+)
 """Tables whose rows are never deleted: a copy has at least those that there were before."""
 _TOLD_EVERY = 10_000
 """Steps of SQLite from one report of the progress to the next: some milliseconds."""
@@ -34,7 +44,9 @@ class Backup(NamedTuple):
     bytes: int
 
 
-def back_up(folder: Path, to: Path | None = None, progress: Progress = lambda done, of: None) -> Backup:
+def back_up(
+    folder: Path, to: Path | None = None, progress: Progress = lambda done, of: None
+) -> Backup:
     """Copy the database of a data folder, also while sessions are written to it.
 
     The copy has its final name only when it is complete, on the disk, and was found to be whole.
@@ -45,7 +57,8 @@ def back_up(folder: Path, to: Path | None = None, progress: Progress = lambda do
         progress: called with the bytes that are copied, and all.
 
     Raises:
-        StoreError: there is no database; it or the copy is damaged; the copy cannot be written, or its file exists.
+        StoreError: there is no database; it or the copy is damaged; the copy cannot be written, or
+            its file exists.
     """
     if not (folder / FILE).exists():
         raise StoreError(f"There is no data in {folder} yet.", bad_input=True)
@@ -55,7 +68,10 @@ def back_up(folder: Path, to: Path | None = None, progress: Progress = lambda do
 
 
 def copy_database(
-    database: sqlite3.Connection, folder: Path, path: Path, progress: Progress = lambda done, of: None
+    database: sqlite3.Connection,
+    folder: Path,
+    path: Path,
+    progress: Progress = lambda done, of: None,
 ) -> Backup:
     """Copy an open database of a data folder into a file, as `back_up` does.
 
@@ -77,8 +93,12 @@ def copy_database(
 
 @contextmanager
 def _told(database: sqlite3.Connection, copy: Path, progress: Progress) -> Iterator[None]:
-    """Tell the progress of a copy while SQLite makes it. A Ctrl-C meanwhile stops it, and is raised as such."""
-    (pages,), (bytes_each,) = (database.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    """Tell the progress of a copy while SQLite makes it. A Ctrl-C meanwhile stops it, and is raised
+    as such.
+    """
+    (pages,), (bytes_each,) = (
+        database.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size")
+    )
     stopped = False
 
     def tell() -> int:
@@ -108,11 +128,15 @@ def _version(database: sqlite3.Connection) -> int:
 
 @contextmanager
 def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Hold the lock under which a data folder is copied, so that a copy's leftovers can be told from another copy."""
+    """Hold the lock under which a data folder is copied, so that a copy's leftovers can be told
+    from another copy.
+    """
     try:
         lock = hold(folder, "backup", "all")
     except Held:
-        raise StoreError(f"Another backup of {folder} is being made. Wait until it is done.") from None
+        raise StoreError(
+            f"Another backup of {folder} is being made. Wait until it is done."
+        ) from None
     except StoreError:  # the folder cannot be written to
         yield
         return
@@ -124,24 +148,32 @@ def _path(to: Path) -> Path:
     if to.is_dir() or not to.suffix:
         return unused(to / f"sar-tui-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db")
     if to.exists():
-        raise StoreError(f"{to} exists, and a backup replaces nothing. Name another file.", bad_input=True)
+        raise StoreError(
+            f"{to} exists, and a backup replaces nothing. Name another file.", bad_input=True
+        )
     return to
 
 
 @contextmanager
 def _unfinished(path: Path, folder: Path) -> Iterator[Path]:
-    """Give an empty file beside a path, which only this user can read; it is removed if it is there afterwards.
+    """Give an empty file beside a path, which only this user can read; it is removed if it is there
+    afterwards.
 
     Those that killed backups of the data folder left there are removed, too.
     """
     prefix = f".sar-tui-{zlib.crc32(bytes(folder.resolve())):08x}-"
     try:
         make_private(path.parent)
-        for left in (*path.parent.glob(f"{prefix}*.part"), *path.parent.glob(f"{prefix}*.part-journal")):
+        for left in (
+            *path.parent.glob(f"{prefix}*.part"),
+            *path.parent.glob(f"{prefix}*.part-journal"),
+        ):
             left.unlink()
         number, name = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=path.parent)
     except OSError as error:
-        raise StoreError(f"{path.parent} cannot be written to: {error.strerror}.", bad_input=True) from error
+        raise StoreError(
+            f"{path.parent} cannot be written to: {error.strerror}.", bad_input=True
+        ) from error
     os.close(number)
     try:
         yield Path(name)
@@ -157,7 +189,8 @@ def _examine(copy: Path, before: dict[str, int], *, is_all: bool) -> int:
     Args:
         copy: the copy.
         before: the number of rows of each table before the copy.
-        is_all: True if nothing was written meanwhile, so that the copy has neither more rows nor fewer.
+        is_all: True if nothing was written meanwhile, so that the copy has neither more rows nor
+            fewer.
 
     Raises:
         StoreError: the copy is not whole.
@@ -165,7 +198,9 @@ def _examine(copy: Path, before: dict[str, int], *, is_all: bool) -> int:
     with closing(sqlite3.connect(f"file:{copy}?mode=ro", uri=True)) as opened:
         for (text,) in opened.execute("PRAGMA integrity_check(1)"):
             if text != "ok":
-                raise StoreError(f"The copy is damaged ({text}), so it was not kept. `sar-tui check` says more.")
+                raise StoreError(
+                    f"The copy is damaged ({text}), so it was not kept. `sar-tui check` says more."
+                )
         copied = counts(opened)
     for table in before if is_all else _KEPT:
         there, wanted = copied.get(table, 0), before.get(table, 0)
@@ -180,11 +215,15 @@ def _sync(path: Path) -> None:
 
 
 def _give_name(copy: Path, path: Path) -> None:
-    """Give a copy its final name, on the disk, unless another program has made that file meanwhile."""
+    """Give a copy its final name, on the disk, unless another program has made that file
+    meanwhile.
+    """
     try:
         os.link(copy, path)
     except FileExistsError:
-        raise StoreError(f"{path} exists, and a backup replaces nothing. Name another file.", bad_input=True) from None
+        raise StoreError(
+            f"{path} exists, and a backup replaces nothing. Name another file.", bad_input=True
+        ) from None
     except OSError:  # a file system without links
         copy.rename(path)
     if os.name == "posix":
@@ -196,7 +235,8 @@ def _give_name(copy: Path, path: Path) -> None:
 
 
 def rehearse(backup: Path, progress: Progress = lambda done, of: None) -> list[Flaw]:
-    """Restore a backup into an empty data folder, open it there as the program does, and return its flaws.
+    """Restore a backup into an empty data folder, open it there as the program does, and return its
+    flaws.
 
     The folder is removed afterwards; the backup is only read.
 
@@ -216,5 +256,7 @@ def rehearse(backup: Path, progress: Progress = lambda done, of: None) -> list[F
             listed = len(listing(database, folder))
             (stored,) = database.execute("SELECT count(*) FROM sessions").fetchone()
             if listed != stored:
-                raise StoreError(f"Of the {stored} sessions in {backup} only {listed} can be listed.")
+                raise StoreError(
+                    f"Of the {stored} sessions in {backup} only {listed} can be listed."
+                )
     return found

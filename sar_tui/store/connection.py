@@ -11,7 +11,9 @@ def is_ssh() -> bool:
 
 
 def multiplexer() -> str | None:
-    """Return the name of the terminal multiplexer that the program runs in; None if there is none."""
+    """Return the name of the terminal multiplexer that the program runs in; None if there is
+    none.
+    """
     return next((name for name, sign in _MULTIPLEXERS.items() if sign in os.environ), None)
 
 

@@ -1,7 +1,9 @@
-"""Sessions that count: the one rule for dose, limits, progress, start levels, earlier results, visits and reports.
+"""Sessions that count: the one rule for dose, limits, progress, start levels, earlier results,
+visits and reports.
 
-A session that was discarded, as it was begun by mistake, or refused, as a question that must be agreed to was not, is
-kept and listed, and counts nowhere. Every query for live sessions takes its condition from here.
+A session that was discarded, as it was begun by mistake, or refused, as a question that must be
+agreed to was not, is kept and listed, and counts nowhere. Every query for live sessions takes its
+condition from here.
 """
 
 from collections.abc import Mapping
@@ -12,7 +14,9 @@ SET_ASIDE = ("discarded", "refused")
 KEPT = f"sessions.status NOT IN ({', '.join(map(repr, SET_ASIDE))})"
 """Condition: the session counts, if sessions of its mode are looked at."""
 LIVE = "sessions.mode='live'"
-"""Condition: a person sat there, whatever became of the session. For pain, adverse events, locks and checks."""
+"""Condition: a person sat there, whatever became of the session. For pain, adverse events, locks
+and checks.
+"""
 COUNTS = f"{LIVE} AND {KEPT}"
 """Condition: the session is one of a person, and counts."""
 

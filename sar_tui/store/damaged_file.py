@@ -1,4 +1,6 @@
-"""Files that SQLite refuses though it could read most of them: cut short, or with a damaged header."""
+"""Files that SQLite refuses though it could read most of them: cut short, or with a damaged
+header.
+"""
 
 import contextlib
 import shutil
@@ -12,14 +14,18 @@ from sar_tui.store.database import create_file, damaged, sidecars
 
 _MAGIC = b"SQLite format 3\0"
 _HEADER = 100
-"""Bytes of the header, which is the beginning of the first page (https://www.sqlite.org/fileformat.html)."""
+"""Bytes of the header, which is the beginning of the first page
+(https://www.sqlite.org/fileformat.html).
+"""
 _PAGE_SIZES = (4096, 1024, 2048, 8192, 16384, 32768, 65536, 512)
 """The sizes that a page may have, the usual one first."""
 _SMALLEST = 512
 
 
 def is_refused(path: Path) -> bool:
-    """Return True if SQLite refuses a file that it could read in part: by its header, or because it was cut short."""
+    """Return True if SQLite refuses a file that it could read in part: by its header, or because it
+    was cut short.
+    """
     size = path.stat().st_size
     if size < _SMALLEST:
         return False
@@ -52,7 +58,8 @@ def _has_damaged_header(path: Path) -> bool:
 
 @contextmanager
 def readable_copy(path: Path) -> Iterator[Path]:
-    """Yield a copy of a file, with its log, that has a header as SQLite writes it; the copy is removed afterwards.
+    """Yield a copy of a file, with its log, that has a header as SQLite writes it; the copy is
+    removed afterwards.
 
     Raises:
         StoreError: no page size makes tables of what is in the file.
@@ -87,10 +94,19 @@ def readable_copy(path: Path) -> Iterator[Path]:
 def _write_header(path: Path, page_size: int, *, has_log: bool) -> None:
     pages = -(-path.stat().st_size // page_size)
     form = 2 if has_log else 1
-    fixed = struct.pack(">16sHBBBBBB", _MAGIC, page_size if page_size < 65536 else 1, form, form, 0, 64, 32, 32)
-    # Change counter, pages, no free pages, schema cookie and format, cache, no vacuum, UTF-8, version unknown, no id.
+    fixed = struct.pack(
+        ">16sHBBBBBB", _MAGIC, page_size if page_size < 65536 else 1, form, form, 0, 64, 32, 32
+    )
+    # Change counter, pages, no free pages, schema cookie and format, cache, no vacuum, UTF-8,
+    # version unknown, no id.
     numbers = struct.pack(">11I", 1, pages, 0, 0, 1, 4, 0, 0, 1, 0, 0)
-    header = fixed + numbers + struct.pack(">I", 0) + bytes(20) + struct.pack(">II", 1, sqlite3.sqlite_version_info[1])
+    header = (
+        fixed
+        + numbers
+        + struct.pack(">I", 0)
+        + bytes(20)
+        + struct.pack(">II", 1, sqlite3.sqlite_version_info[1])
+    )
     with path.open("rb+") as file:
         file.write(header)
         file.truncate(pages * page_size)
@@ -99,14 +115,19 @@ def _write_header(path: Path, page_size: int, *, has_log: bool) -> None:
 def _has_tables(path: Path) -> bool:
     try:
         with closing(open_wary(path)) as database:
-            return bool(database.execute("SELECT 1 FROM sqlite_master WHERE name='sessions'").fetchone())
+            return bool(
+                database.execute("SELECT 1 FROM sqlite_master WHERE name='sessions'").fetchone()
+            )
     except sqlite3.Error:
         return False
 
 
 def open_wary(path: Path, timeout: float = 0) -> sqlite3.Connection:
-    """Open a damaged database so that SQLite reads what it can, and runs nothing that is in its schema."""
+    """Open a damaged database so that SQLite reads what it can, and runs nothing that is in its
+    schema.
+    """
     database = sqlite3.connect(path, timeout=timeout, isolation_level=None)
-    database.execute("PRAGMA writable_schema=ON")  # tolerates pages that are missing, and a schema that is read in part
+    # tolerates pages that are missing, and a schema that is read in part
+    database.execute("PRAGMA writable_schema=ON")
     database.execute("PRAGMA trusted_schema=OFF")
     return database

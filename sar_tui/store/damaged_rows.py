@@ -1,4 +1,6 @@
-"""Rows that are damaged, as SQL conditions: `integrity` counts them, and `repair` moves them aside."""
+"""Rows that are damaged, as SQL conditions: `integrity` counts them, and `repair` moves them
+aside.
+"""
 
 import sqlite3
 import zlib
@@ -9,10 +11,11 @@ from typing import Literal, NamedTuple
 import msgspec
 
 Kind = Literal["file", "orphan", "gap", "samples", "text", "log", "rows"]
-"""``file``: its pages are damaged, or its views are not the program's. ``orphan``: rows that belong to nothing.
-``gap``: numbers that are missing in a row of events, attempts or trials. ``samples``: a block of a sensor's samples.
-``text``: characters, or JSON. ``log``: a session's log is not as its hashes have it. ``rows``: rows are not as they
-follow from the log."""
+"""``file``: its pages are damaged, or its views are not the program's. ``orphan``: rows that belong
+to nothing. ``gap``: numbers that are missing in a row of events, attempts or trials. ``samples``: a
+block of a sensor's samples. ``text``: characters, or JSON. ``log``: a session's log is not as its
+hashes have it. ``rows``: rows are not as they follow from the log.
+"""
 
 _SESSION_TABLES = (
     "seats", "runs", "attempts", "trials", "actions", "answers", "notes", "imu_streams", "imu_chunks", "log_hashes",
@@ -32,14 +35,18 @@ _JSON = {
     "earlier_events": ("session", ("message",)),
     "messages": (_OF_SESSION, ("message",)),
 }
-_LAYOUT = "(SELECT layout FROM imu_streams AS s WHERE s.session=imu_chunks.session AND s.stream=imu_chunks.stream)"
+_LAYOUT = (
+    "(SELECT layout FROM imu_streams AS s WHERE s.session=imu_chunks.session AND "
+    "s.stream=imu_chunks.stream)"
+)
 
 
 class Damage(NamedTuple):
     """Rows of a table that are damaged in the same way.
 
-    ``condition``, ``where`` and ``words`` are SQL on the table: true if a row is damaged; the session or participant
-    it is of; a sentence on the rows that have the same ``where`` and ``part``. ``reason``: why, for all rows.
+    ``condition``, ``where`` and ``words`` are SQL on the table: true if a row is damaged; the
+    session or participant it is of; a sentence on the rows that have the same ``where`` and
+    ``part``. ``reason``: why, for all rows.
     """
 
     kind: Kind
@@ -52,7 +59,9 @@ class Damage(NamedTuple):
 
 
 def damages(database: sqlite3.Connection) -> list[Damage]:
-    """Return all ways in which rows can be damaged. The connection is given the functions that they need."""
+    """Return all ways in which rows can be damaged. The connection is given the functions that they
+    need.
+    """
     database.create_function("damaged_text", -1, _is_no_text, deterministic=True)
     database.create_function("damaged_block", 4, _is_damaged, deterministic=True)
     database.create_function("sample_size", 1, _size, deterministic=True)
@@ -60,19 +69,29 @@ def damages(database: sqlite3.Connection) -> list[Damage]:
 
 
 def _orphans() -> Iterator[Damage]:
-    yield _orphan("sessions", "sessions without a seat", "id NOT IN (SELECT session FROM seats)", "id")
-    yield _orphan("session_numbers", "events without a session", "id NOT IN (SELECT id FROM sessions)", "id")
+    yield _orphan(
+        "sessions", "sessions without a seat", "id NOT IN (SELECT session FROM seats)", "id"
+    )
+    yield _orphan(
+        "session_numbers", "events without a session", "id NOT IN (SELECT id FROM sessions)", "id"
+    )
     yield _orphan(
         "messages",
         "events without a number of their session",
         "session_number NOT IN (SELECT number FROM session_numbers)",
         "session_number",
     )
-    yield _orphan("messages", "events without a topic", "topic NOT IN (SELECT id FROM topics)", _OF_SESSION)
+    yield _orphan(
+        "messages", "events without a topic", "topic NOT IN (SELECT id FROM topics)", _OF_SESSION
+    )
     yield _orphan("imu_chunks", "samples without their stream", f"{_LAYOUT} IS NULL", "session")
     for table in _SESSION_TABLES:
         lost = "session NOT IN (SELECT id FROM sessions)"
-        lost = f"session IS NOT NULL AND {lost}" if table in _WITHOUT_SESSION else f"{lost} OR session IS NULL"
+        lost = (
+            f"session IS NOT NULL AND {lost}"
+            if table in _WITHOUT_SESSION
+            else f"{lost} OR session IS NULL"
+        )
         yield _orphan(table, f"{table} without a session", lost, "session")
 
 
@@ -104,20 +123,31 @@ def _samples() -> Iterator[Damage]:
 def _json() -> Iterator[Damage]:
     for table, (where, columns) in _JSON.items():
         for name in columns:
-            wrong = f"CASE typeof({name}) WHEN 'null' THEN 0 WHEN 'text' THEN NOT json_valid({name}) ELSE 1 END"
+            wrong = (
+                f"CASE typeof({name}) WHEN 'null' THEN 0 WHEN 'text' THEN NOT "
+                f"json_valid({name}) ELSE 1 END"
+            )
             told = f"count(*) || ' of the texts {table}.{name} cannot be read.'"
-            yield Damage("text", table, f"a text {table}.{name} that cannot be read", wrong, where, told)
+            yield Damage(
+                "text", table, f"a text {table}.{name} that cannot be read", wrong, where, told
+            )
 
 
 def _texts(database: sqlite3.Connection) -> Iterator[Damage]:
     for (table,) in database.execute(
-        "SELECT name FROM sqlite_master WHERE type='table' AND name NOT LIKE 'sqlite%' AND name NOT LIKE '\\_%'"
+        "SELECT name FROM sqlite_master WHERE type='table' AND name NOT LIKE 'sqlite%' AND name "
+        "NOT LIKE '\\_%'"
         " ESCAPE '\\' ORDER BY name"
     ).fetchall():
-        columns = [(name, kind.upper()) for _, name, kind, *_ in database.execute(f"PRAGMA table_info({table})")]
+        columns = [
+            (name, kind.upper())
+            for _, name, kind, *_ in database.execute(f"PRAGMA table_info({table})")
+        ]
         texts = [f"CAST({name} AS BLOB)" for name, kind in columns if kind == "TEXT"]
         names = {name for name, _ in columns}
-        of = next((name for name in ("session", "id", "participant", "code") if name in names), "''")
+        of = next(
+            (name for name in ("session", "id", "participant", "code") if name in names), "''"
+        )
         if texts:
             yield Damage(
                 "text",
@@ -140,7 +170,9 @@ def _is_no_text(*texts: bytes | None) -> bool:
 
 
 def _is_damaged(data: object, count: object, crc: object, layout: str | bytes | None) -> bool:
-    """Return True if the samples of a block are damaged. A layout that cannot be read is not the block's fault."""
+    """Return True if the samples of a block are damaged. A layout that cannot be read is not the
+    block's fault.
+    """
     if not isinstance(data, bytes) or not isinstance(count, int) or zlib.crc32(data) != crc:
         return True
     size = _size(layout)
@@ -153,7 +185,9 @@ def _size(layout: str | bytes | None) -> int:
     import numpy as np
 
     try:
-        return np.dtype([tuple(_tuples(field)) for field in msgspec.json.decode(layout or b"")]).itemsize
+        return np.dtype(
+            [tuple(_tuples(field)) for field in msgspec.json.decode(layout or b"")]
+        ).itemsize
     except (TypeError, ValueError, msgspec.DecodeError):
         return 0
 

@@ -21,14 +21,17 @@ FILE = "sar-tui.db"
 LOCK = "sar-tui.lock"
 """Held while a database is opened, so that one program migrates it."""
 RESCUE, RESCUED = "sar-tui-rescue-", "sar-tui-rescued-"
-"""Beginnings of the names of rescue files: to be brought back, and those that were. See `store.rescue`."""
+"""Beginnings of the names of rescue files: to be brought back, and those that were. See
+`store.rescue`.
+"""
 SAVED = "saved"
 """Folder of the notes of what was saved. See `store.last_saved`."""
 VERSION = 22
 """The number of migrations in ``schema``, stored in ``PRAGMA user_version``."""
 _LOCK_TIMEOUT_S = 10
 _NOT_OURS = (
-    "{path} is not a SQLite database. If it was one, `sar-tui check --repair` saves what can be read. Else move it "
+    "{path} is not a SQLite database. If it was one, `sar-tui check --repair` saves what can be "
+    "read. Else move it "
     "away, or choose another --data folder."
 )
 _NOT_TEXT = "Could not decode to UTF-8"
@@ -48,8 +51,9 @@ _TEMPORARY = {
 class StoreError(Exception):
     """The database cannot be used. The message is one or two clear sentences.
 
-    ``bad_input``: the user's input is wrong, such as the wrong file. ``temporary``: it may work later without a change.
-    ``locked``: another program is writing. ``unreadable``: the file is damaged, or its disk is gone.
+    ``bad_input``: the user's input is wrong, such as the wrong file. ``temporary``: it may work
+    later without a change. ``locked``: another program is writing. ``unreadable``: the file is
+    damaged, or its disk is gone.
     """
 
     def __init__(
@@ -75,7 +79,9 @@ def default_folder() -> Path:
 
 
 class Moved(StoreError):
-    """The database was removed, replaced or cut short while it was open: what is written to it may be lost."""
+    """The database was removed, replaced or cut short while it was open: what is written to it may
+    be lost.
+    """
 
     def __init__(self, message: str) -> None:
         super().__init__(message, temporary=True)
@@ -84,8 +90,8 @@ class Moved(StoreError):
 class StoreConnection(sqlite3.Connection):
     """A connection that notices if its files are no longer those that it opened.
 
-    On POSIX a file can be removed or replaced while it is open. SQLite then writes on, successfully, to files that
-    nobody can open again.
+    On POSIX a file can be removed or replaced while it is open. SQLite then writes on,
+    successfully, to files that nobody can open again.
     """
 
     path: Path | None = None
@@ -96,7 +102,9 @@ class StoreConnection(sqlite3.Connection):
         """Remember the identity of the database, its write-ahead log and its shared memory."""
         self.path = path
         there = [each for each in (path, *sidecars(path)) if each.exists()]
-        self._files = tuple((each, found.st_dev, found.st_ino) for each in there if (found := each.stat()))
+        self._files = tuple(
+            (each, found.st_dev, found.st_ino) for each in there if (found := each.stat())
+        )
         self._size = path.stat().st_size
 
     def check(self) -> None:
@@ -124,11 +132,13 @@ def sidecars(path: Path) -> tuple[Path, Path]:
 def connect(folder: Path) -> StoreConnection:
     """Open the database of a data folder; create or migrate it if necessary.
 
-    The folder is created with mode 0700 and the file with 0600. The connection commits automatically outside of
-    explicit transactions, uses a write-ahead log, and syncs every commit to the disk.
+    The folder is created with mode 0700 and the file with 0600. The connection commits
+    automatically outside of explicit transactions, uses a write-ahead log, and syncs every commit
+    to the disk.
 
     Raises:
-        StoreError: the file is not a sar-tui database, has a newer version or is not writable, or the disk is full.
+        StoreError: the file is not a sar-tui database, has a newer version or is not writable, or
+            the disk is full.
     """
     return open_file(folder / FILE)
 
@@ -161,16 +171,20 @@ def open_file(path: Path) -> StoreConnection:
         raise _unwritable(folder, error) from error
     except sqlite3.Error as error:
         raise explain(error, path) from error
-    except UnicodeDecodeError as error:  # the words of SQLite about a damaged schema, which quote it
+    except (
+        UnicodeDecodeError
+    ) as error:  # the words of SQLite about a damaged schema, which quote it
         raise damaged(path) from error
     return database
 
 
 def connect_to_read(folder: Path) -> sqlite3.Connection:
-    """Open the database of a data folder to read it, also where nothing can be written, such as on an archive.
+    """Open the database of a data folder to read it, also where nothing can be written, such as on
+    an archive.
 
     Raises:
-        StoreError: as `connect`; or nothing can be written, and the database must first be migrated or recovered.
+        StoreError: as `connect`; or nothing can be written, and the database must first be migrated
+            or recovered.
     """
     try:
         return connect(folder)
@@ -181,8 +195,10 @@ def connect_to_read(folder: Path) -> sqlite3.Connection:
     if version != VERSION:
         database.close()
         raise StoreError(
-            f"{folder} cannot be written to, and its data is of another version of sar-tui (data version {version}, "
-            f"and this one reads {VERSION}). Copy it to a folder that can be written to, and name that with --data."
+            f"{folder} cannot be written to, and its data is of another version of sar-tui (data "
+            f"version {version}, "
+            f"and this one reads {VERSION}). Copy it to a folder that can be written to, and name "
+            "that with --data."
         )
     return database
 
@@ -196,7 +212,9 @@ def _open_read_only(path: Path) -> sqlite3.Connection | None:
         return None
     for option in ("mode=ro", "immutable=1") if is_complete else ("mode=ro",):
         try:
-            database = sqlite3.connect(f"file:{quote(str(path.absolute()))}?{option}", uri=True, isolation_level=None)
+            database = sqlite3.connect(
+                f"file:{quote(str(path.absolute()))}?{option}", uri=True, isolation_level=None
+            )
             database.execute("SELECT 1 FROM sessions LIMIT 1").fetchone()
         except (sqlite3.Error, UnicodeDecodeError):
             continue
@@ -207,8 +225,9 @@ def _open_read_only(path: Path) -> sqlite3.Connection | None:
 def create_file(path: Path) -> None:
     """Create the file with mode 0600 unless it exists.
 
-    Only SQLite may open an existing file: closing it would release all locks that other connections of this process
-    hold on it (POSIX), and another program could then remove the write-ahead log they write to.
+    Only SQLite may open an existing file: closing it would release all locks that other connections
+    of this process hold on it (POSIX), and another program could then remove the write-ahead log
+    they write to.
     """
     with contextlib.suppress(FileExistsError):
         os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600))
@@ -231,14 +250,20 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
     if code == sqlite3.SQLITE_CORRUPT or is_not_text(error):
         return damaged(path)
     limit = largest_file()
-    limited = "" if limit is None else f" This login may write no file larger than {limit:,} bytes (ulimit -f)."
+    limited = (
+        ""
+        if limit is None
+        else f" This login may write no file larger than {limit:,} bytes (ulimit -f)."
+    )
     known = {
         sqlite3.SQLITE_FULL: f"The disk is full: {path} cannot grow. Free some space.",
         sqlite3.SQLITE_READONLY: (
-            f"{path} is read-only. Change the permissions of the file, of its folder, and of {path}-wal and "
+            f"{path} is read-only. Change the permissions of the file, of its folder, and of "
+            f"{path}-wal and "
             f"{path}-shm, which another user may have left."
         ),
-        sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you write to it?",
+        sqlite3.SQLITE_CANTOPEN: f"{path} cannot be opened. Does the folder exist, and may you "
+        "write to it?",
         sqlite3.SQLITE_NOTADB: _NOT_OURS.format(path=path),
         sqlite3.SQLITE_BUSY: f"Another program keeps {path} locked. Close it and try again.",
         sqlite3.SQLITE_IOERR: f"The disk cannot write {path}.{limited}",
@@ -257,7 +282,8 @@ def explain(error: sqlite3.Error, path: Path | str = FILE) -> StoreError:
 def damaged(path: Path | str = FILE) -> StoreError:
     """Return the error of a database whose bytes have changed."""
     said = (
-        f"{path} is damaged. Restore a backup, save what can be read (`sar-tui check --repair`), or choose another "
+        f"{path} is damaged. Restore a backup, save what can be read (`sar-tui check --repair`), "
+        "or choose another "
         "--data folder."
     )
     return StoreError(said, bad_input=True, unreadable=True)
@@ -299,11 +325,14 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 def version_of(database: sqlite3.Connection, path: Path, schema: str = "main") -> int:
-    """Return the number of migrations that a database has seen. Raises StoreError if there were more than VERSION."""
+    """Return the number of migrations that a database has seen. Raises StoreError if there were
+    more than VERSION.
+    """
     (version,) = database.execute(f"PRAGMA {schema}.user_version").fetchone()
     if version > VERSION:
         raise StoreError(
-            f"{path} was written by a newer sar-tui (data version {version}, and this one knows {VERSION}). "
+            f"{path} was written by a newer sar-tui (data version {version}, and this one knows "
+            f"{VERSION}). "
             "Update sar-tui.",
             bad_input=True,
         )
@@ -321,13 +350,16 @@ def _migrate(database: sqlite3.Connection, path: Path) -> None:
 
 
 def bring_up_to_date(database: sqlite3.Connection, path: Path) -> None:
-    """Migrate a copy of the database at ``path``, without a backup. Raises StoreError if that one is newer."""
+    """Migrate a copy of the database at ``path``, without a backup. Raises StoreError if that one
+    is newer.
+    """
     if version_of(database, path) < VERSION:
         apply_migrations(database)
 
 
 def apply_migrations(database: sqlite3.Connection, version: int | None = None) -> None:
-    """Apply the migrations that the database has not seen, up to a version; by default the present one.
+    """Apply the migrations that the database has not seen, up to a version; by default the present
+    one.
 
     sqlite-utils is imported only here, as it loads slowly.
     """
@@ -345,7 +377,8 @@ def _announce(path: Path) -> None:
     megabytes = path.stat().st_size / 1e6
     if megabytes > _LARGE_MB:
         print(
-            f"{path} ({megabytes:.0f} MB) is brought up to date for this version of sar-tui. A copy of it is kept.",
+            f"{path} ({megabytes:.0f} MB) is brought up to date for this version of sar-tui. A "
+            "copy of it is kept.",
             file=sys.stderr,
             flush=True,
         )

@@ -56,7 +56,8 @@ def record(
 def ledger(db: sqlite3.Connection) -> list[LedgerEntry]:
     """Return all exports, the newest first."""
     rows = db.execute(
-        "SELECT exported_at, exported_by, recipient, format, sessions, options, manifest FROM exports"
+        "SELECT exported_at, exported_by, recipient, format, sessions, options, manifest FROM "
+        "exports"
         " ORDER BY number DESC"
     )
     return [

@@ -19,10 +19,25 @@ STREAM = (
     "session", "stream", "seat", "run", "source", "model", "serial", "rate_hz", "rate_range_rad_s",
     "acceleration_range_m_s2", "layout", "attached_ns", "part",
 )  # fmt: skip
-CHUNK = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
+CHUNK = (
+    "session",
+    "stream",
+    "seq",
+    "n",
+    "t0_ns",
+    "t1_ns",
+    "before_event",
+    "at_ns",
+    "crc32",
+    "data",
+)
 """Columns of a row of each table, in the order in which they are stored and hashed."""
-INSERT_STREAM = f"INSERT INTO imu_streams ({', '.join(STREAM)}) VALUES ({', '.join('?' for _ in STREAM)})"
-INSERT_CHUNK = f"INSERT INTO imu_chunks ({', '.join(CHUNK)}) VALUES ({', '.join('?' for _ in CHUNK)})"
+INSERT_STREAM = (
+    f"INSERT INTO imu_streams ({', '.join(STREAM)}) VALUES ({', '.join('?' for _ in STREAM)})"
+)
+INSERT_CHUNK = (
+    f"INSERT INTO imu_chunks ({', '.join(CHUNK)}) VALUES ({', '.join('?' for _ in CHUNK)})"
+)
 
 _SAMPLES: dict[BodyPart, Topic[ImuBlock]] = {"hand": IMU, "trunk": TRUNK_IMU}
 _PARTS: dict[str, BodyPart] = {
@@ -33,17 +48,23 @@ _Wearer = tuple[str, BodyPart]
 
 
 def layout() -> str:
-    """Return the layout of a sample in ``imu_chunks.data``: names, types and shapes, as in numpy's ``dtype.descr``."""
-    from sar_tui.motion.samples import SAMPLE  # imports numpy, which a session without a sensor does not need
+    """Return the layout of a sample in ``imu_chunks.data``: names, types and shapes, as in numpy's
+    ``dtype.descr``.
+    """
+    # imports numpy, which a session without a sensor does not need
+    from sar_tui.motion.samples import (
+        SAMPLE,
+    )
 
     return msgspec.json.encode(SAMPLE.descr).decode()
 
 
 class StreamRows:
-    """Makes rows from sensor messages: a stream for each time a sensor is attached, a chunk for samples between events.
+    """Makes rows from sensor messages: a stream for each time a sensor is attached, a chunk for
+    samples between events.
 
-    Events between samples end a chunk, so that a replay can feed both in order. Each seat and part of the body has its
-    own sensor.
+    Events between samples end a chunk, so that a replay can feed both in order. Each seat and part
+    of the body has its own sensor.
 
     Args:
         session, run: the session and the run that the rows belong to.
@@ -52,15 +73,23 @@ class StreamRows:
     """
 
     def __init__(
-        self, session: str, run: int, stream: int = 0, last: dict[_Wearer, tuple[int, int]] | None = None
+        self,
+        session: str,
+        run: int,
+        stream: int = 0,
+        last: dict[_Wearer, tuple[int, int]] | None = None,
     ) -> None:
         self._session = session
         self._run = run
         self._stream = stream
         self._last = dict(last or {})
 
-    def rows(self, records: Sequence[Record]) -> tuple[list[tuple[Any, ...]], list[tuple[Any, ...]], "StreamRows"]:
-        """Return rows for ``imu_streams`` and ``imu_chunks``, and the StreamRows that continues after them."""
+    def rows(
+        self, records: Sequence[Record]
+    ) -> tuple[list[tuple[Any, ...]], list[tuple[Any, ...]], "StreamRows"]:
+        """Return rows for ``imu_streams`` and ``imu_chunks``, and the StreamRows that continues
+        after them.
+        """
         after = StreamRows(self._session, self._run, self._stream, self._last)
         streams, chunks = [], []
         waiting: dict[_Wearer, list[Record]] = {}
@@ -93,7 +122,9 @@ class StreamRows:
 
         stream, seq = self._last.get(wearer, (self._stream, 0))
         self._last[wearer] = (stream, seq := seq + 1)
-        data = b"".join(record.message.samples for record in records if isinstance(record.message, ImuBlock))
+        data = b"".join(
+            record.message.samples for record in records if isinstance(record.message, ImuBlock)
+        )
         stamps = unpack(data)["at"]
         return (
             self._session, stream, seq, len(stamps), int(stamps[0]), int(stamps[-1]), records[0].seq,
@@ -106,17 +137,23 @@ def resume_streams(db: sqlite3.Connection, session: str, run: int) -> StreamRows
     last = db.execute(
         "SELECT seat, part, max(imu_streams.stream), coalesce(max(seq), 0) FROM imu_streams"
         " LEFT JOIN imu_chunks USING (session, stream) WHERE session=? AND stream IN"
-        " (SELECT max(stream) FROM imu_streams WHERE session=? GROUP BY seat, part) GROUP BY seat, part",
+        " (SELECT max(stream) FROM imu_streams WHERE session=? GROUP BY seat, part) GROUP BY "
+        "seat, part",
         (session, session),
     ).fetchall()
-    newest: dict[_Wearer, tuple[int, int]] = {(seat, part): (stream, seq) for seat, part, stream, seq in last}
-    return StreamRows(session, run, max((stream for stream, _ in newest.values()), default=0), newest)
+    newest: dict[_Wearer, tuple[int, int]] = {
+        (seat, part): (stream, seq) for seat, part, stream, seq in last
+    }
+    return StreamRows(
+        session, run, max((stream for stream, _ in newest.values()), default=0), newest
+    )
 
 
 def blocks(db: sqlite3.Connection, session: str) -> Iterator[Record]:
     """Yield a session's blocks of samples, each numbered like the event that followed it.
 
-    Those of the trunk come first: perception had them when samples of the hand told it that a reach was over.
+    Those of the trunk come first: perception had them when samples of the hand told it that a reach
+    was over.
 
     Raises:
         StoreError: a block is damaged.
@@ -128,7 +165,9 @@ def blocks(db: sqlite3.Connection, session: str) -> Iterator[Record]:
         (session,),
     ):
         if zlib.crc32(data) != crc:
-            raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")
+            raise StoreError(
+                f"Block {seq} of sensor stream {stream} of session {session} is damaged."
+            )
         yield Record(before, at, _SAMPLES[part or "hand"], ImuBlock(seat=seat or "A", samples=data))
 
 
@@ -152,14 +191,25 @@ def samples(
 
     found = []
     for stream, seq, crc, data in db.execute(
-        "SELECT imu_chunks.stream, seq, crc32, data FROM imu_chunks JOIN imu_streams USING (session, stream)"
-        " WHERE session=:session AND t1_ns>=:first AND t0_ns<:last AND (:run IS NULL OR run=:run) AND seat=:seat"
+        "SELECT imu_chunks.stream, seq, crc32, data FROM imu_chunks JOIN imu_streams USING "
+        "(session, stream)"
+        " WHERE session=:session AND t1_ns>=:first AND t0_ns<:last AND (:run IS NULL OR run=:run) "
+        "AND seat=:seat"
         " AND part=:part"
         " ORDER BY imu_chunks.stream, seq",
-        {"session": session, "first": from_ns, "last": to_ns, "run": run, "seat": seat, "part": part},
+        {
+            "session": session,
+            "first": from_ns,
+            "last": to_ns,
+            "run": run,
+            "seat": seat,
+            "part": part,
+        },
     ):
         if zlib.crc32(data) != crc:
-            raise StoreError(f"Block {seq} of sensor stream {stream} of session {session} is damaged.")
+            raise StoreError(
+                f"Block {seq} of sensor stream {stream} of session {session} is damaged."
+            )
         found.append(data)
     whole = unpack(b"".join(found))
     inside: Samples = whole[(whole["at"] >= from_ns) & (whole["at"] < to_ns)]

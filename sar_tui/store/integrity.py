@@ -1,4 +1,6 @@
-"""The whole database examined: damaged pages, rows without their session, gaps, damaged samples and texts."""
+"""The whole database examined: damaged pages, rows without their session, gaps, damaged samples and
+texts.
+"""
 
 import sqlite3
 from collections.abc import Callable, Iterator
@@ -24,18 +26,23 @@ _WITHOUT_PARTICIPANT = {
 """Tables whose rows need their participant, if a condition holds."""
 _GAPS = {
     "events": (
-        "SELECT session, '', min(seq), max(seq), count(*) FROM (SELECT session, seq FROM earlier_events UNION ALL"
-        " SELECT id, seq FROM messages JOIN session_numbers ON number=session_number) GROUP BY session"
+        "SELECT session, '', min(seq), max(seq), count(*) FROM (SELECT session, seq FROM "
+        "earlier_events UNION ALL"
+        " SELECT id, seq FROM messages JOIN session_numbers ON number=session_number) GROUP BY "
+        "session"
     ),
     "attempts": (
-        "SELECT session, '', min(attempt), max(attempt), count(DISTINCT attempt) FROM attempts GROUP BY session"
+        "SELECT session, '', min(attempt), max(attempt), count(DISTINCT attempt) FROM attempts "
+        "GROUP BY session"
     ),
     "trials": (
-        "SELECT session, ' of attempt ' || attempt, min(trial), max(trial), count(DISTINCT trial) FROM trials"
+        "SELECT session, ' of attempt ' || attempt, min(trial), max(trial), count(DISTINCT trial) "
+        "FROM trials"
         " GROUP BY session, attempt"
     ),
     "blocks of samples": (
-        "SELECT session, ' of stream ' || stream, min(seq), max(seq), count(*) FROM imu_chunks GROUP BY session, stream"
+        "SELECT session, ' of stream ' || stream, min(seq), max(seq), count(*) FROM imu_chunks "
+        "GROUP BY session, stream"
     ),
 }
 
@@ -45,7 +52,9 @@ Progress = Callable[[int, int], None]
 
 
 class Flaw(NamedTuple):
-    """A flaw of the database. ``where``: a session or a participant; empty for the file. ``what``: in words."""
+    """A flaw of the database. ``where``: a session or a participant; empty for the file. ``what``:
+    in words.
+    """
 
     kind: Kind
     where: str
@@ -57,8 +66,8 @@ def flaws(
 ) -> Iterator[Flaw]:
     """Yield the flaws of a database, as it was when the first of them was looked for.
 
-    Nothing is written, and a session may go on meanwhile. Gaps are looked for unless they do not matter.
-    ``progress`` is called with the number of sessions that were examined, and of all.
+    Nothing is written, and a session may go on meanwhile. Gaps are looked for unless they do not
+    matter. ``progress`` is called with the number of sessions that were examined, and of all.
 
     Raises:
         StoreError: the database cannot be read at all.
@@ -103,10 +112,11 @@ def damaged_pages(database: sqlite3.Connection, attached: str = "") -> Iterator[
 
 
 def changed_schema(database: sqlite3.Connection) -> Iterator[Flaw]:
-    """Yield views and triggers that would show, or store, something else than those of this version do.
+    """Yield views and triggers that would show, or store, something else than those of this version
+    do.
 
-    Views that somebody added are none of them: only their author reads them. A database of an earlier version has none
-    either, as it is brought up to date first.
+    Views that somebody added are none of them: only their author reads them. A database of an
+    earlier version has none either, as it is brought up to date first.
     """
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version != VERSION:
@@ -115,12 +125,16 @@ def changed_schema(database: sqlite3.Connection) -> Iterator[Flaw]:
     for name in sorted(here.keys() | own.keys()):
         kind, text = here.get(name, ("", ""))
         if (kind, text) != own.get(name) and (name in own or kind == "trigger"):
-            yield Flaw("file", "", f"The {own.get(name, (kind, ''))[0]} {name} is not as sar-tui makes it.")
+            yield Flaw(
+                "file", "", f"The {own.get(name, (kind, ''))[0]} {name} is not as sar-tui makes it."
+            )
 
 
 def _schema(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
     """Return type and text of each view and trigger, by name."""
-    found = database.execute("SELECT name, type, sql FROM main.sqlite_master WHERE type IN ('view', 'trigger')")
+    found = database.execute(
+        "SELECT name, type, sql FROM main.sqlite_master WHERE type IN ('view', 'trigger')"
+    )
     return {name: (kind, text) for name, kind, text in found}
 
 
@@ -134,14 +148,17 @@ def _own_schema() -> dict[str, tuple[str, str]]:
 def _damaged_rows(database: sqlite3.Connection) -> Iterator[Flaw]:
     for each in damages(database):
         for where, what in database.execute(
-            f"SELECT {each.where}, {each.words} FROM {each.table} WHERE {each.condition} GROUP BY 1, {each.part}"
+            f"SELECT {each.where}, {each.words} FROM {each.table} WHERE {each.condition} GROUP BY "
+            f"1, {each.part}"
         ):
             yield Flaw(each.kind, str(where), what)
 
 
 def _without_participant(database: sqlite3.Connection) -> Iterator[Flaw]:
     for table, condition in _WITHOUT_PARTICIPANT.items():
-        with_session = "" if "mode" not in condition else f" LEFT JOIN sessions ON sessions.id={table}.session"
+        with_session = (
+            "" if "mode" not in condition else f" LEFT JOIN sessions ON sessions.id={table}.session"
+        )
         where = "session" if table == "seats" else "participant"
         for (whose,) in database.execute(
             f"SELECT DISTINCT {where} FROM {table}{with_session} WHERE {condition}"
@@ -160,32 +177,49 @@ def _changed(database: sqlite3.Connection, progress: Progress) -> Iterator[Flaw]
 
 
 def without_hashes(database: sqlite3.Connection) -> int:
-    """Return the number of sessions that were recorded before there were hashes: no change of their log is found."""
+    """Return the number of sessions that were recorded before there were hashes: no change of their
+    log is found.
+    """
     (count,) = database.execute(
-        "SELECT count(*) FROM sessions WHERE log_hash='' AND id NOT IN (SELECT session FROM log_hashes)"
+        "SELECT count(*) FROM sessions WHERE log_hash='' AND id NOT IN (SELECT session FROM "
+        "log_hashes)"
     ).fetchone()
     return int(count)
 
 
 def _lost_trials(database: sqlite3.Connection) -> Iterator[Flaw]:
-    """Yield attempts and trials that lack each other. Only the last attempt may have trials and no row: it stopped."""
+    """Yield attempts and trials that lack each other. Only the last attempt may have trials and no
+    row: it stopped.
+    """
     for session, seat, attempt in database.execute(
         "SELECT DISTINCT session, seat, attempt FROM trials WHERE NOT EXISTS"
-        " (SELECT 1 FROM attempts WHERE session=trials.session AND attempt=trials.attempt AND seat=trials.seat)"
-        " AND EXISTS (SELECT 1 FROM attempts WHERE session=trials.session AND attempt>=trials.attempt)"
+        " (SELECT 1 FROM attempts WHERE session=trials.session AND attempt=trials.attempt AND "
+        "seat=trials.seat)"
+        " AND EXISTS (SELECT 1 FROM attempts WHERE session=trials.session AND "
+        "attempt>=trials.attempt)"
     ):
-        yield Flaw("gap", str(session), f"Of attempt {attempt} there are trials of seat {seat}, but not its result.")
+        yield Flaw(
+            "gap",
+            str(session),
+            f"Of attempt {attempt} there are trials of seat {seat}, but not its result.",
+        )
     for session, seat, attempt in database.execute(
         "SELECT session, seat, attempt FROM attempts WHERE trials>0 AND NOT EXISTS"
-        " (SELECT 1 FROM trials WHERE session=attempts.session AND attempt=attempts.attempt AND seat=attempts.seat)"
+        " (SELECT 1 FROM trials WHERE session=attempts.session AND attempt=attempts.attempt AND "
+        "seat=attempts.seat)"
     ):
-        yield Flaw("gap", str(session), f"Of attempt {attempt} there is the result of seat {seat}, but no trial.")
+        yield Flaw(
+            "gap",
+            str(session),
+            f"Of attempt {attempt} there is the result of seat {seat}, but no trial.",
+        )
 
 
 def _gaps(database: sqlite3.Connection) -> Iterator[Flaw]:
     for what, query in _GAPS.items():
         for session, of, first, last, count in database.execute(query):
-            if session is None or not isinstance(last, int):  # a row of damaged pages, which is told elsewhere
+            # a row of damaged pages, which is told elsewhere
+            if session is None or not isinstance(last, int):
                 continue
             if missing := last - count:
                 yield Flaw("gap", session, f"Of {last} {what}{of}, {missing} are missing.")
@@ -194,15 +228,30 @@ def _gaps(database: sqlite3.Connection) -> Iterator[Flaw]:
 
 
 def interrupted(database: sqlite3.Connection, folder: Path) -> list[str]:
-    """Return the ids of sessions that were left before their end, and that no program runs. That is no flaw."""
-    stopped = "SELECT CAST(id AS BLOB), status FROM sessions WHERE status IN ('running', 'interrupted') ORDER BY rowid"
-    found = [(bytes(name).decode(errors="replace"), status) for name, status in database.execute(stopped)]
-    return [name for name, status in found if status != "running" or not is_held(folder, "session", name)]
+    """Return the ids of sessions that were left before their end, and that no program runs. That is
+    no flaw.
+    """
+    stopped = (
+        "SELECT CAST(id AS BLOB), status FROM sessions WHERE status IN ('running', "
+        "'interrupted') ORDER BY rowid"
+    )
+    found = [
+        (bytes(name).decode(errors="replace"), status) for name, status in database.execute(stopped)
+    ]
+    return [
+        name
+        for name, status in found
+        if status != "running" or not is_held(folder, "session", name)
+    ]
 
 
 def counts(database: sqlite3.Connection) -> dict[str, int]:
     """Return the number of rows of each table."""
     tables = database.execute(
-        "SELECT name FROM sqlite_master WHERE type='table' AND name NOT LIKE 'sqlite%' ORDER BY name"
+        "SELECT name FROM sqlite_master WHERE type='table' AND name NOT LIKE 'sqlite%' ORDER BY "
+        "name"
     ).fetchall()
-    return {name: int(database.execute(f'SELECT count(*) FROM "{name}"').fetchone()[0]) for (name,) in tables}
+    return {
+        name: int(database.execute(f'SELECT count(*) FROM "{name}"').fetchone()[0])
+        for (name,) in tables
+    }

@@ -1,8 +1,8 @@
 """Notes of the last message that was saved of each session under way, kept apart from the database.
 
-SQLite ignores its write-ahead log from the first damaged byte on, and begins a new one if the log was deleted. After a
-crash nothing in the database shows that messages were lost. A note does: it is written after each commit, and removed
-when the session's messages are in the database file itself.
+SQLite ignores its write-ahead log from the first damaged byte on, and begins a new one if the log
+was deleted. After a crash nothing in the database shows that messages were lost. A note does: it is
+written after each commit, and removed when the session's messages are in the database file itself.
 """
 
 import contextlib
@@ -54,7 +54,11 @@ class LastSaved:
         if self._file < 0 or not seq:
             return
         trials = [record.message for record in records if isinstance(record.message, TrialEnded)]
-        attempt, trial = (trials[-1].attempt, trials[-1].trial) if trials else (self.saved.attempt, self.saved.trial)
+        attempt, trial = (
+            (trials[-1].attempt, trials[-1].trial)
+            if trials
+            else (self.saved.attempt, self.saved.trial)
+        )
         self.saved = Saved(seq, attempt, trial)
         with contextlib.suppress(OSError):
             os.lseek(self._file, 0, os.SEEK_SET)
@@ -69,7 +73,9 @@ class LastSaved:
 
 def has_message(database: sqlite3.Connection, session: str, seq: int) -> bool:
     """Return True if a database has a message of a session; there is no message 0."""
-    found = database.execute("SELECT 1 FROM events WHERE session=? AND seq=?", (session, seq)).fetchone()
+    found = database.execute(
+        "SELECT 1 FROM events WHERE session=? AND seq=?", (session, seq)
+    ).fetchone()
     return seq == 0 or found is not None
 
 
@@ -95,11 +101,15 @@ class Loss(msgspec.Struct, frozen=True):
     def __str__(self) -> str:
         was = _place(self.saved)
         now = f"ends with {_place(self.kept)}" if self.kept else "is missing altogether"
-        return f"Data was lost: session {self.session} was saved up to {was}, but in the database it {now}."
+        return (
+            f"Data was lost: session {self.session} was saved up to {was}, but in the database "
+            f"it {now}."
+        )
 
 
 def losses(database: sqlite3.Connection, folder: Path) -> list[Loss]:
-    """Return the sessions of which the database lacks what was saved, and remove the notes that are not needed.
+    """Return the sessions of which the database lacks what was saved, and remove the notes that are
+    not needed.
 
     Sessions under way, and those in a rescue file, are left out.
     """
@@ -128,7 +138,9 @@ def forget(database: sqlite3.Connection, folder: Path, session: str) -> None:
 
 
 def merge_log(database: sqlite3.Connection) -> bool:
-    """Copy the write-ahead log into the database file. Return True if the file then holds all that was committed."""
+    """Copy the write-ahead log into the database file. Return True if the file then holds all that
+    was committed.
+    """
     try:
         busy, pages, copied = database.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
     except sqlite3.Error:
@@ -147,7 +159,11 @@ def _kept(database: sqlite3.Connection, session: str) -> Saved | None:
 
 
 def _place(saved: Saved) -> str:
-    return f"attempt {saved.attempt}, trial {saved.trial}" if saved.trial else f"message {saved.seq}, before any trial"
+    return (
+        f"attempt {saved.attempt}, trial {saved.trial}"
+        if saved.trial
+        else f"message {saved.seq}, before any trial"
+    )
 
 
 def _path(folder: Path, session: str) -> Path:

@@ -1,4 +1,6 @@
-"""File locks of sessions and participants. The system releases them when the program ends, even after a crash."""
+"""File locks of sessions and participants. The system releases them when the program ends, even
+after a crash.
+"""
 
 import os
 from pathlib import Path
@@ -37,14 +39,20 @@ def hold(folder: Path, kind: str, name: str) -> "filelock.BaseFileLock":
         lock = filelock.FileLock(_path(folder, kind, name), mode=0o600)
         lock.acquire(timeout=_TIMEOUT_SECONDS)
     except filelock.Timeout:
-        raise Held(f"The {kind} {name} is in a live session already, in another window or program.") from None
+        raise Held(
+            f"The {kind} {name} is in a live session already, in another window or program."
+        ) from None
     except OSError as error:
-        raise StoreError(f"The data folder {folder} cannot be written to: {os.strerror(error.errno or 0)}.") from error
+        raise StoreError(
+            f"The data folder {folder} cannot be written to: {os.strerror(error.errno or 0)}."
+        ) from error
     return lock
 
 
 def is_held(folder: Path, kind: str, name: str) -> bool:
-    """Return True if a program holds the lock now; False where nothing can be written, and so nothing runs."""
+    """Return True if a program holds the lock now; False where nothing can be written, and so
+    nothing runs.
+    """
     try:
         path = _path(folder, kind, name)
         if not path.exists():

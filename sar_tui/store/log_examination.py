@@ -20,7 +20,9 @@ from sar_tui.store.wellbeing import IN_PAUSE
 
 DERIVED = ("trials", "attempts", "actions", "answers", "notes")
 """Tables whose rows follow from the messages."""
-_STATEMENTS = {kind: text for kind, text in rows.SQL.items() if any(f" {table} " in text for table in DERIVED)}
+_STATEMENTS = {
+    kind: text for kind, text in rows.SQL.items() if any(f" {table} " in text for table in DERIVED)
+}
 _TOPICS = frozenset(name for name, topic in ALL.items() if topic.type in rows.KINDS)
 """Topics whose messages become more than a row of ``messages``."""
 _RUNNING = ("running", "interrupted")
@@ -31,8 +33,9 @@ class Examined(NamedTuple):
     """A session, examined.
 
     Attributes:
-        is_hashed: False if it, or its beginning, was recorded before there were hashes: nothing shows a change of the
-            log then, and rows are compared with the log as far as the program kept them at that time.
+        is_hashed: False if it, or its beginning, was recorded before there were hashes: nothing
+            shows a change of the log then, and rows are compared with the log as far as the program
+            kept them at that time.
         log: what was changed in its log and what is stored with it, in sentences.
         rows: what was changed in the rows that follow from the log.
     """
@@ -52,13 +55,23 @@ def examine(database: sqlite3.Connection) -> Iterator[tuple[str, Examined]]:
 
 
 def altered(database: sqlite3.Connection) -> list[str]:
-    """Return the sessions whose rows are not as they follow from their log, where the log is as it was recorded."""
-    return [session for session, found in examine(database) if found.is_hashed and found.rows and not found.log]
+    """Return the sessions whose rows are not as they follow from their log, where the log is as it
+    was recorded.
+    """
+    return [
+        session
+        for session, found in examine(database)
+        if found.is_hashed and found.rows and not found.log
+    ]
 
 
-def _examined(database: sqlite3.Connection, session: str, people: People, derivation: "Derivation") -> Examined:
+def _examined(
+    database: sqlite3.Connection, session: str, people: People, derivation: "Derivation"
+) -> Examined:
     groups = _groups(database, session)
-    found = database.execute("SELECT status, ended_at, log_hash FROM sessions WHERE id=?", (session,)).fetchone()
+    found = database.execute(
+        "SELECT status, ended_at, log_hash FROM sessions WHERE id=?", (session,)
+    ).fetchone()
     if found is None:  # its id is damaged, which is told elsewhere
         return Examined(False)
     status, ended_at, last = found
@@ -66,26 +79,38 @@ def _examined(database: sqlite3.Connection, session: str, people: People, deriva
         log = ["The hashes of its log were removed."] if last else []
         return _with_rows(Examined(False, tuple(log)), session, derivation)
     listed = [entry for group in groups for entry in group.beside]
-    log = [*_changed_groups(database, session, people, groups), *_added(database, session, groups, listed)]
+    log = [
+        *_changed_groups(database, session, people, groups),
+        *_added(database, session, groups, listed),
+    ]
     if groups[-1].hash != last:
         log.append("The last hash of its log is not the one in the row of the session.")
     if ["adopted"] in listed:
         return _with_rows(Examined(False, tuple(log)), session, derivation)
-    if log and messages.count(database, session, groups[-1].until) < groups[-1].until:  # what follows is lost, too
+    # what follows is lost, too
+    if log and messages.count(database, session, groups[-1].until) < groups[-1].until:
         return Examined(True, tuple(log))
     ends = _changed_end(database, session, status, ended_at, listed)
     return _with_rows(Examined(True, tuple(log), tuple(ends)), session, derivation)
 
 
 def _with_rows(found: Examined, session: str, derivation: "Derivation") -> Examined:
-    """Return what was found, and how the rows of a session differ from those that follow from its log."""
+    """Return what was found, and how the rows of a session differ from those that follow from its
+    log.
+    """
     if not derivation.derive(session):
-        unread = "Messages of it cannot be read by this version of sar-tui, so that its rows cannot be compared."
+        unread = (
+            "Messages of it cannot be read by this version of sar-tui, so that its rows "
+            "cannot be compared."
+        )
         return found._replace(log=(*found.log, unread)) if found.is_hashed else found
-    return found._replace(rows=(*found.rows, *derivation.differences(session, as_kept=not found.is_hashed)))
+    return found._replace(
+        rows=(*found.rows, *derivation.differences(session, as_kept=not found.is_hashed))
+    )
 
 
-# --- the log --------------------------------------------------------------------------------------------------------
+# --- the log
+# --------------------------------------------------------------------------------------------------------
 
 
 class _Group(NamedTuple):
@@ -97,7 +122,8 @@ class _Group(NamedTuple):
 
 def _groups(database: sqlite3.Connection, session: str) -> list[_Group]:
     found = database.execute(
-        "SELECT number, seq, beside, hash FROM log_hashes WHERE session=? ORDER BY number", (session,)
+        "SELECT number, seq, beside, hash FROM log_hashes WHERE session=? ORDER BY number",
+        (session,),
     )
     return [
         _Group(number, until, log_hashes.entries(beside), str(stored))
@@ -122,7 +148,10 @@ def _changed_groups(
             digests.append(erased.get(digest, digest))
             waiting = next(stored, None)
         beside = [_possible_hashes(database, session, people, entry) for entry in group.beside]
-        holds = any(log_hashes.group_hash(before, (*digests, *some)) == group.hash for some in product(*beside))
+        holds = any(
+            log_hashes.group_hash(before, (*digests, *some)) == group.hash
+            for some in product(*beside)
+        )
         if not holds or group.number != position:
             yield _where(first, group)
         before, first = group.hash, group.until + 1
@@ -132,34 +161,53 @@ def _changed_groups(
 
 def _where(first: int, group: _Group) -> str:
     """Return the sentence about a group that was changed."""
-    names = {"facts": "the facts of the session", "run": "run {}", "stream": "sensor stream {}", "ended": "the end"}
+    names = {
+        "facts": "the facts of the session",
+        "run": "run {}",
+        "stream": "sensor stream {}",
+        "ended": "the end",
+    }
     parts = [f"messages {first} to {group.until}"] if group.until >= first else []
     parts += [names[kind].format(*key) for kind, *key in group.beside if kind in names]
     chunks = [key for kind, *key in group.beside if kind == "chunk"]
     parts += [f"{len(chunks)} blocks of samples"] if chunks else []
-    return f"Its log was changed: not as recorded are one or more of: {', '.join(parts) or 'its hashes'}."
+    return (
+        "Its log was changed: not as recorded are one or more of: "
+        f"{', '.join(parts) or 'its hashes'}."
+    )
 
 
-def _possible_hashes(database: sqlite3.Connection, session: str, people: People, entry: Entry) -> list[bytes]:
-    """Return the hash of a row beside the messages; of the session's facts, with each code of its participants."""
+def _possible_hashes(
+    database: sqlite3.Connection, session: str, people: People, entry: Entry
+) -> list[bytes]:
+    """Return the hash of a row beside the messages; of the session's facts, with each code of its
+    participants.
+    """
     if entry != ["facts"]:
         return [log_hashes.entry_hash(database, session, entry)]
     seats = log_hashes.seats(database, session)
     codes = [_codes_at_first(database, session, people, seat, code) for seat, code in seats.items()]
-    return [log_hashes.facts_hash(database, session, dict(zip(seats, some, strict=True))) for some in product(*codes)]
+    return [
+        log_hashes.facts_hash(database, session, dict(zip(seats, some, strict=True)))
+        for some in product(*codes)
+    ]
 
 
-def _codes_at_first(database: sqlite3.Connection, session: str, people: People, seat: str, code: str) -> list[str]:
+def _codes_at_first(
+    database: sqlite3.Connection, session: str, people: People, seat: str, code: str
+) -> list[str]:
     """Return the codes that a participant may have had in the session's log.
 
-    A merge gives a participant of another site a code in full, or that of the same person here; and the session may
-    have been moved to another participant since.
+    A merge gives a participant of another site a code in full, or that of the same person here; and
+    the session may have been moved to another participant since.
     """
     possible = _codes_of(people, code)
     for change in reversed(changes(database, session)):
         if change.change == "moved" and change.seat == seat:
             after = str(change.details.get("after"))
-            possible = _codes_of(people, str(change.details.get("before"))) if after in possible else []
+            possible = (
+                _codes_of(people, str(change.details.get("before"))) if after in possible else []
+            )
     return possible
 
 
@@ -173,20 +221,31 @@ def _people(database: sqlite3.Connection) -> People:
     return People(own[0] if own else "", stored_pairs(database))
 
 
-def _added(database: sqlite3.Connection, session: str, groups: Sequence[_Group], listed: list[Entry]) -> Iterator[str]:
+def _added(
+    database: sqlite3.Connection, session: str, groups: Sequence[_Group], listed: list[Entry]
+) -> Iterator[str]:
     """Yield the rows beside the messages that no group knows."""
     known = {tuple(entry) for entry in listed}
-    added = Counter(entry[0] for entry in log_hashes.entries_there(database, session) if tuple(entry) not in known)
+    added = Counter(
+        entry[0]
+        for entry in log_hashes.entries_there(database, session)
+        if tuple(entry) not in known
+    )
     names = {"run": "runs", "stream": "sensor streams", "chunk": "blocks of samples"}
     for kind, count in added.items():
         yield f"There are {names[kind]} that were added to its log: {count}."
 
 
-# --- what follows from the log --------------------------------------------------------------------------------------
+# --- what follows from the log
+# --------------------------------------------------------------------------------------
 
 
 def _changed_end(
-    database: sqlite3.Connection, session: str, status: str, ended_at: str | None, listed: list[Entry]
+    database: sqlite3.Connection,
+    session: str,
+    status: str,
+    ended_at: str | None,
+    listed: list[Entry],
 ) -> Iterator[str]:
     """Yield what is wrong with the status and the end in the row of a session."""
     derived = status_after(ends_and_changes(database, session))
@@ -212,9 +271,13 @@ class Derivation:
         self._columns: dict[str, list[str]] = {}
         self._pauses: list[tuple[Any, ...]] = []
         for table in DERIVED:
-            (statement,) = database.execute("SELECT sql FROM main.sqlite_master WHERE name=?", (table,)).fetchone()
+            (statement,) = database.execute(
+                "SELECT sql FROM main.sqlite_master WHERE name=?", (table,)
+            ).fetchone()
             self._memory.execute(statement)
-            self._columns[table] = [name for _, name, *_ in database.execute(f"PRAGMA main.table_info({table})")]
+            self._columns[table] = [
+                name for _, name, *_ in database.execute(f"PRAGMA main.table_info({table})")
+            ]
 
     def close(self) -> None:
         """Forget the rows."""
@@ -223,8 +286,8 @@ class Derivation:
     def derive(self, session: str) -> bool:
         """Derive the rows of a session. Return False if a message cannot be read.
 
-        Without hashes nothing tells the groups: all messages of a run are taken for one. Then a topic that is not known
-        here is not passed over, either.
+        Without hashes nothing tells the groups: all messages of a run are taken for one. Then a
+        topic that is not known here is not passed over, either.
         """
         for table in DERIVED:
             self._memory.execute(f"DELETE FROM {table}")
@@ -251,7 +314,9 @@ class Derivation:
 
     def _knows_topics(self, session: str) -> bool:
         """Return True if this version knows all topics of a session's messages."""
-        found = self._database.execute("SELECT DISTINCT topic FROM events WHERE session=?", (session,))
+        found = self._database.execute(
+            "SELECT DISTINCT topic FROM events WHERE session=?", (session,)
+        )
         return all(topic in ALL for (topic,) in found)
 
     def _store(self, session: str, run: int, records: list[Record]) -> None:
@@ -267,8 +332,8 @@ class Derivation:
         """Yield how the rows of a session differ from those that were derived.
 
         Args:
-            as_kept: compare only columns, and fields of JSON, that are filled in some row of the session: an earlier
-                version of the program kept no others.
+            as_kept: compare only columns, and fields of JSON, that are filled in some row of the
+                session: an earlier version of the program kept no others.
         """
         for table in DERIVED:
             yield from self._difference(table, session, as_kept)
@@ -277,7 +342,8 @@ class Derivation:
         said = Counter((seat, question) for _, seat, question, _ in self._pauses)
         stored = Counter(
             self._database.execute(
-                "SELECT seat, question FROM wellbeing WHERE session=? AND moment='pause' AND answer=?",
+                "SELECT seat, question FROM wellbeing WHERE session=? AND moment='pause' AND "
+                "answer=?",
                 (session, IN_PAUSE),
             ).fetchall()
         )
@@ -285,7 +351,9 @@ class Derivation:
             yield "Its pauses for pain or tiredness are not those of its log."
 
     def _difference(self, table: str, session: str, as_kept: bool) -> Iterator[str]:
-        stored, derived = (self._rows(database, table, session) for database in (self._database, self._memory))
+        stored, derived = (
+            self._rows(database, table, session) for database in (self._database, self._memory)
+        )
         here, there = Counter(stored), Counter(derived)
         here, there = here - there, there - here
         if not here and not there:
@@ -300,14 +368,22 @@ class Derivation:
         changed = min(more, less)
         parts = [
             f"{count} {words}"
-            for count, words in ((changed, "changed"), (less - changed, "missing"), (more - changed, "added"))
+            for count, words in (
+                (changed, "changed"),
+                (less - changed, "missing"),
+                (more - changed, "added"),
+            )
             if count
         ]
         yield f"Rows of {table} are not as its log has them: {', '.join(parts)}."
 
-    def _rows(self, database: sqlite3.Connection, table: str, session: str) -> list[tuple[Any, ...]]:
+    def _rows(
+        self, database: sqlite3.Connection, table: str, session: str
+    ) -> list[tuple[Any, ...]]:
         listed = ", ".join(f'"{name}"' for name in self._columns[table])
-        found = database.execute(f"SELECT {listed} FROM {table} WHERE session=? ORDER BY rowid", (session,))
+        found = database.execute(
+            f"SELECT {listed} FROM {table} WHERE session=? ORDER BY rowid", (session,)
+        )
         return found.fetchall()
 
     def rebuild(self, session: str) -> None:
@@ -320,34 +396,45 @@ class Derivation:
                 f"INSERT INTO {table} ({listed}) VALUES ({slots})",
                 self._memory.execute(f"SELECT {listed} FROM {table} ORDER BY rowid"),
             )
-        listed_beside = [entry for group in _groups(self._database, session) for entry in group.beside]
+        listed_beside = [
+            entry for group in _groups(self._database, session) for entry in group.beside
+        ]
         status = status_after(ends_and_changes(self._database, session))
         self._database.execute(
-            "UPDATE sessions SET status=?, ended_at=? WHERE id=?", (status, _end(listed_beside), session)
+            "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
+            (status, _end(listed_beside), session),
         )
 
 
 def _kept(stored: Sequence[Any]) -> Callable[[Any], Any]:
-    """Return what remains of a value of a column to compare it, by what rows of an earlier version have in it."""
+    """Return what remains of a value of a column to compare it, by what rows of an earlier version
+    have in it.
+    """
     values = [_comparable(value) for value in stored]
     if all(value in (None, "", {}) for value in values):
         return lambda value: None
     fields = {name for value in values if isinstance(value, dict) for name in value}
     return lambda value: (
-        {name: part for name, part in value.items() if name in fields} if isinstance(value, dict) else value
+        {name: part for name, part in value.items() if name in fields}
+        if isinstance(value, dict)
+        else value
     )
 
 
 def _comparable_row(row: tuple[Any, ...], kept: Sequence[Callable[[Any], Any]]) -> str:
     """Return a row as a text that is the same for rows that agree."""
     values = map(_comparable, row)
-    return repr([one(value) for one, value in zip(kept, values, strict=True)] if kept else list(values))
+    return repr(
+        [one(value) for one, value in zip(kept, values, strict=True)] if kept else list(values)
+    )
 
 
 def _comparable(value: Any) -> Any:
-    """Return a value of a row so that JSON with 3 and with 3.0 is the same: a message that was read has the second.
+    """Return a value of a row so that JSON with 3 and with 3.0 is the same: a message that was read
+    has the second.
 
-    A text in which an object has a name twice is no JSON that was stored: SQLite would read the first value of it.
+    A text in which an object has a name twice is no JSON that was stored: SQLite would read the
+    first value of it.
     """
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:

@@ -1,10 +1,12 @@
 """Running SHA-256 of a session's log and of what is stored with it, so that a change by hand shows.
 
-Each group of messages that was stored in one transaction has a row in ``log_hashes``. Its hash is that of the hash
-before it, of the hashes of its messages, and of the hashes of the rows ``beside`` them: the facts of the session, runs,
-sensor streams and blocks of samples, and the time of an end. The last hash stands in the session's row, too.
+Each group of messages that was stored in one transaction has a row in ``log_hashes``. Its hash is
+that of the hash before it, of the hashes of its messages, and of the hashes of the rows ``beside``
+them: the facts of the session, runs, sensor streams and blocks of samples, and the time of an end.
+The last hash stands in the session's row, too.
 
-This proves that something was changed, not that nothing was: who can write to the file can compute all hashes anew.
+This proves that something was changed, not that nothing was: who can write to the file can compute
+all hashes anew.
 """
 
 import hashlib
@@ -22,8 +24,10 @@ INSERT = "INSERT INTO log_hashes (session, number, seq, beside, hash) VALUES (?,
 SET_LAST = "UPDATE sessions SET log_hash=? WHERE id=?"
 
 Entry = list[Any]
-"""A row beside the messages, by kind and key: ``["facts"]``, ``["run", 1]``, ``["stream", 1]``, ``["chunk", 1, 2]``; or
-``["ended", time]``; or ``["adopted"]``, if what was before was not hashed as it was recorded."""
+"""A row beside the messages, by kind and key: ``["facts"]``, ``["run", 1]``, ``["stream", 1]``,
+``["chunk", 1, 2]``; or ``["ended", time]``; or ``["adopted"]``, if what was before was not hashed
+as it was recorded.
+"""
 
 _FACTS = "id, task, theme, started_at, seed, parameters, software, machine, mode, programme"
 _RUN = "run, clock_anchor, boot_id, pid, software, machine"
@@ -43,13 +47,15 @@ class Last(NamedTuple):
     hash: str
 
 
-# --- storing --------------------------------------------------------------------------------------------------------
+# --- storing
+# --------------------------------------------------------------------------------------------------------
 
 
 def last(database: sqlite3.Connection, session: str) -> Last | None:
     """Return the last group of a session; None if it was recorded before there were hashes."""
     found = database.execute(
-        "SELECT number, seq, hash FROM log_hashes WHERE session=? ORDER BY number DESC LIMIT 1", (session,)
+        "SELECT number, seq, hash FROM log_hashes WHERE session=? ORDER BY number DESC LIMIT 1",
+        (session,),
     ).fetchone()
     return Last(*found) if found else None
 
@@ -57,7 +63,9 @@ def last(database: sqlite3.Connection, session: str) -> Last | None:
 def next_group(
     before: Last, session: str, stored: Sequence[StoredRow], beside: Iterable[tuple[Entry, bytes]]
 ) -> tuple[Last, tuple[Any, ...]]:
-    """Return a group of messages with the rows beside them, each with its hash; and the group's row, for ``INSERT``."""
+    """Return a group of messages with the rows beside them, each with its hash; and the group's
+    row, for ``INSERT``.
+    """
     entries = list(beside)
     seq = stored[-1].seq if stored else before.seq
     digests = [*map(message_hash, stored), *(digest for _, digest in entries)]
@@ -67,14 +75,17 @@ def next_group(
 
 
 def begin(connection: sqlite3.Connection, session: str) -> None:
-    """Store the first group of a new session, with its facts. Call it in the transaction that stores them."""
+    """Store the first group of a new session, with its facts. Call it in the transaction that
+    stores them.
+    """
     _store(connection, session, Last(0, 0, ""), [["facts"]])
 
 
 def extend(connection: sqlite3.Connection, session: str, *beside: Entry) -> None:
     """Store a group with all messages that are in none yet, in a transaction of the caller.
 
-    A session without hashes stays so, unless a run begins on it: what is there then is hashed as it is.
+    A session without hashes stays so, unless a run begins on it: what is there then is hashed as it
+    is.
     """
     before = last(connection, session)
     if before is None and beside and beside[0][0] == "run":
@@ -84,7 +95,9 @@ def extend(connection: sqlite3.Connection, session: str, *beside: Entry) -> None
         _store(connection, session, before, beside)
 
 
-def _store(connection: sqlite3.Connection, session: str, before: Last, beside: Iterable[Entry]) -> Last:
+def _store(
+    connection: sqlite3.Connection, session: str, before: Last, beside: Iterable[Entry]
+) -> Last:
     hashed = [(entry, entry_hash(connection, session, entry)) for entry in beside]
     stored = list(messages.stored_rows(connection, session, before.seq))
     group, row = next_group(before, session, stored, hashed)
@@ -93,7 +106,8 @@ def _store(connection: sqlite3.Connection, session: str, before: Last, beside: I
     return group
 
 
-# --- hashes ---------------------------------------------------------------------------------------------------------
+# --- hashes
+# ---------------------------------------------------------------------------------------------------------
 
 
 def group_hash(before: str, digests: Iterable[bytes]) -> str:
@@ -119,7 +133,9 @@ def stream_hash(row: Sequence[Any]) -> bytes:
 
 
 def chunk_hash(row: Sequence[Any]) -> bytes:
-    """Return the hash of a row of ``imu_chunks``, in the order of `imu.CHUNK`: the samples are at its end."""
+    """Return the hash of a row of ``imu_chunks``, in the order of `imu.CHUNK`: the samples are at
+    its end.
+    """
     return _values_hash("chunk", row[:-1], row[-1])
 
 
@@ -133,14 +149,18 @@ def _values_hash(kind: str, values: Iterable[Any], data: bytes = b"") -> bytes:
 
 
 def _as_stored(value: Any) -> Any:
-    """Return a value that is the same before it is stored and when it is read: SQLite makes 100.0 of 100 for a REAL."""
+    """Return a value that is the same before it is stored and when it is read: SQLite makes 100.0
+    of 100 for a REAL.
+    """
     if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
         return int(value)
     return value
 
 
 def entry_hash(database: sqlite3.Connection, session: str, entry: Entry) -> bytes:
-    """Return the hash of a row beside the messages as it is in the database now; one that is missing has one, too."""
+    """Return the hash of a row beside the messages as it is in the database now; one that is
+    missing has one, too.
+    """
     kind, *key = entry
     if kind == "facts":
         return facts_hash(database, session, seats(database, session))
@@ -157,9 +177,13 @@ def entry_hash(database: sqlite3.Connection, session: str, entry: Entry) -> byte
     return chunk_hash(found) if kind == "chunk" else _values_hash(kind, found)
 
 
-def facts_hash(database: sqlite3.Connection, session: str, participants: Mapping[str, str]) -> bytes:
+def facts_hash(
+    database: sqlite3.Connection, session: str, participants: Mapping[str, str]
+) -> bytes:
     """Return the hash of a session's facts with these participants, by seat."""
-    found = database.execute(f"SELECT {_FACTS} FROM sessions WHERE id=?", (session,)).fetchone() or ()
+    found = (
+        database.execute(f"SELECT {_FACTS} FROM sessions WHERE id=?", (session,)).fetchone() or ()
+    )
     return _values_hash("facts", [*found, sorted(participants.items())])
 
 
@@ -173,7 +197,9 @@ def entries_there(database: sqlite3.Connection, session: str) -> Iterator[Entry]
     """Yield the rows beside the messages that a session has."""
     for kind, (table, names) in _KEYS.items():
         listed = ", ".join(names)
-        for key in database.execute(f"SELECT {listed} FROM {table} WHERE session=? ORDER BY {listed}", (session,)):
+        for key in database.execute(
+            f"SELECT {listed} FROM {table} WHERE session=? ORDER BY {listed}", (session,)
+        ):
             yield [kind, *key]
 
 
@@ -183,7 +209,9 @@ _KEY_TYPES: dict[str, tuple[type, ...]] = {
 
 
 def entries(beside: str) -> list[Entry]:
-    """Return the rows beside the messages of a group as ``log_hashes.beside`` has them; damaged ones as ``damaged``."""
+    """Return the rows beside the messages of a group as ``log_hashes.beside`` has them; damaged
+    ones as ``damaged``.
+    """
     try:
         found = msgspec.json.decode(beside, type=list[list[Any]]) if beside else []
     except msgspec.DecodeError:

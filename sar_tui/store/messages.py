@@ -1,8 +1,9 @@
-"""Messages in the database: as arrays of their values, so that the names of their fields are stored once a topic.
+"""Messages in the database: as arrays of their values, so that the names of their fields are stored
+once a topic.
 
-A row of ``topics`` holds the names and defaults of the fields that messages were written with. The view ``events``
-makes objects of them again; this module does so for the program. Messages that an earlier version stored, as objects,
-stay in ``earlier_events``.
+A row of ``topics`` holds the names and defaults of the fields that messages were written with. The
+view ``events`` makes objects of them again; this module does so for the program. Messages that an
+earlier version stored, as objects, stay in ``earlier_events``.
 """
 
 import sqlite3
@@ -22,13 +23,17 @@ from sar_tui.model.messages import Message
 from sar_tui.store.database import StoreError, explain, transaction
 
 PRESENCE_ID = 1
-"""The number of `PRESENCE` in ``topics``: it is in the condition of an index. Its messages are stored as objects."""
+"""The number of `PRESENCE` in ``topics``: it is in the condition of an index. Its messages are
+stored as objects.
+"""
 
 _json = msgspec.json.Encoder()
 
 
 class StoredMessage(NamedTuple):
-    """A message of a session with its number, its run, and the time of its cascade (ns, within its run)."""
+    """A message of a session with its number, its run, and the time of its cascade (ns, within its
+    run).
+    """
 
     seq: int
     run: int
@@ -55,19 +60,26 @@ class Numbers(NamedTuple):
     topics: Mapping[str, int]
 
 
-# --- the form of messages --------------------------------------------------------------------------------------------
+# --- the form of messages
+# --------------------------------------------------------------------------------------------
 
 
 @cache
 def layout(topic: Topic[Any]) -> str:
-    """Return the fields of a topic's messages as JSON, ``[name, default]`` or ``[name]``; empty if they are objects."""
+    """Return the fields of a topic's messages as JSON, ``[name, default]`` or ``[name]``; empty if
+    they are objects.
+    """
     if topic is PRESENCE:
         return ""
-    return _json.encode([[one.encode_name, *_default(one)] for one in _ordered(topic.type)]).decode()
+    return _json.encode(
+        [[one.encode_name, *_default(one)] for one in _ordered(topic.type)]
+    ).decode()
 
 
 def _ordered(kind: type[Message]) -> list[FieldInfo]:
-    """Return the fields of a message in the order in which they are stored: at the end what is most often a default."""
+    """Return the fields of a message in the order in which they are stored: at the end what is most
+    often a default.
+    """
     return sorted(fields(kind), key=lambda one: (bool(_default(one)), one.name == "seat"))
 
 
@@ -80,7 +92,9 @@ def _default(one: FieldInfo) -> list[Any]:
 
 @cache
 def encoder(topic: Topic[Any]) -> Callable[[Message], str]:
-    """Return the function that encodes a topic's messages. Values at the end that are defaults are left out."""
+    """Return the function that encodes a topic's messages. Values at the end that are defaults are
+    left out.
+    """
     if topic is PRESENCE:
         return lambda message: _json.encode(message).decode()
     ordered = _ordered(topic.type)
@@ -130,11 +144,13 @@ def _array_like(kind: type[Message]) -> type[msgspec.Struct]:
     return msgspec.defstruct(kind.__name__, same, array_like=True, kw_only=True)
 
 
-# --- in the database -------------------------------------------------------------------------------------------------
+# --- in the database
+# -------------------------------------------------------------------------------------------------
 
 
 def numbers(database: sqlite3.Connection, session: str) -> Numbers:
-    """Return the numbers of a session and of all topics in a database; those that it lacks are stored.
+    """Return the numbers of a session and of all topics in a database; those that it lacks are
+    stored.
 
     Raises:
         StoreError: the database cannot be used.
@@ -152,8 +168,13 @@ def add_numbers(connection: sqlite3.Connection, session: str) -> Numbers:
     """Return the numbers as `numbers` does, in a transaction of the caller."""
     for statement, values in _missing(connection, session):
         connection.execute(statement, values)
-    (number,) = connection.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
-    known = {(name, form): id for id, name, form in connection.execute("SELECT id, name, fields FROM topics")}
+    (number,) = connection.execute(
+        "SELECT number FROM session_numbers WHERE id=?", (session,)
+    ).fetchone()
+    known = {
+        (name, form): id
+        for id, name, form in connection.execute("SELECT id, name, fields FROM topics")
+    }
     return Numbers(number, {name: known[name, layout(topic)] for name, topic in ALL.items()})
 
 
@@ -184,8 +205,12 @@ def extent(database: sqlite3.Connection, session: str) -> tuple[int, int]:
     return min(numbers, default=0), max(numbers, default=0)
 
 
-def replace(connection: sqlite3.Connection, session: str, seq: int, topic: Topic[Any], message: Message) -> None:
-    """Store another message in place of one with the same number and topic, in a transaction of the caller."""
+def replace(
+    connection: sqlite3.Connection, session: str, seq: int, topic: Topic[Any], message: Message
+) -> None:
+    """Store another message in place of one with the same number and topic, in a transaction of the
+    caller.
+    """
     numbers = add_numbers(connection, session)
     connection.execute(
         "UPDATE messages SET topic=?, message=? WHERE session_number=? AND seq=?",
@@ -200,39 +225,55 @@ def replace(connection: sqlite3.Connection, session: str, seq: int, topic: Topic
 def count(database: sqlite3.Connection, session: str, until: int) -> int:
     """Return how many messages of a session there are with numbers up to ``until``."""
     (stored,) = database.execute(
-        "SELECT (SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE"
-        " id=:session) AND seq<=:until) + (SELECT count(*) FROM earlier_events WHERE session=:session AND seq<=:until)",
+        "SELECT (SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM "
+        "session_numbers WHERE"
+        " id=:session) AND seq<=:until) + (SELECT count(*) FROM earlier_events WHERE "
+        "session=:session AND seq<=:until)",
         {"session": session, "until": until},
     ).fetchone()
     return int(stored)
 
 
 def last(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
-    """Return number, run and time of the last message of a session; number 0, and run 1, if there is none."""
+    """Return number, run and time of the last message of a session; number 0, and run 1, if there
+    is none.
+    """
     found = database.execute(
-        "SELECT seq, run, at_ns FROM (SELECT * FROM (SELECT seq, run, at_ns FROM messages WHERE session_number="
-        " (SELECT number FROM session_numbers WHERE id=:session) ORDER BY seq DESC LIMIT 1) UNION ALL SELECT * FROM"
-        " (SELECT seq, run, at_ns FROM earlier_events WHERE session=:session ORDER BY seq DESC LIMIT 1))"
+        "SELECT seq, run, at_ns FROM (SELECT * FROM (SELECT seq, run, at_ns FROM messages WHERE "
+        "session_number="
+        " (SELECT number FROM session_numbers WHERE id=:session) ORDER BY seq DESC LIMIT 1) UNION "
+        "ALL SELECT * FROM"
+        " (SELECT seq, run, at_ns FROM earlier_events WHERE session=:session ORDER BY seq DESC "
+        "LIMIT 1))"
         " ORDER BY seq DESC LIMIT 1",
         {"session": session},
     ).fetchone()
     return found or (0, 1, 0)
 
 
-def copy(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False) -> list[int]:
-    """Copy the messages of a session to another database, in its transaction; replace what it has unless ``adds``.
+def copy(
+    source: sqlite3.Connection, target: sqlite3.Connection, session: str, *, adds: bool = False
+) -> list[int]:
+    """Copy the messages of a session to another database, in its transaction; replace what it has
+    unless ``adds``.
 
-    The two databases have numbers of their own for sessions and topics. What an earlier version stored is not copied.
+    The two databases have numbers of their own for sessions and topics. What an earlier version
+    stored is not copied.
 
     Returns:
-        The numbers of messages that are damaged, which are not copied: no report could read the others then.
+        The numbers of messages that are damaged, which are not copied: no report could read the
+            others then.
     """
     target.execute("INSERT OR IGNORE INTO session_numbers (id) VALUES (?)", (session,))
-    (number,) = target.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
+    (number,) = target.execute(
+        "SELECT number FROM session_numbers WHERE id=?", (session,)
+    ).fetchone()
     if not adds:
         target.execute("DELETE FROM messages WHERE session_number=?", (number,))
     topics = _sound_topics(source)
-    target.executemany("INSERT OR IGNORE INTO topics (name, fields) VALUES (?, ?)", [row[1:] for row in topics])
+    target.executemany(
+        "INSERT OR IGNORE INTO topics (name, fields) VALUES (?, ?)", [row[1:] for row in topics]
+    )
     known = {row[1:]: row[0] for row in target.execute("SELECT id, name, fields FROM topics")}
     there = {id: known[name, stored] for id, name, stored in topics}
     rows = source.execute(
@@ -250,7 +291,8 @@ def copy(source: sqlite3.Connection, target: sqlite3.Connection, session: str, *
                 damaged.append(seq)
 
     target.executemany(
-        "INSERT OR IGNORE INTO messages (session_number, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
+        "INSERT OR IGNORE INTO messages (session_number, seq, run, at_ns, topic, message) VALUES "
+        "(?,?,?,?,?,?)",
         sound(),
     )
     return damaged
@@ -291,16 +333,23 @@ def read(database: sqlite3.Connection, session: str) -> Iterator[StoredMessage]:
 
 def unreadable(session: str, seq: int) -> StoreError:
     """Return the error of a stored message that this version cannot read."""
-    return StoreError(f"Message {seq} of session {session} cannot be read by this version of sar-tui.")
+    return StoreError(
+        f"Message {seq} of session {session} cannot be read by this version of sar-tui."
+    )
 
 
 def decoded(row: StoredRow) -> Message:
-    """Return the message of a row. Raises KeyError, TypeError or MsgspecError if this version cannot read it."""
+    """Return the message of a row. Raises KeyError, TypeError or MsgspecError if this version
+    cannot read it.
+    """
     return _decoder(ALL[row.topic], row.fields)(row.text)
 
 
 def stored_rows(
-    database: sqlite3.Connection, session: str, after: int = 0, topics: Collection[str] | None = None
+    database: sqlite3.Connection,
+    session: str,
+    after: int = 0,
+    topics: Collection[str] | None = None,
 ) -> Iterator[StoredRow]:
     """Yield the messages of a session as they are stored, in order.
 
@@ -312,22 +361,35 @@ def stored_rows(
     """
     wanted = None if topics is None else set(topics)
     earlier = database.execute(
-        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? ORDER BY seq",
+        "SELECT seq, run, at_ns, topic, '', message FROM earlier_events WHERE session=? AND seq>? "
+        "ORDER BY seq",
         (session, after),
     )
-    known = {id: (name, stored) for id, name, stored in database.execute("SELECT id, name, fields FROM topics")}
+    known = {
+        id: (name, stored)
+        for id, name, stored in database.execute("SELECT id, name, fields FROM topics")
+    }
     of_topics = ""
     if wanted is not None:
-        of_topics = f" AND topic IN ({', '.join(str(int(id)) for id, (name, _) in known.items() if name in wanted)})"
+        of_topics = (
+            " AND topic IN "
+            f"({', '.join(str(int(id)) for id, (name, _) in known.items() if name in wanted)})"
+        )
     rows = database.execute(
         "SELECT seq, run, at_ns, topic, message FROM messages"
-        f" WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND seq>?{of_topics} ORDER BY seq",
+        " WHERE session_number=(SELECT number FROM session_numbers WHERE id=?) AND "
+        f"seq>?{of_topics} ORDER BY seq",
         (session, after),
     )
     unknown = ("", "")  # a damaged number, whose message cannot be read
-    present = (StoredRow(seq, run, at, *known.get(topic, unknown), text) for seq, run, at, topic, text in rows)
+    present = (
+        StoredRow(seq, run, at, *known.get(topic, unknown), text)
+        for seq, run, at, topic, text in rows
+    )
     if (first := earlier.fetchone()) is None:
         yield from present
     else:
-        before = (StoredRow(*row) for row in chain([first], earlier) if wanted is None or row[3] in wanted)
+        before = (
+            StoredRow(*row) for row in chain([first], earlier) if wanted is None or row[3] in wanted
+        )
         yield from merge(before, present)

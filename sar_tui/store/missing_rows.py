@@ -6,7 +6,16 @@ from typing import NamedTuple
 
 from sar_tui.store import log_hashes, messages
 
-_KNOWN_BY = ("log_hashes", "seats", "runs", "attempts", "trials", "actions", "imu_streams", "imu_chunks")
+_KNOWN_BY = (
+    "log_hashes",
+    "seats",
+    "runs",
+    "attempts",
+    "trials",
+    "actions",
+    "imu_streams",
+    "imu_chunks",
+)
 """Tables that may know a session whose own row is lost."""
 _TABLES = {"run": "runs", "stream": "imu_streams", "chunk": "imu_chunks"}
 
@@ -20,7 +29,9 @@ class Missing(NamedTuple):
 
 
 def missing_rows(database: sqlite3.Connection) -> list[Missing]:
-    """Return the rows that are missing, as far as others tell: a session of which nothing is left is not among them."""
+    """Return the rows that are missing, as far as others tell: a session of which nothing is left
+    is not among them.
+    """
     found: list[Missing] = []
     for session in _sessions(database):
         counts = Counter[str]()
@@ -31,14 +42,18 @@ def missing_rows(database: sqlite3.Connection) -> list[Missing]:
         _count_log(database, session, counts)
         counts["trials"] = _one(
             database,
-            "SELECT coalesce(sum(max(0, trials - (SELECT count(*) FROM trials WHERE session=attempts.session"
-            " AND attempt=attempts.attempt AND seat=attempts.seat))), 0) FROM attempts WHERE session=?",
+            "SELECT coalesce(sum(max(0, trials - (SELECT count(*) FROM trials WHERE "
+            "session=attempts.session"
+            " AND attempt=attempts.attempt AND seat=attempts.seat))), 0) FROM attempts WHERE "
+            "session=?",
             session,
         )
         counts["attempts"] = _one(
             database,
-            "WITH given (session) AS (VALUES (?)) SELECT count(*) FROM (SELECT DISTINCT attempt, seat FROM trials"
-            " JOIN given USING (session) WHERE attempt<(SELECT max(attempt) FROM trials JOIN given USING (session))"
+            "WITH given (session) AS (VALUES (?)) SELECT count(*) FROM (SELECT DISTINCT attempt, "
+            "seat FROM trials"
+            " JOIN given USING (session) WHERE attempt<(SELECT max(attempt) FROM trials JOIN "
+            "given USING (session))"
             " EXCEPT SELECT attempt, seat FROM attempts JOIN given USING (session))",
             session,
         )
@@ -55,7 +70,8 @@ def _sessions(database: sqlite3.Connection) -> list[str]:
 def _count_log(database: sqlite3.Connection, session: str, counts: Counter[str]) -> None:
     """Count what the hashes of a session's log know of, and is not there."""
     groups = database.execute(
-        "SELECT number, seq, beside FROM log_hashes WHERE session=? AND typeof(number)='integer' AND"
+        "SELECT number, seq, beside FROM log_hashes WHERE session=? AND typeof(number)='integer' "
+        "AND"
         " typeof(seq)='integer' ORDER BY number",
         (session,),
     ).fetchall()

@@ -22,9 +22,11 @@ def check_code(code: str) -> str:
     A participant of another site has its code behind an @: P01@BERN.
     """
     code = code.strip()
-    if not _CODE.fullmatch(code):  # before the capitals: those of ß and ı are letters of other codes
+    # before the capitals: those of ß and ı are letters of other codes
+    if not _CODE.fullmatch(code):
         raise StoreError(
-            "A participant code has 1 to 32 letters, digits, - or _, and begins with a letter or digit, such as P01. "
+            "A participant code has 1 to 32 letters, digits, - or _, and begins with a letter or "
+            "digit, such as P01. "
             "Never use a name.",
             bad_input=True,
         )
@@ -32,12 +34,15 @@ def check_code(code: str) -> str:
 
 
 def check_own(code: str) -> str:
-    """Return a code as it is stored. Raise StoreError if it is not valid, or of a participant of another site."""
+    """Return a code as it is stored. Raise StoreError if it is not valid, or of a participant of
+    another site.
+    """
     code = check_code(code)
     _, sign, site = code.partition("@")
     if sign:
         raise StoreError(
-            f"{code} is a participant of {site}: what {site} recorded can be looked at, and is changed only there.",
+            f"{code} is a participant of {site}: what {site} recorded can be looked at, and is "
+            "changed only there.",
             bad_input=True,
         )
     return code
@@ -52,20 +57,26 @@ def add(db: sqlite3.Connection, code: str) -> str:
     code = check_own(code)
     row = (code, datetime.now(UTC).isoformat())
     with transaction(db) as connection:
-        connection.execute("INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", row)
+        connection.execute(
+            "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?, ?)", row
+        )
     return code
 
 
 def codes(db: sqlite3.Connection) -> list[str]:
     """Return the codes of this site's participants of live sessions, sorted."""
-    return [code for (code,) in db.execute("SELECT code FROM participants WHERE site='' ORDER BY code")]
+    return [
+        code for (code,) in db.execute("SELECT code FROM participants WHERE site='' ORDER BY code")
+    ]
 
 
 def check_known(db: sqlite3.Connection, code: str) -> str:
-    """Return a code as it is stored, if anything is stored of this participant, such as a simulated session.
+    """Return a code as it is stored, if anything is stored of this participant, such as a simulated
+    session.
 
     Raises:
-        StoreError: the code is not valid, or nobody has it. The message names codes that are much like it.
+        StoreError: the code is not valid, or nobody has it. The message names codes that are much
+            like it.
     """
     code = check_code(code)
     known = _codes_in(db, (*_RECORDS, "seats"))
@@ -77,9 +88,9 @@ def check_known(db: sqlite3.Connection, code: str) -> str:
 def admit(db: sqlite3.Connection, codes: Sequence[str], *, is_new: bool = False) -> list[str]:
     """Return codes as they are stored, if something may be recorded of these participants now.
 
-    The one rule for all that records something of people: a code that nobody has here is probably a typing error, and
-    would divide a person's record; a code that is given twice would mix the records of two people. Simulated sessions
-    make nobody known.
+    The one rule for all that records something of people: a code that nobody has here is probably a
+    typing error, and would divide a person's record; a code that is given twice would mix the
+    records of two people. Simulated sessions make nobody known.
 
     Args:
         codes: of the participants of a session, or of one person.
@@ -96,7 +107,8 @@ def admit(db: sqlite3.Connection, codes: Sequence[str], *, is_new: bool = False)
         raise UnknownParticipant(unknown[0], known)
     if is_new and not unknown:
         raise StoreError(
-            f"{' and '.join(codes)} is known here already: leave out --new, or give a new participant another code.",
+            f"{' and '.join(codes)} is known here already: leave out --new, or give a new "
+            "participant another code.",
             bad_input=True,
         )
     return codes
@@ -122,7 +134,9 @@ class UnknownParticipant(StoreError):
 
     @property
     def advice(self) -> str:
-        """Say in one sentence what to do where somebody is to be recorded, and nobody can be asked."""
+        """Say in one sentence what to do where somebody is to be recorded, and nobody can be
+        asked.
+        """
         meant = f"give {self.like} if that is meant, or " if self.like else ""
         return f"There is no participant {self.code}: {meant}add --new for a new participant."
 
@@ -132,7 +146,10 @@ _RECORDS = ("participants", "programmes", "adverse_events", "instrument_scores",
 
 
 def _codes_in(db: sqlite3.Connection, tables: Sequence[str]) -> set[str]:
-    parts = (f"SELECT {'code' if table == 'participants' else 'participant'} FROM {table}" for table in tables)
+    parts = (
+        f"SELECT {'code' if table == 'participants' else 'participant'} FROM {table}"
+        for table in tables
+    )
     return {code for (code,) in db.execute(" UNION ".join(parts))}
 
 
@@ -141,7 +158,9 @@ _MISTAKEN = str.maketrans("OIL", "011")
 
 
 def _plain(code: str) -> str:
-    """Return a code without what is easily left out or mistaken: "P-01", "p1", "P0l" and "P01" are alike."""
+    """Return a code without what is easily left out or mistaken: "P-01", "p1", "P0l" and "P01" are
+    alike.
+    """
     return re.sub(r"(?<!\d)0+(?=\d)|[-_]", "", code.upper().translate(_MISTAKEN))
 
 
@@ -151,7 +170,8 @@ class Known(msgspec.Struct, frozen=True):
     Args:
         code: the code.
         session: id of the newest session; None without one.
-        is_interrupted: True if one of the newest live sessions was interrupted, and was not dismissed.
+        is_interrupted: True if one of the newest live sessions was interrupted, and was not
+            dismissed.
     """
 
     code: str
@@ -170,21 +190,33 @@ FROM participants LEFT JOIN sessions AS newest ON newest.id=
     (SELECT session FROM seats WHERE participant=code ORDER BY seats.rowid DESC LIMIT 1)
 WHERE participants.site=''
 ORDER BY max(coalesce(newest.started_at, ''), created_at) DESC, code"""
-"""Each participant's seats are looked up from the newest on, so that only some of their sessions are read."""
+"""Each participant's seats are looked up from the newest on, so that only some of their sessions
+are read.
+"""
 
 
 def newest_first(db: sqlite3.Connection, folder: Path) -> list[Known]:
-    """Return this site's participants of live sessions; first who began a session, or was added, last."""
+    """Return this site's participants of live sessions; first who began a session, or was added,
+    last.
+    """
 
     def waits(unfinished: str | None) -> bool:
         found = [each.split() for each in unfinished.split(",")] if unfinished else []
-        return any(status == "interrupted" or not is_held(folder, "session", session) for session, status in found)
+        return any(
+            status == "interrupted" or not is_held(folder, "session", session)
+            for session, status in found
+        )
 
-    return [Known(code, session, waits(unfinished)) for code, session, unfinished in db.execute(_NEWEST_FIRST)]
+    return [
+        Known(code, session, waits(unfinished))
+        for code, session, unfinished in db.execute(_NEWEST_FIRST)
+    ]
 
 
 def last_task(db: sqlite3.Connection, participant: str) -> str | None:
-    """Return the task of a participant's newest live session; without one, of their newest programme; or None."""
+    """Return the task of a participant's newest live session; without one, of their newest
+    programme; or None.
+    """
     row = (
         db.execute(
             "SELECT task FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
@@ -192,14 +224,17 @@ def last_task(db: sqlite3.Connection, participant: str) -> str | None:
             (participant,),
         ).fetchone()
         or db.execute(
-            "SELECT task FROM programmes WHERE participant=? ORDER BY created_at DESC LIMIT 1", (participant,)
+            "SELECT task FROM programmes WHERE participant=? ORDER BY created_at DESC LIMIT 1",
+            (participant,),
         ).fetchone()
     )
     return row[0] if row else None
 
 
 def last_used(db: sqlite3.Connection) -> str | None:
-    """Return the (first) participant of this site's live session that was begun or resumed last; None without one."""
+    """Return the (first) participant of this site's live session that was begun or resumed last;
+    None without one.
+    """
     row = db.execute(
         "SELECT participant FROM runs JOIN sessions ON sessions.id = runs.session"
         f" JOIN seats ON seats.session = runs.session AND seat='A' WHERE {LIVE} AND site=''"

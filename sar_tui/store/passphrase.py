@@ -1,4 +1,5 @@
-"""The therapist's passphrase of a data folder: a salted scrypt hash in a file, and a log of the tries.
+"""The therapist's passphrase of a data folder: a salted scrypt hash in a file, and a log of the
+tries.
 
 It guards screens. Whoever can write to the data folder can replace it.
 """
@@ -65,8 +66,8 @@ class Try(msgspec.Struct, frozen=True):
 class Passphrase:
     """The passphrase of a data folder.
 
-    After `FREE_TRIES` wrong ones in a row, each further one is followed by a wait, twice as long each time. The count
-    is in the log, so that a restart does not shorten the wait.
+    After `FREE_TRIES` wrong ones in a row, each further one is followed by a wait, twice as long
+    each time. The count is in the log, so that a restart does not shorten the wait.
 
     Args:
         folder: the data folder.
@@ -108,7 +109,9 @@ class Passphrase:
             finally:
                 temporary.unlink(missing_ok=True)
         except OSError as error:
-            raise StoreError(f"The passphrase cannot be stored in {self._folder} ({error.strerror}).") from error
+            raise StoreError(
+                f"The passphrase cannot be stored in {self._folder} ({error.strerror})."
+            ) from error
 
     def remove(self) -> None:
         """Remove the passphrase. Raises StoreError."""
@@ -129,10 +132,12 @@ class Passphrase:
             return 0.0
         wait = min(LONGEST_WAIT_S, FIRST_WAIT_S * 2.0 ** min(wrong - FREE_TRIES, 30))
         passed = self._now() - last
-        return max(0.0, wait - passed) if passed >= 0 else 0.0  # the clock was set back: nobody can wait for that
+        # the clock was set back: nobody can wait for that
+        return max(0.0, wait - passed) if passed >= 0 else 0.0
 
     def check(self, text: str, where: str = "") -> bool:
-        """Return True if this is the passphrase, and log the try. While one has to wait, it is never right.
+        """Return True if this is the passphrase, and log the try. While one has to wait, it is
+        never right.
 
         Raises:
             StoreError: the stored passphrase cannot be read.
@@ -183,7 +188,9 @@ class Passphrase:
         try:
             return msgspec.json.decode(self._path.read_bytes(), type=_Hash)
         except FileNotFoundError as error:
-            raise StoreError("There is no passphrase. Set one: sar-tui passphrase.", bad_input=True) from error
+            raise StoreError(
+                "There is no passphrase. Set one: sar-tui passphrase.", bad_input=True
+            ) from error
         except OSError as error:
             raise StoreError(f"{self._path} cannot be read ({error.strerror}). {again}") from error
         except msgspec.DecodeError as error:
@@ -216,7 +223,9 @@ def _derive(text: str, stored: _Hash) -> bytes:
             dklen=32,
         )
     except ValueError as error:  # the file holds a cost that is not a power of two
-        raise StoreError("The stored passphrase cannot be used. Set it again: sar-tui passphrase.") from error
+        raise StoreError(
+            "The stored passphrase cannot be used. Set it again: sar-tui passphrase."
+        ) from error
 
 
 def _write(path: Path, how: int, content: bytes) -> None:

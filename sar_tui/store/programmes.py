@@ -1,4 +1,6 @@
-"""Programmes: the settings of a participant for a task, as versions that are added and never changed."""
+"""Programmes: the settings of a participant for a task, as versions that are added and never
+changed.
+"""
 
 import sqlite3
 from datetime import UTC, datetime
@@ -42,7 +44,8 @@ class Superseded(StoreError):
         by = f" by {newest.author}" if newest.author else ""
         why = f" ({newest.reason})" if newest.reason else ""
         super().__init__(
-            f"The programme of {participant} was changed meanwhile: version {newest.version}{by}{why}. "
+            f"The programme of {participant} was changed meanwhile: version "
+            f"{newest.version}{by}{why}. "
             "Nothing was saved.",
             bad_input=True,
         )
@@ -82,7 +85,9 @@ def find(db: sqlite3.Connection, participant: str, task: str, version: int) -> P
 
 def tasks(db: sqlite3.Connection, participant: str) -> list[str]:
     """Return the tasks for which a participant has a programme, sorted."""
-    rows = db.execute("SELECT DISTINCT task FROM programmes WHERE participant=? ORDER BY task", (participant,))
+    rows = db.execute(
+        "SELECT DISTINCT task FROM programmes WHERE participant=? ORDER BY task", (participant,)
+    )
     return [task for (task,) in rows]
 
 
@@ -106,8 +111,8 @@ def save(
 
     Raises:
         Superseded: another version was saved since ``after``.
-        StoreError: the participant is of another site, a text has control characters, or the disk cannot write; nothing
-            was saved.
+        StoreError: the participant is of another site, a text has control characters, or the disk
+            cannot write; nothing was saved.
     """
     check_own(participant)
     author, reason = (check_text(f"The {name}", text[:LONGEST_TEXT], LONGEST_TEXT)

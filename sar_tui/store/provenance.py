@@ -1,4 +1,6 @@
-"""Provenance of data: the software that made it, with versions and hashes, and the machine it was made on."""
+"""Provenance of data: the software that made it, with versions and hashes, and the machine it was
+made on.
+"""
 
 import hashlib
 import os
@@ -20,10 +22,11 @@ _PACKAGES = ("textual", "rich", "msgspec", "sqlite-utils", "numpy")
 
 
 def software(task: type[Task], source: str, task_code: Path, theme_folder: Path) -> dict[str, Any]:
-    """Describe the software: versions, the task's declaration, and hashes of the task's code and the theme's folder.
+    """Describe the software: versions, the task's declaration, and hashes of the task's code and
+    the theme's folder.
 
-    ``source``: where the task comes from, as its own one may have the name of a built-in one. ``pictures``: the hash of
-    each picture in the task's folder, if it has some.
+    ``source``: where the task comes from, as its own one may have the name of a built-in one.
+    ``pictures``: the hash of each picture in the task's folder, if it has some.
     """
     pictures = _picture_hashes(task_code)
     return {
@@ -69,10 +72,14 @@ def _version(package: str) -> str | None:
 def folder_hash(folder: Path) -> str:
     """Return the SHA-256 of the names and contents of a folder's files, or of a single file."""
     digest = hashlib.sha256()
-    files, above = (sorted(folder.rglob("*")), folder) if folder.is_dir() else ([folder], folder.parent)
+    files, above = (
+        (sorted(folder.rglob("*")), folder) if folder.is_dir() else ([folder], folder.parent)
+    )
     for path in files:
         if path.is_file() and "__pycache__" not in path.parts:
-            digest.update(path.relative_to(above).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+            digest.update(
+                path.relative_to(above).as_posix().encode() + b"\0" + path.read_bytes() + b"\0"
+            )
     return digest.hexdigest()
 
 
@@ -81,7 +88,9 @@ TIMING_FILE = "timing.json"
 
 
 def measured_timing(folder: Path) -> dict[str, Any] | None:
-    """Return the figures that `sar-tui timing` stored in the data folder; None if there are none."""
+    """Return the figures that `sar-tui timing` stored in the data folder; None if there are
+    none.
+    """
     try:
         timing: dict[str, Any] = msgspec.json.decode((folder / TIMING_FILE).read_bytes(), type=dict)
     except (OSError, msgspec.MsgspecError):
@@ -90,7 +99,9 @@ def measured_timing(folder: Path) -> dict[str, Any] | None:
 
 
 def machine() -> dict[str, Any]:
-    """Describe the machine and the terminal. ``flags``: conditions that are known to make timing less exact."""
+    """Describe the machine and the terminal. ``flags``: conditions that are known to make timing
+    less exact.
+    """
     return {
         "system": platform.system(),
         "release": platform.release(),

@@ -1,4 +1,6 @@
-"""Changes of a session's record after the session. Each is a message in its log, stored with the change of its rows."""
+"""Changes of a session's record after the session. Each is a message in its log, stored with the
+change of its rows.
+"""
 
 import contextlib
 import sqlite3
@@ -10,7 +12,14 @@ import msgspec
 from msgspec.structs import replace
 
 from sar_tui.loop.topics import NOTE_ADDED, RECORD_CHANGED, SESSION_ENDED
-from sar_tui.model.messages import Json, Message, NoteAdded, RecordChange, RecordChanged, SessionEnded
+from sar_tui.model.messages import (
+    Json,
+    Message,
+    NoteAdded,
+    RecordChange,
+    RecordChanged,
+    SessionEnded,
+)
 from sar_tui.store import locks, log_hashes, messages
 from sar_tui.store.database import transaction
 
@@ -25,12 +34,19 @@ BY_MISTAKE = "started by mistake"
 
 
 def change_status(
-    db: sqlite3.Connection, folder: Path, session: str, change: RecordChange, *, actor: str, reason: str = ""
+    db: sqlite3.Connection,
+    folder: Path,
+    session: str,
+    change: RecordChange,
+    *,
+    actor: str,
+    reason: str = "",
 ) -> bool:
     """Dismiss, discard or restore a session of this site. Nothing of it is deleted.
 
     Returns:
-        False if the session cannot be changed in this way, such as one that has ended and cannot be dismissed; nothing
+        False if the session cannot be changed in this way, such as one that has ended and cannot be
+        dismissed; nothing
         has changed then.
 
     Raises:
@@ -43,7 +59,11 @@ def change_status(
             own = f"SELECT 1 FROM sessions WHERE id=? AND site='' AND status IN ({possible})"
             if not connection.execute(own, (session,)).fetchone():
                 return False
-            log(connection, session, RecordChanged(change=change, actor=actor, at=_utc(), reason=reason))
+            log(
+                connection,
+                session,
+                RecordChanged(change=change, actor=actor, at=_utc(), reason=reason),
+            )
             status = status_after(ends_and_changes(connection, session))
             connection.execute("UPDATE sessions SET status=? WHERE id=?", (status, session))
     finally:
@@ -51,11 +71,13 @@ def change_status(
     return True
 
 
-def erase_note(db: sqlite3.Connection, folder: Path, session: str, seq: int, *, actor: str, reason: str) -> bool:
+def erase_note(
+    db: sqlite3.Connection, folder: Path, session: str, seq: int, *, actor: str, reason: str
+) -> bool:
     """Erase the text and the label of an operator's note, such as one with a name in it.
 
-    Its message stays without them. The hashes of the message as it was, and as it is then, go into the log, so that all
-    hashes still hold, and nothing else can be put in its place.
+    Its message stays without them. The hashes of the message as it was, and as it is then, go into
+    the log, so that all hashes still hold, and nothing else can be put in its place.
 
     Args:
         db, folder, session: the session, which no program has open.
@@ -70,33 +92,45 @@ def erase_note(db: sqlite3.Connection, folder: Path, session: str, seq: int, *, 
     """
     held = locks.hold(folder, "session", session)
     try:
-        db.execute("PRAGMA secure_delete=ON")  # or the text would stay in parts of the file that are free
+        # or the text would stay in parts of the file that are free
+        db.execute("PRAGMA secure_delete=ON")
         with transaction(db) as connection:
             rows = messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,))
             row = next(rows, None)
-            is_own = connection.execute("SELECT 1 FROM sessions WHERE id=? AND site=''", (session,)).fetchone()
+            is_own = connection.execute(
+                "SELECT 1 FROM sessions WHERE id=? AND site=''", (session,)
+            ).fetchone()
             if row is None or row.seq != seq or not is_own:
                 return False
             note = messages.decoded(row)
             assert isinstance(note, NoteAdded)
             connection.execute(
-                "UPDATE notes SET text='', label='' WHERE session=? AND at_ns=? AND author=? AND text=? AND label=?",
+                "UPDATE notes SET text='', label='' WHERE session=? AND at_ns=? AND author=? AND "
+                "text=? AND label=?",
                 (session, note.at or row.at, note.actor, note.text, note.label),
             )
             messages.replace(connection, session, seq, NOTE_ADDED, replace(note, text="", label=""))
-            rest = next(messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,)))
+            rest = next(
+                messages.stored_rows(connection, session, seq - 1, topics=(NOTE_ADDED.name,))
+            )
             hashes = " ".join(log_hashes.message_hash(each).hex() for each in (row, rest))
             erased: Json = {str(seq): hashes}
-            said = RecordChanged(change="redacted", actor=actor, at=_utc(), reason=reason, details=erased)
+            said = RecordChanged(
+                change="redacted", actor=actor, at=_utc(), reason=reason, details=erased
+            )
             log(connection, session, said)
-        db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()  # or the text would stay in the write-ahead log
+        db.execute(
+            "PRAGMA wal_checkpoint(TRUNCATE)"
+        ).fetchall()  # or the text would stay in the write-ahead log
     finally:
         held.release()
     return True
 
 
 def erased_hashes(db: sqlite3.Connection, session: str) -> dict[bytes, bytes]:
-    """Return the hashes of messages as they were before texts of them were erased, by those of what remains of them."""
+    """Return the hashes of messages as they were before texts of them were erased, by those of what
+    remains of them.
+    """
     found: dict[bytes, bytes] = {}
     for change in changes(db, session):
         if change.change == "redacted":
@@ -109,11 +143,15 @@ def erased_hashes(db: sqlite3.Connection, session: str) -> dict[bytes, bytes]:
 
 def changes(db: sqlite3.Connection, session: str) -> list[RecordChanged]:
     """Return what was done to a session later, in order."""
-    return [one for one in _readable(db, session, RECORD_CHANGED.name) if isinstance(one, RecordChanged)]
+    return [
+        one for one in _readable(db, session, RECORD_CHANGED.name) if isinstance(one, RecordChanged)
+    ]
 
 
 def _readable(db: sqlite3.Connection, session: str, *topics: str) -> Iterator[Message]:
-    """Yield a session's messages of some topics, except those that are damaged, which `integrity` finds."""
+    """Yield a session's messages of some topics, except those that are damaged, which `integrity`
+    finds.
+    """
     for row in messages.stored_rows(db, session, topics=topics):
         with contextlib.suppress(KeyError, TypeError, msgspec.MsgspecError):
             yield messages.decoded(row)
@@ -131,13 +169,14 @@ def why_discarded(db: sqlite3.Connection, session: str) -> RecordChanged | None:
 def log(connection: sqlite3.Connection, session: str, message: RecordChanged) -> None:
     """Append a message to a session's log, with the next number, as of its last run.
 
-    Call it in the transaction that changes rows of the session, and hold the session's lock: a program that has it open
-    numbers its own messages.
+    Call it in the transaction that changes rows of the session, and hold the session's lock: a
+    program that has it open numbers its own messages.
     """
     numbers = messages.add_numbers(connection, session)
     seq, run, at = messages.last(connection, session)
     connection.execute(
-        "INSERT INTO messages (session_number, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)",
+        "INSERT INTO messages (session_number, seq, run, at_ns, topic, message) VALUES "
+        "(?,?,?,?,?,?)",
         (
             numbers.session,
             seq + 1,
@@ -151,7 +190,9 @@ def log(connection: sqlite3.Connection, session: str, message: RecordChanged) ->
 
 
 def status_after(ends_and_changes: Iterable[str]) -> str:
-    """Return the status of a session that nobody runs from its ends (see `SessionEnded`) and later changes."""
+    """Return the status of a session that nobody runs from its ends (see `SessionEnded`) and later
+    changes.
+    """
     ended, status = "interrupted", ""
     for each in ends_and_changes:
         match each:
@@ -165,7 +206,9 @@ def status_after(ends_and_changes: Iterable[str]) -> str:
 
 
 def ends_and_changes(db: sqlite3.Connection, session: str) -> list[str]:
-    """Return the ends of a session and what was done to it later, in order, as `status_after` takes them."""
+    """Return the ends of a session and what was done to it later, in order, as `status_after` takes
+    them.
+    """
     found: list[str] = []
     for one in _readable(db, session, RECORD_CHANGED.name, SESSION_ENDED.name):
         if isinstance(one, RecordChanged):

@@ -23,24 +23,32 @@ RETRY_SECONDS = 1.0
 GROUP = 2000
 """Number of messages in a transaction on a virtual clock, where nobody waits for a trial."""
 LOCKED_TRIES = 10
-"""Failed writes in succession until it is reported that another program keeps the database locked."""
+"""Failed writes in succession until it is reported that another program keeps the database
+locked.
+"""
 _CACHE_KB = 256
-"""Memory for pages of the database: a recorder reads next to nothing, and would fill SQLite's 2 MB."""
+"""Memory for pages of the database: a recorder reads next to nothing, and would fill SQLite's 2
+MB.
+"""
 _PERMANENT = "Waiting will not help. End the session: what was saved so far is kept."
 
 
 class Recorder:
-    """Writes a session's messages. A trial and everything before it is one transaction, which is then acknowledged.
+    """Writes a session's messages. A trial and everything before it is one transaction, which is
+    then acknowledged.
 
-    In a live session ``run`` writes in a thread, so that the bus never waits for the disk. While writing fails, all
-    messages are kept, writing is retried, and the reason is published. On a virtual clock nobody waits for the disk:
-    a trial is acknowledged as it ends, and many are written in one transaction.
+    In a live session ``run`` writes in a thread, so that the bus never waits for the disk. While
+    writing fails, all messages are kept, writing is retried, and the reason is published. On a
+    virtual clock nobody waits for the disk: a trial is acknowledged as it ends, and many are
+    written in one transaction.
 
     Args:
-        database: if inline, the caller's connection; else a connection of the recorder's own, which ``run`` closes.
+        database: if inline, the caller's connection; else a connection of the recorder's own, which
+            ``run`` closes.
         session, run: the session and the run that the rows belong to.
         bus: the bus to tap; acknowledgements are posted to it.
-        inline: on a virtual clock: write on the bus's own thread, ``GROUP`` messages at a time and at the end.
+        inline: on a virtual clock: write on the bus's own thread, ``GROUP`` messages at a time and
+            at the end.
         withholds: returns True as long as no samples of sensors may be stored.
         safeguard: where the session goes on if the database is removed, or still locked at the end.
     """
@@ -91,7 +99,8 @@ class Recorder:
             self._wake.set()
 
     def _group(self, cascade: list[Record]) -> None:
-        """Acknowledge the trials of a cascade, and write after one of them if there is enough, or at the end.
+        """Acknowledge the trials of a cascade, and write after one of them if there is enough, or
+        at the end.
 
         Writing at another time would divide the samples of a sensor into other chunks.
         """
@@ -112,7 +121,9 @@ class Recorder:
         return len(self._queue) + len(self._committed)
 
     def run(self, is_stopped: Callable[[], bool]) -> None:
-        """Write until stopped, then write the rest and close the connection. Call it once, in a thread of its own."""
+        """Write until stopped, then write the rest and close the connection. Call it once, in a
+        thread of its own.
+        """
         try:
             while not is_stopped():
                 self._wake.wait(RETRY_SECONDS if self._problem else BATCH_SECONDS)
@@ -129,7 +140,9 @@ class Recorder:
                 self._finished.set()
 
     def wait(self, seconds: float) -> bool:
-        """Wait until a stopped ``run`` has written the rest. Return False if that takes longer than ``seconds``."""
+        """Wait until a stopped ``run`` has written the rest. Return False if that takes longer than
+        ``seconds``.
+        """
         return self._finished.wait(seconds)
 
     def wake(self) -> None:
@@ -137,7 +150,9 @@ class Recorder:
         self._wake.set()
 
     def try_write(self) -> None:
-        """Write what is queued. Report to the session when writing fails, and when it works again."""
+        """Write what is queued. Report to the session when writing fails, and when it works
+        again.
+        """
         try:
             self.write()
         except StoreError as error:
@@ -155,7 +170,9 @@ class Recorder:
                 self._bus.post(STORAGE, m.StorageChanged(working=True))
 
     def _write_last(self) -> None:
-        """Write the rest at the end of a run; into a rescue file if the database cannot be written to now."""
+        """Write the rest at the end of a run; into a rescue file if the database cannot be written
+        to now.
+        """
         try:
             self.write()
         except StoreError as error:
@@ -180,7 +197,8 @@ class Recorder:
             self._use(self.safeguard.in_place(self._database))
 
     def _take_over(self, reason: str, *, at_end: bool = False) -> bool:
-        """Go on in a rescue file because the database cannot be written to; False without a safeguard.
+        """Go on in a rescue file because the database cannot be written to; False without a
+        safeguard.
 
         Raises:
             StoreError: it cannot be written.
@@ -198,10 +216,12 @@ class Recorder:
             self._bus.post(STORAGE, m.StorageChanged(working=True, reason=self.safeguard.text))
 
     def write(self) -> None:
-        """Commit everything that is queued as one transaction, and in a live session acknowledge its trials.
+        """Commit everything that is queued as one transaction, and in a live session acknowledge
+        its trials.
 
         Raises:
-            StoreError: the disk cannot write, or a message cannot be stored; everything stays queued.
+            StoreError: the disk cannot write, or a message cannot be stored; everything stays
+                queued.
         """
         self._stay_in_place()
         count = len(self._queue)
@@ -220,7 +240,9 @@ class Recorder:
                 return
             raise
         except Exception as error:  # a task's values do not fit into a row
-            raise StoreError(f"A message cannot be stored ({type(error).__name__}: {error}).") from error
+            raise StoreError(
+                f"A message cannot be stored ({type(error).__name__}: {error})."
+            ) from error
         self._streams = streams
         self._last_group = group
         for _ in range(count):
@@ -238,7 +260,9 @@ class Recorder:
                 self._bus.post(STORED, _stored(trial))
 
     def _hash(self, messages: Sequence[Record], rows: Rows) -> log_hashes.Last | None:
-        """Add the hash of a group of messages to its rows, with the samples and the end that are stored with them."""
+        """Add the hash of a group of messages to its rows, with the samples and the end that are
+        stored with them.
+        """
         if self._last_group is None:  # the session was recorded before there were hashes
             return None
         stored = [
@@ -248,7 +272,10 @@ class Recorder:
         beside: list[tuple[log_hashes.Entry, bytes]] = [
             *((["stream", row[1]], log_hashes.stream_hash(row)) for row in rows["streams"]),
             *((["chunk", *row[1:3]], log_hashes.chunk_hash(row)) for row in rows["chunks"]),
-            *((["ended", ended], log_hashes.end_hash(ended)) for _, ended, _ in rows["session_ends"]),
+            *(
+                (["ended", ended], log_hashes.end_hash(ended))
+                for _, ended, _ in rows["session_ends"]
+            ),
         ]
         group, row = log_hashes.next_group(self._last_group, self._session, stored, beside)
         rows["log_hashes"], rows["last_hashes"] = [row], [(group.hash, self._session)]

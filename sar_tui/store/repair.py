@@ -15,7 +15,16 @@ from sar_tui.drivers.new_file import unused
 from sar_tui.store.backup import FOLDER, copy_database
 from sar_tui.store.damaged_file import is_refused, open_wary, readable_copy
 from sar_tui.store.damaged_rows import Damage, damages
-from sar_tui.store.database import FILE, VERSION, StoreError, connect, create_file, explain, open_file, sidecars
+from sar_tui.store.database import (
+    FILE,
+    VERSION,
+    StoreError,
+    connect,
+    create_file,
+    explain,
+    open_file,
+    sidecars,
+)
 from sar_tui.store.integrity import Flaw, changed_schema, damaged_pages, flaws
 from sar_tui.store.log_examination import DERIVED, Derivation, altered
 from sar_tui.store.missing_rows import Missing, missing_rows
@@ -36,10 +45,11 @@ class Moved(NamedTuple):
 class Repair(NamedTuple):
     """A repair.
 
-    ``backup``: copy of the database that was made before. ``kept``: the damaged file, under its new name. ``unread``:
-    rows that could not be read from that. ``aside``: database of the rows that were moved. ``rebuilt``: sessions whose
-    rows were made again from their log. ``missing``: rows that could not be read from a damaged file, as far as others
-    know of them. ``flaws``: those that remain.
+    ``backup``: copy of the database that was made before. ``kept``: the damaged file, under its new
+    name. ``unread``: rows that could not be read from that. ``aside``: database of the rows that
+    were moved. ``rebuilt``: sessions whose rows were made again from their log. ``missing``: rows
+    that could not be read from a damaged file, as far as others know of them. ``flaws``: those that
+    remain.
     """
 
     backup: Path | None
@@ -55,13 +65,15 @@ class Repair(NamedTuple):
 def repair(folder: Path) -> Repair:
     """Repair the database of a data folder.
 
-    If pages of its file are damaged, or its views and triggers are not the program's, all rows that can be read go into
-    a new file, and the damaged one is kept. Then damaged rows, and those that belong to nothing, move into a database
-    beside it. A row is written there, and on the disk, before it is removed here. Rows that are not as they follow from
-    a session's log are made again from it, if the log is as it was recorded; those that were there move aside, too.
+    If pages of its file are damaged, or its views and triggers are not the program's, all rows that
+    can be read go into a new file, and the damaged one is kept. Then damaged rows, and those that
+    belong to nothing, move into a database beside it. A row is written there, and on the disk,
+    before it is removed here. Rows that are not as they follow from a session's log are made again
+    from it, if the log is as it was recorded; those that were there move aside, too.
 
     Raises:
-        StoreError: there is no database, another program has it open, it cannot be read at all, or the disk is full.
+        StoreError: there is no database, another program has it open, it cannot be read at all, or
+            the disk is full.
     """
     path = folder / FILE
     if not path.exists():
@@ -78,18 +90,23 @@ def repair(folder: Path) -> Repair:
         if found or altered(database):
             if not kept:
                 (folder / FOLDER).mkdir(mode=0o700, exist_ok=True)
-                backup = copy_database(database, folder, unused(folder / FOLDER / f"sar-tui-{stamp}.db")).path
+                backup = copy_database(
+                    database, folder, unused(folder / FOLDER / f"sar-tui-{stamp}.db")
+                ).path
             aside = unused(folder / f"sar-tui-aside-{stamp}.db")
             moved = _move_aside(database, aside)
             rebuilt = altered(database)
             moved += _rebuild(database, aside, rebuilt)
-        missing = [each for each in lost if each.session not in rebuilt or each.table not in DERIVED]
+        missing = [
+            each for each in lost if each.session not in rebuilt or each.table not in DERIVED
+        ]
         return Repair(backup, kept, unread, aside, moved, rebuilt, missing, list(flaws(database)))
 
 
 @contextmanager
 def readable(path: Path) -> Iterator[tuple[sqlite3.Connection, list[Missing]]]:
-    """Open a database; or a copy of all that can be read of it if it is damaged, with what is missing.
+    """Open a database; or a copy of all that can be read of it if it is damaged, with what is
+    missing.
 
     Raises:
         StoreError: nothing can be read, or the copy cannot be written.
@@ -119,7 +136,9 @@ def readable(path: Path) -> Iterator[tuple[sqlite3.Connection, list[Missing]]]:
 
 @contextmanager
 def _readable(path: Path) -> Iterator[sqlite3.Connection]:
-    """Open a database that may be damaged; a copy of it if SQLite would refuse, or change, the file itself."""
+    """Open a database that may be damaged; a copy of it if SQLite would refuse, or change, the file
+    itself.
+    """
     if not is_refused(path):
         with _exclusive(path, open_wary) as database:
             yield database
@@ -147,7 +166,8 @@ def _exclusive(path: Path, open_file: Open = _open) -> Iterator[sqlite3.Connecti
         except sqlite3.Error as error:
             if (found := explain(error, path)).locked:
                 raise StoreError(
-                    f"Another program has {path} open. End all sessions, close sar-tui everywhere, and try again.",
+                    f"Another program has {path} open. End all sessions, close sar-tui "
+                    "everywhere, and try again.",
                     temporary=True,
                     locked=True,
                 ) from error
@@ -158,11 +178,14 @@ def _exclusive(path: Path, open_file: Open = _open) -> Iterator[sqlite3.Connecti
             raise explain(error, path) from error
 
 
-# --- damaged pages --------------------------------------------------------------------------------------------------
+# --- damaged pages
+# --------------------------------------------------------------------------------------------------
 
 
 def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
-    """Put a new file in place of one whose pages are damaged; return the damaged one, and what it did not yield."""
+    """Put a new file in place of one whose pages are damaged; return the damaged one, and what it
+    did not yield.
+    """
     new = path.with_name(f".{path.stem}-salvaged.part")
     try:
         with _readable(path) as database:
@@ -179,7 +202,9 @@ def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
         new.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
-        raise StoreError(f"{path.parent} cannot be written to: {error.strerror}.", temporary=True) from error
+        raise StoreError(
+            f"{path.parent} cannot be written to: {error.strerror}.", temporary=True
+        ) from error
     finally:
         _remove(new)
     return kept, unread
@@ -190,11 +215,15 @@ def _check_new(new: Path) -> None:
         (state,) = opened.execute("PRAGMA integrity_check(1)").fetchone()
         (version,) = opened.execute("PRAGMA user_version").fetchone()
     if state != "ok" or version > VERSION:
-        raise StoreError(f"What can be read makes no database ({state}). Nothing was changed: restore a backup.")
+        raise StoreError(
+            f"What can be read makes no database ({state}). Nothing was changed: restore a backup."
+        )
 
 
 def _keep(path: Path, kept: Path) -> Path:
-    """Give a closed database a second name, together with its log if that could not be written into it."""
+    """Give a closed database a second name, together with its log if that could not be written into
+    it.
+    """
     log, shared = sidecars(path)
     kept_log, _ = sidecars(kept)
     _link(path, kept)
@@ -233,11 +262,14 @@ def _sync_folder(folder: Path) -> None:
             os.close(number)
 
 
-# --- damaged rows ---------------------------------------------------------------------------------------------------
+# --- damaged rows
+# ---------------------------------------------------------------------------------------------------
 
 
 def _count(database: sqlite3.Connection, damage: Damage) -> int:
-    (count,) = database.execute(f"SELECT count(*) FROM main.{damage.table} WHERE {damage.condition}").fetchone()
+    (count,) = database.execute(
+        f"SELECT count(*) FROM main.{damage.table} WHERE {damage.condition}"
+    ).fetchone()
     return int(count)
 
 
@@ -262,7 +294,9 @@ def _move(database: sqlite3.Connection, damage: Damage) -> Moved | None:
     with _transaction(database):
         written = _copy_aside(database, damage.table, damage.condition, (), damage.reason)
     with _transaction(database):
-        removed = database.execute(f"DELETE FROM main.{damage.table} WHERE {damage.condition}").rowcount
+        removed = database.execute(
+            f"DELETE FROM main.{damage.table} WHERE {damage.condition}"
+        ).rowcount
         if removed != written:
             raise StoreError(f"{damage.table} changed during the repair. Try again.")
     return Moved(damage.table, written, damage.reason)
@@ -278,7 +312,9 @@ def _rebuild(database: sqlite3.Connection, aside: Path, sessions: Sequence[str])
                 derivation.derive(session)
                 with _transaction(database):
                     for table in DERIVED:
-                        moved[table] += _copy_aside(database, table, "session=?", (session,), _NOT_OF_LOG)
+                        moved[table] += _copy_aside(
+                            database, table, "session=?", (session,), _NOT_OF_LOG
+                        )
                 with _transaction(database):
                     derivation.rebuild(session)
     finally:
@@ -290,9 +326,15 @@ def _rebuild(database: sqlite3.Connection, aside: Path, sessions: Sequence[str])
 _NOT_OF_LOG = "rows of a session that did not follow from its log"
 
 
-def _copy_aside(database: sqlite3.Connection, table: str, condition: str, values: tuple[object, ...], why: str) -> int:
-    """Copy rows into the database beside this one, in a transaction of the caller, and return their number."""
-    database.execute(f"CREATE TABLE IF NOT EXISTS aside.{table} AS SELECT *, '' AS why FROM main.{table} WHERE 0")
+def _copy_aside(
+    database: sqlite3.Connection, table: str, condition: str, values: tuple[object, ...], why: str
+) -> int:
+    """Copy rows into the database beside this one, in a transaction of the caller, and return their
+    number.
+    """
+    database.execute(
+        f"CREATE TABLE IF NOT EXISTS aside.{table} AS SELECT *, '' AS why FROM main.{table} WHERE 0"
+    )
     return database.execute(
         f"INSERT INTO aside.{table} SELECT *, ? FROM main.{table} WHERE {condition}", (why, *values)
     ).rowcount

@@ -1,7 +1,9 @@
-"""Rescue files: databases beside the database, in which a session goes on that cannot be written there any more.
+"""Rescue files: databases beside the database, in which a session goes on that cannot be written
+there any more.
 
-The database may have been removed or replaced during the session, or another program may keep it locked when the
-session is left. A rescue file is an ordinary database; ``bring_back`` copies its sessions into the database.
+The database may have been removed or replaced during the session, or another program may keep it
+locked when the session is left. A rescue file is an ordinary database; ``bring_back`` copies its
+sessions into the database.
 """
 
 import contextlib
@@ -42,7 +44,9 @@ _FACTS = {
 
 
 def rescue_files(folder: Path, session: str = "") -> list[Path]:
-    """Return the rescue files of a data folder, or of one of its sessions, that were not brought back yet."""
+    """Return the rescue files of a data folder, or of one of its sessions, that were not brought
+    back yet.
+    """
     name = re.compile(rf"{RESCUE}{session or '[0-9a-z]+'}(-[0-9]+)?\.db")
     try:
         return sorted(path for path in folder.iterdir() if name.fullmatch(path.name))
@@ -56,7 +60,8 @@ class Rescue:
     Args:
         folder: the data folder.
         session: the session's id.
-        database: the rows of the session, its seats, runs and participants are read from here, as long as they can be.
+        database: the rows of the session, its seats, runs and participants are read from here, as
+            long as they can be.
     """
 
     def __init__(self, folder: Path, session: str, database: sqlite3.Connection) -> None:
@@ -73,8 +78,8 @@ class Rescue:
     def copy_all(self, database: StoreConnection) -> StoreConnection:
         """Copy all that an open database holds into a new rescue file, and open that.
 
-        The files of an open database can be read even if they were removed. If they were damaged, only this session
-        is copied, or what can be read of it.
+        The files of an open database can be read even if they were removed. If they were damaged,
+        only this session is copied, or what can be read of it.
 
         Raises:
             StoreError: the rescue file cannot be written.
@@ -127,10 +132,14 @@ class Rescue:
             make_private(self._folder)
             create_file(path)
         except OSError as error:
-            raise StoreError(f"{path} cannot be written: {error.strerror}.", temporary=True) from error
+            raise StoreError(
+                f"{path} cannot be written: {error.strerror}.", temporary=True
+            ) from error
 
     def _is_in(self, database: sqlite3.Connection) -> bool:
-        return bool(database.execute("SELECT 1 FROM sessions WHERE id=?", (self._session,)).fetchone())
+        return bool(
+            database.execute("SELECT 1 FROM sessions WHERE id=?", (self._session,)).fetchone()
+        )
 
     @contextlib.contextmanager
     def _new_file(self) -> Iterator[Path]:
@@ -150,7 +159,8 @@ def remove(path: Path) -> None:
             each.unlink()
 
 
-# --- bringing back --------------------------------------------------------------------------------------------------
+# --- bringing back
+# --------------------------------------------------------------------------------------------------
 
 
 class Waiting(NamedTuple):
@@ -166,14 +176,17 @@ def waiting(path: Path) -> list[Waiting]:
     """Return what a rescue file holds. Raises StoreError if it cannot be read."""
     count = "SELECT count(*) FROM trials WHERE session=?"
     with readable(path) as (source, _):
-        return [Waiting(*row, *source.execute(count, row[:1]).fetchone()) for row in _sessions(source)]
+        return [
+            Waiting(*row, *source.execute(count, row[:1]).fetchone()) for row in _sessions(source)
+        ]
 
 
 class BroughtBack(NamedTuple):
     """A session of a rescue file.
 
-    ``problem``: why it was left there; empty if it is in the database now. ``damaged``: numbers of its messages that
-    were left there, because they cannot be read. ``missing``: rows that are lost, by table, if the file is damaged.
+    ``problem``: why it was left there; empty if it is in the database now. ``damaged``: numbers of
+    its messages that were left there, because they cannot be read. ``missing``: rows that are lost,
+    by table, if the file is damaged.
     """
 
     file: Path
@@ -186,10 +199,11 @@ class BroughtBack(NamedTuple):
 
 
 def bring_back(folder: Path) -> list[BroughtBack]:
-    """Copy the sessions of all rescue files that the database lacks, or has less of, into the database.
+    """Copy the sessions of all rescue files that the database lacks, or has less of, into the
+    database.
 
-    Of a file that is damaged, such as one that was cut short, all that can be read is brought back. A file of which
-    nothing is left to bring back gets another name, and stays.
+    Of a file that is damaged, such as one that was cut short, all that can be read is brought back.
+    A file of which nothing is left to bring back gets another name, and stays.
 
     Raises:
         StoreError: the database or a rescue file cannot be used.
@@ -200,7 +214,9 @@ def bring_back(folder: Path) -> list[BroughtBack]:
             with readable(path) as (source, missing):
                 here = [
                     each._replace(
-                        missing=tuple((one.table, one.rows) for one in missing if one.session == each.session)
+                        missing=tuple(
+                            (one.table, one.rows) for one in missing if one.session == each.session
+                        )
                     )
                     for row in _sessions(source)
                     if (each := _bring(path, row, source, database, folder))
@@ -227,7 +243,8 @@ def _sessions(database: sqlite3.Connection) -> list[tuple[str, str, str]]:
     texts = database.text_factory
     database.text_factory = lambda raw: raw.decode(errors="replace")
     found = database.execute(
-        "SELECT id, coalesce((SELECT group_concat(participant, ', ') FROM seats WHERE session=id), '?'), task"
+        "SELECT id, coalesce((SELECT group_concat(participant, ', ') FROM seats WHERE "
+        "session=id), '?'), task"
         " FROM sessions ORDER BY sessions.rowid"
     ).fetchall()
     database.text_factory = texts
@@ -235,7 +252,11 @@ def _sessions(database: sqlite3.Connection) -> list[tuple[str, str, str]]:
 
 
 def _bring(
-    path: Path, row: tuple[str, str, str], source: sqlite3.Connection, database: sqlite3.Connection, folder: Path
+    path: Path,
+    row: tuple[str, str, str],
+    source: sqlite3.Connection,
+    database: sqlite3.Connection,
+    folder: Path,
 ) -> BroughtBack | None:
     """Copy a session unless the database has as much of it; None if so."""
     session = row[0]
@@ -247,9 +268,13 @@ def _bring(
     if is_known and last <= there:
         return None
     if last_run > run:
-        return BroughtBack(path, *row, "it was resumed in the database since, and went on differently")
+        return BroughtBack(
+            path, *row, "it was resumed in the database since, and went on differently"
+        )
     if not _is_readable(source, session):
-        return BroughtBack(path, *row, "its rows are damaged, so that no command could read the database")
+        return BroughtBack(
+            path, *row, "its rows are damaged, so that no command could read the database"
+        )
     damaged = copy_session(source, database, session, adds=first > 1)
     return BroughtBack(path, *row, damaged=tuple(damaged))
 
@@ -266,9 +291,13 @@ def _is_readable(database: sqlite3.Connection, session: str) -> bool:
 
 
 def _extent(database: sqlite3.Connection, session: str) -> tuple[int, int, int]:
-    """Return the numbers of a session's first and last message and of its last run; 0 if there are none."""
+    """Return the numbers of a session's first and last message and of its last run; 0 if there are
+    none.
+    """
     first, last = messages.extent(database, session)
-    (run,) = database.execute("SELECT coalesce(max(run), 0) FROM runs WHERE session=?", (session,)).fetchone()
+    (run,) = database.execute(
+        "SELECT coalesce(max(run), 0) FROM runs WHERE session=?", (session,)
+    ).fetchone()
     return first, last, run
 
 
@@ -289,4 +318,6 @@ def _rename(path: Path) -> None:
     try:
         path.rename(unused(path.with_name(path.name.replace(RESCUE, RESCUED, 1))))
     except OSError as error:
-        raise StoreError(f"{path} was brought back, but cannot be renamed: {error.strerror}.") from error
+        raise StoreError(
+            f"{path} was brought back, but cannot be renamed: {error.strerror}."
+        ) from error

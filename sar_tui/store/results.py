@@ -1,4 +1,6 @@
-"""A participant's results over all sessions, for reports of progress. A session's prompts are not looked at."""
+"""A participant's results over all sessions, for reports of progress. A session's prompts are not
+looked at.
+"""
 
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -15,10 +17,12 @@ from sar_tui.store.sessions import FINITE_METRIC, status_now
 from sar_tui.store.trained_at import UTC_OFFSET, trained_at
 
 _SESSIONS = (
-    "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, '$.task'),"
+    "SELECT id, started_at, sessions.task, mode, status, seat, parameters, json_extract(software, "
+    "'$.task'),"
     f" {UTC_OFFSET}"
     " FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-    f" WHERE participant=:who AND {KEPT} AND json_type(software, '$.task.metric') IS NOT NULL {{of_task}} {{among}}"
+    f" WHERE participant=:who AND {KEPT} AND json_type(software, '$.task.metric') IS NOT NULL "
+    "{of_task} {among}"
     " ORDER BY sessions.rowid"
 )
 _ATTEMPTS = (
@@ -39,7 +43,9 @@ _NEWEST = (
     f" WHERE participant=? AND sessions.task=? AND {COUNTS} ORDER BY seats.rowid DESC LIMIT ?"
 )
 _LONGEST_ATTEMPT_NS = 6 * 3600 * 1_000_000_000
-"""An attempt that seems longer was begun before the computer was started again: its stamps cannot be compared."""
+"""An attempt that seems longer was begun before the computer was started again: its stamps cannot
+be compared.
+"""
 
 _Stored = tuple[AttemptResult, int, int | None, int]
 
@@ -47,7 +53,8 @@ _Stored = tuple[AttemptResult, int, int | None, int]
 def newest_of(
     db: sqlite3.Connection, participant: str, task: str, most: int, *, folder: Path | None = None
 ) -> list[SessionResults]:
-    """Return the results of a participant's newest live sessions of a task that count, the oldest of them first.
+    """Return the results of a participant's newest live sessions of a task that count, the oldest
+    of them first.
 
     ``folder`` is as in `sessions_of`.
     """
@@ -58,19 +65,25 @@ def newest_of(
 def sessions_of(
     db: sqlite3.Connection, participant: str, task: str | None = None, *, folder: Path | None = None
 ) -> Iterator[SessionResults]:
-    """Yield the results of a participant's sessions that count, in the order in which they were stored.
+    """Yield the results of a participant's sessions that count, in the order in which they were
+    stored.
 
     Args:
         db: the database.
         participant: the code.
         task: selects one task.
-        folder: of the data; with it, a session that is stored as running but is not has the status ``interrupted``.
+        folder: of the data; with it, a session that is stored as running but is not has the status
+            ``interrupted``.
     """
     return _results(db, participant, task, None, folder)
 
 
 def _results(
-    db: sqlite3.Connection, participant: str, task: str | None, chosen: Sequence[str] | None, folder: Path | None
+    db: sqlite3.Connection,
+    participant: str,
+    task: str | None,
+    chosen: Sequence[str] | None,
+    folder: Path | None,
 ) -> Iterator[SessionResults]:
     """Yield the results of all sessions, or of those of some ids."""
     among = "" if chosen is None else "AND seats.session IN (SELECT value FROM json_each(:chosen))"
@@ -87,9 +100,13 @@ def _results(
         if isinstance(mean, float):
             qualities.setdefault((session, seat), {})[name] = mean
     felt: dict[tuple[str, str], list[wellbeing.Row]] = {}
-    for said in wellbeing.of_participant(db, participant) if chosen is None else _said_in(db, chosen):
+    for said in (
+        wellbeing.of_participant(db, participant) if chosen is None else _said_in(db, chosen)
+    ):
         felt.setdefault((said["session"], said["seat"]), []).append(said)
-    query = _SESSIONS.format(of_task="AND sessions.task=:task" if task is not None else "", among=among)
+    query = _SESSIONS.format(
+        of_task="AND sessions.task=:task" if task is not None else "", among=among
+    )
     for row in db.execute(query, values):
         found, began, of_task, mode, status, seat, parameters, software, offset = row
         attempts = stored.get((found, seat), [])
@@ -111,12 +128,16 @@ def _results(
             right=sum(result.correct for result, *_ in attempts),
             seconds=sum(lasted for *_, lasted in attempts) / 1e9,
             qualities=qualities.get((found, seat), {}),
-            felt=wellbeing.ratings(felt.get((found, seat), ()), seat, wellbeing.limits_in(stored_parameters)),
+            felt=wellbeing.ratings(
+                felt.get((found, seat), ()), seat, wellbeing.limits_in(stored_parameters)
+            ),
         )
 
 
 def _reached(attempts: Sequence[int | None]) -> int | None:
-    """Return how many attempts reached their goal; None if there are some, and none of them had a goal."""
+    """Return how many attempts reached their goal; None if there are some, and none of them had a
+    goal.
+    """
     judged = [reached for reached in attempts if reached is not None]
     return None if attempts and not judged else sum(judged)
 
@@ -126,7 +147,9 @@ def _said_in(db: sqlite3.Connection, sessions: Sequence[str]) -> Iterator[wellbe
 
 
 class Played(msgspec.Struct, frozen=True):
-    """An attempt of a session: level, result, success (None without a goal), and how long it took."""
+    """An attempt of a session: level, result, success (None without a goal), and how long it
+    took.
+    """
 
     level: int
     metric: float | None
@@ -134,11 +157,14 @@ class Played(msgspec.Struct, frozen=True):
     seconds: float
 
 
-def attempts_of(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[tuple[str, str], list[Played]]:
+def attempts_of(
+    db: sqlite3.Connection, sessions: Sequence[str]
+) -> dict[tuple[str, str], list[Played]]:
     """Return the attempts of some sessions by session and seat, in order; practice is left out."""
     found: dict[tuple[str, str], list[Played]] = {}
     rows = db.execute(
-        "SELECT session, seat, level, metric, nullif(outcome, 'none')='success', max(0, ended_ns - started_ns)"
+        "SELECT session, seat, level, metric, nullif(outcome, 'none')='success', max(0, ended_ns "
+        "- started_ns)"
         " FROM json_each(?) AS chosen CROSS JOIN attempts ON attempts.session=chosen.value"
         " WHERE NOT practice ORDER BY session, attempt",
         (msgspec.json.encode(list(sessions)).decode(),),

@@ -1,4 +1,6 @@
-"""Keeps a live session safe outside the database: a note of what was saved, and a rescue file if need be."""
+"""Keeps a live session safe outside the database: a note of what was saved, and a rescue file if
+need be.
+"""
 
 import contextlib
 import sqlite3
@@ -11,14 +13,17 @@ from sar_tui.store.last_saved import LastSaved, has_message
 from sar_tui.store.rescue import Rescue, remove
 
 MOST_MOVES = 5
-"""Number of rescue files after which the file system is taken to be one whose file numbers change by themselves."""
+"""Number of rescue files after which the file system is taken to be one whose file numbers change
+by themselves.
+"""
 
 
 class Safeguard:
     """Decides which database a live session is written to.
 
     Attributes:
-        file: the rescue file in which the session goes on; None while it is written to the database.
+        file: the rescue file in which the session goes on; None while it is written to the
+            database.
         reason: why it does not go on in the database.
     """
 
@@ -35,7 +40,9 @@ class Safeguard:
 
     @property
     def text(self) -> str:
-        """Text that says what happened to the database, and where the session goes on; empty if all is well."""
+        """Text that says what happened to the database, and where the session goes on; empty if all
+        is well.
+        """
         if not self.file:
             return ""
         before = "" if self._is_whole else " What was done before that is not in it."
@@ -56,8 +63,11 @@ class Safeguard:
             return self._use(self._rescue.copy_all(database))
         return database
 
-    def take_over(self, database: StoreConnection, reason: str, *, at_end: bool = False) -> StoreConnection:
-        """Return a rescue file with this session, because the database cannot be written to for ``reason``.
+    def take_over(
+        self, database: StoreConnection, reason: str, *, at_end: bool = False
+    ) -> StoreConnection:
+        """Return a rescue file with this session, because the database cannot be written to for
+        ``reason``.
 
         Raises:
             StoreError: the rescue file cannot be written.
@@ -73,7 +83,9 @@ class Safeguard:
     def _use(self, database: StoreConnection) -> StoreConnection:
         self._moves += 1
         self.file = database.path
-        self._is_whole = self._is_whole and has_message(database, self._session, self._note.saved.seq)
+        self._is_whole = self._is_whole and has_message(
+            database, self._session, self._note.saved.seq
+        )
         return database
 
     def give_up(self, database: StoreConnection) -> None:

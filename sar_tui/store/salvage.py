@@ -10,7 +10,9 @@ from typing import NamedTuple
 from sar_tui.store.database import VERSION, apply_migrations, damaged, explain, version_of
 
 _MOST_FAILURES = 20_000
-"""Largest number of ranges of a table, or of a session's messages, that fail before the rest of it is given up."""
+"""Largest number of ranges of a table, or of a session's messages, that fail before the rest of it
+is given up.
+"""
 _MOST_IN_ALL = 1_000_000
 """The same for all messages: their root is damaged."""
 _AFTER = 2**16
@@ -20,8 +22,8 @@ _AFTER = 2**16
 class Unread(NamedTuple):
     """A range of rows that could not be read: the table, the first and the last row number.
 
-    ``session``: for messages, the session that they are of; the numbers are those of its events. Both numbers are 0 if
-    nothing of the table could be read.
+    ``session``: for messages, the session that they are of; the numbers are those of its events.
+    Both numbers are 0 if nothing of the table could be read.
     """
 
     table: str
@@ -33,10 +35,12 @@ class Unread(NamedTuple):
 def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]:
     """Copy all rows that can be read into an empty file, and return the ranges that could not.
 
-    The new file has the tables of this program. What else is in the schema of the damaged one is not copied.
+    The new file has the tables of this program. What else is in the schema of the damaged one is
+    not copied.
 
     Args:
-        database: the damaged database, opened by `damaged_file.open_wary`. Nothing is written to it.
+        database: the damaged database, opened by `damaged_file.open_wary`. Nothing is written to
+            it.
         file: its path, for messages.
         new: the file to fill.
 
@@ -66,7 +70,10 @@ def salvage(database: sqlite3.Connection, file: Path, new: Path) -> list[Unread]
     return found
 
 
-_OURS = "SELECT name FROM sqlite_master WHERE type='table' AND name NOT GLOB 'sqlite_*' AND name NOT GLOB '_*'"
+_OURS = (
+    "SELECT name FROM sqlite_master WHERE type='table' AND name NOT GLOB 'sqlite_*' AND name "
+    "NOT GLOB '_*'"
+)
 
 
 def _tables(database: sqlite3.Connection) -> set[str]:
@@ -75,19 +82,28 @@ def _tables(database: sqlite3.Connection) -> set[str]:
     for order in ("ASC", "DESC"):
         with contextlib.suppress(sqlite3.Error, UnicodeDecodeError):
             for (name,) in database.execute(
-                f"SELECT name FROM main.sqlite_master WHERE type='table' AND rootpage>0 ORDER BY rowid {order}"
+                "SELECT name FROM main.sqlite_master WHERE type='table' AND rootpage>0 ORDER BY "
+                f"rowid {order}"
             ):
                 found.add(str(name))
     return found
 
 
 def _version(database: sqlite3.Connection, file: Path) -> int:
-    """Return the data version of a damaged database: that of its header, or of the migrations that it has seen."""
+    """Return the data version of a damaged database: that of its header, or of the migrations that
+    it has seen.
+    """
     with contextlib.suppress(sqlite3.Error):
         if version := version_of(database, file):
             return version
-        names = [str(name) for (name,) in database.execute("SELECT name FROM main._sqlite_migrations")]
-        seen = [int(name.removeprefix("version_")) for name in names if re.fullmatch(r"version_[0-9]{1,4}", name)]
+        names = [
+            str(name) for (name,) in database.execute("SELECT name FROM main._sqlite_migrations")
+        ]
+        seen = [
+            int(name.removeprefix("version_"))
+            for name in names
+            if re.fullmatch(r"version_[0-9]{1,4}", name)
+        ]
         return min(max(seen, default=VERSION), VERSION)
     return VERSION
 
@@ -135,7 +151,9 @@ class _Reader:
         """Begin with the messages of a session."""
         self._session, self._failures = session, 0
 
-    def copy(self, of: str, values: tuple[int, ...], first: int, last: int, *, is_whole: bool = False) -> bool:
+    def copy(
+        self, of: str, values: tuple[int, ...], first: int, last: int, *, is_whole: bool = False
+    ) -> bool:
         """Copy a range of rows; return False, and copy none, if one of them cannot be read."""
         condition = "" if is_whole else f"WHERE {of}{self._key} BETWEEN ? AND ?"
         try:
@@ -167,15 +185,23 @@ class _Reader:
         self.split(of, values, middle + 1, last)
 
     def _note(self, first: int, last: int) -> None:
-        if self.unread and self.unread[-1].session == self._session and self.unread[-1].last + 1 == first:
+        if (
+            self.unread
+            and self.unread[-1].session == self._session
+            and self.unread[-1].last + 1 == first
+        ):
             first = self.unread.pop().first
         self.unread.append(Unread(self._table, first, last, self._session))
 
 
 def _bounds(database: sqlite3.Connection, table: str) -> tuple[int, int]:
-    """Return a first and a last row number between which all rows of a table are, as far as that can be known."""
+    """Return a first and a last row number between which all rows of a table are, as far as that
+    can be known.
+    """
     backwards = _seen(database, f'SELECT rowid FROM main."{table}" NOT INDEXED ORDER BY rowid DESC')
-    seen = backwards | _seen(database, f'SELECT rowid FROM main."{table}" NOT INDEXED ORDER BY rowid')
+    seen = backwards | _seen(
+        database, f'SELECT rowid FROM main."{table}" NOT INDEXED ORDER BY rowid'
+    )
     for _, index, *_ in database.execute(f'PRAGMA main.index_list("{table}")').fetchall():
         seen |= _seen(database, f'SELECT rowid FROM main."{table}" INDEXED BY "{index}"')
     return min(1, *seen, 1), max(seen, default=0) + (0 if backwards else _AFTER)
@@ -192,9 +218,15 @@ def _seen(database: sqlite3.Connection, query: str) -> set[int]:
     low = high = None
     with contextlib.suppress(sqlite3.DatabaseError):
         for (number,) in database.execute(query):
-            low, high = min(number, number if low is None else low), max(number, number if high is None else high)
+            low, high = (
+                min(number, number if low is None else low),
+                max(number, number if high is None else high),
+            )
     return {number for number in (low, high) if number is not None}
 
 
 def _is_damage(error: sqlite3.DatabaseError) -> bool:
-    return getattr(error, "sqlite_errorcode", 0) & 0xFF in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF in (
+        sqlite3.SQLITE_CORRUPT,
+        sqlite3.SQLITE_NOTADB,
+    )

@@ -123,7 +123,8 @@ def version_2(db: sqlite_utils.Database) -> None:
     db["attempts"].add_column("qualities", str)  # type: ignore[union-attr]
     db.execute(
         "UPDATE attempts SET qualities='{}',"
-        " goal=(SELECT json_extract(parameters, '$.threshold') FROM sessions WHERE id=attempts.session)"
+        " goal=(SELECT json_extract(parameters, '$.threshold') FROM sessions WHERE "
+        "id=attempts.session)"
     )
     db.create_table(
         "imu_streams",
@@ -171,16 +172,24 @@ def version_3(db: sqlite_utils.Database) -> None:
 def version_4(db: sqlite_utils.Database) -> None:
     """Decisions on proposals, when an operator saw them, and event marks."""
     actions = db["actions"]
-    for name, kind in {"mode": str, "ground": str, "reason": str, "shown_ns": int, "deadline_ns": int}.items():
+    for name, kind in {
+        "mode": str,
+        "ground": str,
+        "reason": str,
+        "shown_ns": int,
+        "deadline_ns": int,
+    }.items():
         actions.add_column(name, kind)  # type: ignore[union-attr]
     db["notes"].add_column("label", str)  # type: ignore[union-attr]
 
 
 @migrations()
 def version_5(db: sqlite_utils.Database) -> None:
-    """Messages as arrays, in half the space; earlier ones stay as they are. The view ``events`` shows both.
+    """Messages as arrays, in half the space; earlier ones stay as they are. The view ``events``
+    shows both.
 
-    A program of the version before, whose session is under way, goes on storing its messages through the view.
+    A program of the version before, whose session is under way, goes on storing its messages
+    through the view.
     """
     for statement in _COMPACT_MESSAGES:
         db.execute(statement)
@@ -188,7 +197,8 @@ def version_5(db: sqlite_utils.Database) -> None:
 
 @migrations()
 def version_6(db: sqlite_utils.Database) -> None:
-    """Settings as versions, and the version that a session ran. The view ``settings`` shows the newest ones.
+    """Settings as versions, and the version that a session ran. The view ``settings`` shows the
+    newest ones.
 
     A program of the version before, which is still open, goes on saving settings through the view.
     """
@@ -198,7 +208,9 @@ def version_6(db: sqlite_utils.Database) -> None:
 
 @migrations()
 def version_7(db: sqlite_utils.Database) -> None:
-    """Pain and tiredness: answers to questions, and what was said in pauses, also of earlier sessions."""
+    """Pain and tiredness: answers to questions, and what was said in pauses, also of earlier
+    sessions.
+    """
     for statement in _WELLBEING:
         db.execute(statement)
 
@@ -207,9 +219,12 @@ def version_7(db: sqlite_utils.Database) -> None:
 def version_8(db: sqlite_utils.Database) -> None:
     """Adverse events, each with all its versions."""
     db.execute(
-        "CREATE TABLE adverse_events (event TEXT NOT NULL, version INTEGER NOT NULL, participant TEXT NOT NULL,"
-        " session TEXT, onset TEXT NOT NULL, what TEXT NOT NULL, severity TEXT NOT NULL, action TEXT NOT NULL,"
-        " outcome TEXT NOT NULL, recorded_at TEXT NOT NULL, recorded_by TEXT NOT NULL, PRIMARY KEY (event, version))"
+        "CREATE TABLE adverse_events (event TEXT NOT NULL, version INTEGER NOT NULL, participant "
+        "TEXT NOT NULL,"
+        " session TEXT, onset TEXT NOT NULL, what TEXT NOT NULL, severity TEXT NOT NULL, action "
+        "TEXT NOT NULL,"
+        " outcome TEXT NOT NULL, recorded_at TEXT NOT NULL, recorded_by TEXT NOT NULL, PRIMARY "
+        "KEY (event, version))"
     )
 
 
@@ -227,8 +242,10 @@ def version_9(db: sqlite_utils.Database) -> None:
 def version_10(db: sqlite_utils.Database) -> None:
     """Scores of other instruments, entered by hand."""
     db.execute(
-        "CREATE TABLE instrument_scores (participant TEXT NOT NULL, instrument TEXT NOT NULL, date TEXT NOT NULL,"
-        " score REAL NOT NULL, note TEXT NOT NULL, recorded_at TEXT NOT NULL, recorded_by TEXT NOT NULL,"
+        "CREATE TABLE instrument_scores (participant TEXT NOT NULL, instrument TEXT NOT NULL, "
+        "date TEXT NOT NULL,"
+        " score REAL NOT NULL, note TEXT NOT NULL, recorded_at TEXT NOT NULL, recorded_by TEXT "
+        "NOT NULL,"
         " PRIMARY KEY (participant, instrument, date, recorded_at))"
     )
 
@@ -243,8 +260,10 @@ def version_11(db: sqlite_utils.Database) -> None:
 def version_12(db: sqlite_utils.Database) -> None:
     """The ledger of exports."""
     db.execute(
-        "CREATE TABLE exports (number INTEGER PRIMARY KEY, exported_at TEXT NOT NULL, exported_by TEXT NOT NULL,"
-        " recipient TEXT NOT NULL, format TEXT NOT NULL, sessions TEXT NOT NULL, options TEXT NOT NULL,"
+        "CREATE TABLE exports (number INTEGER PRIMARY KEY, exported_at TEXT NOT NULL, exported_by "
+        "TEXT NOT NULL,"
+        " recipient TEXT NOT NULL, format TEXT NOT NULL, sessions TEXT NOT NULL, options TEXT NOT "
+        "NULL,"
         " manifest TEXT NOT NULL)"
     )
 
@@ -252,7 +271,9 @@ def version_12(db: sqlite_utils.Database) -> None:
 @migrations()
 def version_13(db: sqlite_utils.Database) -> None:
     """Site codes; views of attempts, trials and reaches. An empty site is the database's own."""
-    db.execute("CREATE TABLE site (number INTEGER PRIMARY KEY CHECK (number=1), code TEXT NOT NULL)")
+    db.execute(
+        "CREATE TABLE site (number INTEGER PRIMARY KEY CHECK (number=1), code TEXT NOT NULL)"
+    )
     for table in _OF_SITES:
         db.execute(f"ALTER TABLE {table} ADD COLUMN site TEXT NOT NULL DEFAULT ''")
     for statement in _INSERT_SETTINGS:
@@ -264,9 +285,13 @@ def version_13(db: sqlite_utils.Database) -> None:
 @migrations()
 def version_14(db: sqlite_utils.Database) -> None:
     """Codes of the same person at several sites; versions of records that contradict each other."""
-    db.execute("CREATE TABLE same_people (code TEXT NOT NULL, same_as TEXT NOT NULL, PRIMARY KEY (code, same_as))")
     db.execute(
-        "CREATE TABLE conflicts (kind TEXT NOT NULL, key TEXT NOT NULL, digest TEXT NOT NULL, content BLOB NOT NULL,"
+        "CREATE TABLE same_people (code TEXT NOT NULL, same_as TEXT NOT NULL, PRIMARY KEY (code, "
+        "same_as))"
+    )
+    db.execute(
+        "CREATE TABLE conflicts (kind TEXT NOT NULL, key TEXT NOT NULL, digest TEXT NOT NULL, "
+        "content BLOB NOT NULL,"
         " PRIMARY KEY (kind, key, digest))"
     )
 
@@ -290,7 +315,11 @@ def version_16(db: sqlite_utils.Database) -> None:
 def version_17(db: sqlite_utils.Database) -> None:
     """The condition of an attempt."""
     db.execute("ALTER TABLE attempts ADD COLUMN condition TEXT NOT NULL DEFAULT ''")
-    for name, view in (("v_attempts", views.ATTEMPTS), ("v_trials", views.TRIALS), ("v_reaches", views.REACHES)):
+    for name, view in (
+        ("v_attempts", views.ATTEMPTS),
+        ("v_trials", views.TRIALS),
+        ("v_reaches", views.REACHES),
+    ):
         db.execute(f"DROP VIEW {name}")
         db.execute(view)
 
@@ -305,8 +334,10 @@ def version_18(db: sqlite_utils.Database) -> None:
 def version_19(db: sqlite_utils.Database) -> None:
     """Answers to questions between attempts."""
     db.execute(
-        "CREATE TABLE answers (session TEXT NOT NULL, number INTEGER NOT NULL, run INTEGER NOT NULL,"
-        " attempt INTEGER NOT NULL, seat TEXT NOT NULL, step TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL,"
+        "CREATE TABLE answers (session TEXT NOT NULL, number INTEGER NOT NULL, run INTEGER NOT "
+        "NULL,"
+        " attempt INTEGER NOT NULL, seat TEXT NOT NULL, step TEXT NOT NULL, kind TEXT NOT NULL, "
+        "text TEXT NOT NULL,"
         " labels TEXT NOT NULL, status TEXT NOT NULL, answer TEXT, shown_ns INTEGER NOT NULL,"
         " answered_ns INTEGER NOT NULL, PRIMARY KEY (session, number))"
     )
@@ -321,16 +352,23 @@ def version_20(db: sqlite_utils.Database) -> None:
 @migrations()
 def version_21(db: sqlite_utils.Database) -> None:
     """The status of the session, beside each attempt and trial: some sessions do not count."""
-    for name, view in (("v_attempts", views.ATTEMPTS), ("v_trials", views.TRIALS), ("v_reaches", views.REACHES)):
+    for name, view in (
+        ("v_attempts", views.ATTEMPTS),
+        ("v_trials", views.TRIALS),
+        ("v_reaches", views.REACHES),
+    ):
         db.execute(f"DROP VIEW {name}")
         db.execute(view)
 
 
 @migrations()
 def version_22(db: sqlite_utils.Database) -> None:
-    """Hashes of logs; sessions that were recorded before have none. What is hashed is never migrated."""
+    """Hashes of logs; sessions that were recorded before have none. What is hashed is never
+    migrated.
+    """
     db.execute(
-        "CREATE TABLE log_hashes (session TEXT NOT NULL, number INTEGER NOT NULL, seq INTEGER NOT NULL,"
+        "CREATE TABLE log_hashes (session TEXT NOT NULL, number INTEGER NOT NULL, seq INTEGER NOT "
+        "NULL,"
         " beside TEXT NOT NULL, hash TEXT NOT NULL, PRIMARY KEY (session, number))"
     )
     db.execute("ALTER TABLE sessions ADD COLUMN log_hash TEXT NOT NULL DEFAULT ''")
@@ -350,22 +388,28 @@ END""",
 )
 """As before, with the names of the columns: there is another one."""
 _VALUE = "substr({pair}, 2, length({pair}) - 7)"
-"""A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is not everywhere."""
+"""A value in a JSON array as it is written there, from the array of it and null: SQLite's ``->`` is
+not everywhere.
+"""
 _STORED = _VALUE.format(pair="json_extract(messages.message, '$[' || field.key || ']', '$.none')")
 _DEFAULT = _VALUE.format(pair="json_extract(field.value, '$[1]', '$.none')")
 
 _COMPACT_MESSAGES = (
     "ALTER TABLE events RENAME TO earlier_events",
     "CREATE TABLE session_numbers (number INTEGER PRIMARY KEY, id TEXT NOT NULL UNIQUE)",
-    "CREATE TABLE topics (id INTEGER PRIMARY KEY, name TEXT NOT NULL, fields TEXT NOT NULL, UNIQUE (name, fields))",
+    "CREATE TABLE topics (id INTEGER PRIMARY KEY, name TEXT NOT NULL, fields TEXT NOT NULL, "
+    "UNIQUE (name, fields))",
     "INSERT INTO topics VALUES (1, 'operator/presence', '')",
-    "CREATE TABLE messages (session_number INTEGER NOT NULL, seq INTEGER NOT NULL, run INTEGER NOT NULL,"
+    "CREATE TABLE messages (session_number INTEGER NOT NULL, seq INTEGER NOT NULL, run INTEGER "
+    "NOT NULL,"
     " at_ns INTEGER NOT NULL, topic INTEGER NOT NULL, message TEXT NOT NULL,"
     " PRIMARY KEY (session_number, seq)) WITHOUT ROWID",
-    "CREATE TABLE checkpoints (session TEXT PRIMARY KEY, seq INTEGER NOT NULL, program TEXT NOT NULL,"
+    "CREATE TABLE checkpoints (session TEXT PRIMARY KEY, seq INTEGER NOT NULL, program TEXT NOT "
+    "NULL,"
     " crc32 INTEGER NOT NULL, state BLOB NOT NULL)",
     "CREATE INDEX idx_messages_presence ON messages (session_number, seq) WHERE topic=1",
-    "CREATE INDEX idx_earlier_events_presence ON earlier_events (session, seq) WHERE topic='operator/presence'",
+    "CREATE INDEX idx_earlier_events_presence ON earlier_events (session, seq) WHERE "
+    "topic='operator/presence'",
     f"""CREATE VIEW events AS
 SELECT session, seq, run, at_ns, topic, message FROM earlier_events
 UNION ALL
@@ -384,8 +428,10 @@ END""",
 )
 
 _PROGRAMMES = (
-    "CREATE TABLE programmes (participant TEXT NOT NULL, task TEXT NOT NULL, version INTEGER NOT NULL,"
-    " created_at TEXT NOT NULL, author TEXT NOT NULL, reason TEXT NOT NULL, parameters TEXT NOT NULL,"
+    "CREATE TABLE programmes (participant TEXT NOT NULL, task TEXT NOT NULL, version INTEGER NOT "
+    "NULL,"
+    " created_at TEXT NOT NULL, author TEXT NOT NULL, reason TEXT NOT NULL, parameters TEXT NOT "
+    "NULL,"
     " theme TEXT NOT NULL, PRIMARY KEY (participant, task, version))",
     "INSERT INTO programmes SELECT participant, task, 1, updated_at, '',"
     " 'Saved before programmes had versions.', parameters, theme FROM settings",
@@ -402,8 +448,10 @@ END""",
 )
 
 _WELLBEING = (
-    "CREATE TABLE wellbeing (session TEXT, seat TEXT NOT NULL, participant TEXT NOT NULL, moment TEXT NOT NULL,"
-    " question TEXT NOT NULL, answer TEXT NOT NULL, at TEXT NOT NULL, PRIMARY KEY (participant, question, at))",
+    "CREATE TABLE wellbeing (session TEXT, seat TEXT NOT NULL, participant TEXT NOT NULL, moment "
+    "TEXT NOT NULL,"
+    " question TEXT NOT NULL, answer TEXT NOT NULL, at TEXT NOT NULL, PRIMARY KEY (participant, "
+    "question, at))",
     "CREATE INDEX idx_wellbeing_session ON wellbeing (session)",
     """INSERT OR IGNORE INTO wellbeing
 SELECT said.session, seats.seat, seats.participant, 'pause',

@@ -37,8 +37,8 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
 class Selection(msgspec.Struct, frozen=True):
     """Sessions in the order in which they were stored, and sentences on those that are left out.
 
-    ``refused``: on those that cannot be read yet. ``set_aside``: on those that do not count. ``of``: the participant
-    whose sessions were asked for; empty if they were chosen otherwise.
+    ``refused``: on those that cannot be read yet. ``set_aside``: on those that do not count.
+    ``of``: the participant whose sessions were asked for; empty if they were chosen otherwise.
     """
 
     sessions: tuple[Row, ...]
@@ -73,25 +73,30 @@ def select(
 ) -> Selection:
     """Return the sessions that are asked for. One that runs is left out.
 
-    ``also_damaged``: those with damaged JSON as well, as `store.sessions.listing` returns them. ``only_counted``: for a
-    report: sessions that were discarded or refused are left out, too.
+    ``also_damaged``: those with damaged JSON as well, as `store.sessions.listing` returns them.
+    ``only_counted``: for a report: sessions that were discarded or refused are left out, too.
 
     Raises:
-        StoreError: there is none, all of them are running, or the request is not clear; a named session does not exist,
-            or the code is not valid.
+        StoreError: there is none, all of them are running, or the request is not clear; a named
+            session does not exist, or the code is not valid.
     """
     ways = sum([bool(request.names), bool(request.participant), request.everything])
     if ways > 1:
         raise StoreError(
-            "Say which sessions in one way: name them, or give --participant CODE, or --all.", bad_input=True
+            "Say which sessions in one way: name them, or give --participant CODE, or --all.",
+            bad_input=True,
         )
     if not ways:
         raise StoreError(
-            "Say which sessions: name them (`sar-tui sessions` lists them), or give --participant CODE, or --all.",
+            "Say which sessions: name them (`sar-tui sessions` lists them), or give --participant "
+            "CODE, or --all.",
             bad_input=True,
         )
     if request.simulated and request.mixed:
-        raise StoreError("--simulated takes simulated sessions only, --mixed both: give one of them.", bad_input=True)
+        raise StoreError(
+            "--simulated takes simulated sessions only, --mixed both: give one of them.",
+            bad_input=True,
+        )
     code = check_code(request.participant) if request.participant else ""
     if request.names:
         chosen = _named(database, folder, request, also_damaged)
@@ -106,7 +111,9 @@ def select(
     if not ended:
         waits = [f"Session {row['id']} is running: wait until it has ended." for row in running]
         raise StoreError(" ".join([*waits, *map(_set_aside_words, set_aside)]))
-    refused = tuple(f"Session {row['id']} is running. It is left out until it has ended." for row in running)
+    refused = tuple(
+        f"Session {row['id']} is running. It is left out until it has ended." for row in running
+    )
     return Selection(tuple(ended), refused, code, tuple(map(_set_aside_words, set_aside)))
 
 
@@ -114,7 +121,9 @@ def _set_aside_words(row: Row) -> str:
     return f"Session {row['id']} was {row['status']}: it does not count, and is left out."
 
 
-def _named(database: sqlite3.Connection, folder: Path, request: Request, also_damaged: bool) -> list[Row]:
+def _named(
+    database: sqlite3.Connection, folder: Path, request: Request, also_damaged: bool
+) -> list[Row]:
     rows = (find(database, folder, name, also_damaged=also_damaged) for name in request.names)
     found = {row["id"]: row for row in rows}
     for row in found.values():
@@ -126,7 +135,10 @@ def _named(database: sqlite3.Connection, folder: Path, request: Request, also_da
                 + "or add --mixed for both kinds together.",
                 bad_input=True,
             )
-    order = {id: number for number, (id,) in enumerate(database.execute("SELECT id FROM sessions ORDER BY rowid"))}
+    order = {
+        id: number
+        for number, (id,) in enumerate(database.execute("SELECT id FROM sessions ORDER BY rowid"))
+    }
     return sorted(found.values(), key=lambda row: order[row["id"]])
 
 

@@ -14,7 +14,8 @@ def copy_session(
 ) -> list[int]:
     """Copy a session with its participants and their programmes.
 
-    What the target has of the session is replaced; if ``adds``, it is kept, as the source has only what followed.
+    What the target has of the session is replaced; if ``adds``, it is kept, as the source has only
+    what followed.
 
     Both databases must have the present version.
 
@@ -22,7 +23,8 @@ def copy_session(
         The numbers of messages that are damaged, which were not copied.
 
     Raises:
-        StoreError: the target cannot be written to, or the source cannot be read; nothing was copied.
+        StoreError: the target cannot be written to, or the source cannot be read; nothing was
+            copied.
     """
     with transaction(target) as connection:
         for table in _tables(target, "session"):
@@ -35,13 +37,17 @@ def copy_session(
         copy_rows(source, connection, "sessions", "id=?", session)
         seated = "(SELECT participant FROM seats WHERE session=?)"
         copy_rows(source, connection, "participants", f"code IN {seated}", session, or_ignore=True)
-        copy_rows(source, connection, "programmes", f"participant IN {seated}", session, or_ignore=True)
+        copy_rows(
+            source, connection, "programmes", f"participant IN {seated}", session, or_ignore=True
+        )
     return damaged
 
 
 def _tables(database: sqlite3.Connection, column: str) -> list[str]:
     """Return the tables that have a column, in order of their creation."""
-    tables = database.execute("SELECT name FROM sqlite_master WHERE type='table' ORDER BY rowid").fetchall()
+    tables = database.execute(
+        "SELECT name FROM sqlite_master WHERE type='table' ORDER BY rowid"
+    ).fetchall()
     return [name for (name,) in tables if column in _columns(database, name)]
 
 
@@ -61,6 +67,8 @@ def copy_rows(
     """Copy the rows of a table that fulfil a condition with one value; by default all."""
     names = ", ".join(f'"{name}"' for name in _columns(source, table))
     slots = ", ".join("?" for _ in _columns(source, table))
-    rows = source.execute(f'SELECT {names} FROM "{table}" WHERE {condition} ORDER BY rowid', (value,))
+    rows = source.execute(
+        f'SELECT {names} FROM "{table}" WHERE {condition} ORDER BY rowid', (value,)
+    )
     how = "INSERT OR IGNORE" if or_ignore else "INSERT"
     target.executemany(f'{how} INTO "{table}" ({names}) VALUES ({slots})', rows)

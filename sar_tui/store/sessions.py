@@ -78,9 +78,21 @@ def create(
     """
     with transaction(db) as connection:
         connection.execute(
-            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, software, machine, mode,"
+            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, "
+            "software, machine, mode,"
             " programme) VALUES (?,?,?,'running',?,?,?,?,?,?,?)",
-            (session, task, theme, _utc(), seed, _dump(parameters), _dump(software), _dump(machine), mode, programme),
+            (
+                session,
+                task,
+                theme,
+                _utc(),
+                seed,
+                _dump(parameters),
+                _dump(software),
+                _dump(machine),
+                mode,
+                programme,
+            ),
         )
         connection.execute("INSERT INTO seats VALUES (?,'A',?)", (session, participant))
         if partner:
@@ -89,7 +101,12 @@ def create(
 
 
 def begin_run(
-    db: sqlite3.Connection, session: str, *, software: object, machine: object, clock_ns: int | None = None
+    db: sqlite3.Connection,
+    session: str,
+    *,
+    software: object,
+    machine: object,
+    clock_ns: int | None = None,
 ) -> int:
     """Store a run of this program on a session, and return its number (1, 2, …).
 
@@ -99,21 +116,30 @@ def begin_run(
     at = host_now() if clock_ns is None else clock_ns
     anchor = {"clock_ns": at, "utc": _utc(), "utc_offset_s": utc_offset_s()}
     with transaction(db) as connection:
-        (run,) = connection.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
+        (run,) = connection.execute(
+            "SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)
+        ).fetchone()
         connection.execute(
-            "INSERT INTO runs (session, run, clock_anchor, boot_id, pid, software, machine) VALUES (?,?,?,?,?,?,?)",
+            "INSERT INTO runs (session, run, clock_anchor, boot_id, pid, software, machine) "
+            "VALUES (?,?,?,?,?,?,?)",
             (session, run, _dump(anchor), _boot_id(), os.getpid(), _dump(software), _dump(machine)),
         )
-        connection.execute("UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,))
+        connection.execute(
+            "UPDATE sessions SET status='running', ended_at=NULL WHERE id=?", (session,)
+        )
         log_hashes.extend(connection, session, ["run", run])
     return int(run)
 
 
-def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str = "") -> dict[str, float]:
-    """Return a participant's best results in a task over live sessions that count, except ``without``, by `best_key`.
+def best(
+    db: sqlite3.Connection, participant: str, task: Task, *, without: str = ""
+) -> dict[str, float]:
+    """Return a participant's best results in a task over live sessions that count, except
+    ``without``, by `best_key`.
 
-    Levels can be compared only between sessions with the same version of the task, and the same values of the
-    parameters that the task itself declares. Practice attempts and attempts below the minimum accuracy do not count.
+    Levels can be compared only between sessions with the same version of the task, and the same
+    values of the parameters that the task itself declares. Practice attempts and attempts below the
+    minimum accuracy do not count.
     """
     metric = task.metric
     kind = type(task.parameters)
@@ -137,9 +163,12 @@ def best(db: sqlite3.Connection, participant: str, task: Task, *, without: str =
     rows = db.execute(
         f"SELECT level, condition, {best_of}({FINITE_METRIC})"
         " FROM attempts JOIN sessions ON sessions.id = attempts.session"
-        " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND participant=?"
-        f" WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND {FINITE_METRIC} IS NOT NULL"
-        " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, '$.min_accuracy'), 0)"
+        " JOIN seats ON seats.session = attempts.session AND seats.seat = attempts.seat AND "
+        "participant=?"
+        " WHERE attempts.session IN (SELECT value FROM json_each(?)) AND NOT practice AND "
+        f"{FINITE_METRIC} IS NOT NULL"
+        " AND metric_unit=? AND COALESCE(accuracy, 1) >= COALESCE(json_extract(parameters, "
+        "'$.min_accuracy'), 0)"
         " GROUP BY level, condition",
         (participant, _dump(comparable), metric.unit),
     )
@@ -150,7 +179,9 @@ def interrupt(db: sqlite3.Connection, session: str) -> None:
     """Mark a session that was left before its end as interrupted, so that it can be resumed."""
     ended = _utc()
     with transaction(db) as connection:
-        interrupted = "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'"
+        interrupted = (
+            "UPDATE sessions SET status='interrupted', ended_at=? WHERE id=? AND status='running'"
+        )
         if connection.execute(interrupted, (ended, session)).rowcount:
             log_hashes.extend(connection, session, ["ended", ended])
 
@@ -168,15 +199,20 @@ def _boot_id() -> str | None:
     return path.read_text().strip() if path.exists() else None
 
 
-# --- reading -------------------------------------------------------------------------------------------------
+# --- reading
+# -------------------------------------------------------------------------------------------------
 
 
 def local_time(stamp: str | None, utc_offset_s: int | None = None) -> str:
-    """Return a UTC stamp of the database to the minute: in local time, or at the offset of a session's place."""
+    """Return a UTC stamp of the database to the minute: in local time, or at the offset of a
+    session's place.
+    """
     return trained_at(stamp, utc_offset_s).strftime("%Y-%m-%d %H:%M") if stamp else ""
 
 
-def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[str, object]) -> Iterator[Row]:
+def _query(
+    db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[str, object]
+) -> Iterator[Row]:
     """Yield the rows of a query by the names of their columns."""
     found = db.execute(sql, values)
     names = [name for name, *_ in found.description]
@@ -184,17 +220,25 @@ def _query(db: sqlite3.Connection, sql: str, values: Sequence[object] | Mapping[
 
 
 def _typed(table: str, row: Row, also_damaged: bool = False) -> Row:
-    """Return a row with its JSON columns decoded, its boolean columns as bool, and results that are finite or None."""
+    """Return a row with its JSON columns decoded, its boolean columns as bool, and results that are
+    finite or None.
+    """
     read = _object_or_empty if also_damaged else read_json
     decoded = {name: read(row[name]) for name in _JSON.get(table, ()) if row[name] is not None}
     booleans = {name: bool(row[name]) for name in _BOOLEAN.get(table, ()) if row[name] is not None}
-    endless = {name: None for name in _RESULTS.get(table, ()) if row[name] is not None and not math.isfinite(row[name])}
+    endless = {
+        name: None
+        for name in _RESULTS.get(table, ())
+        if row[name] is not None and not math.isfinite(row[name])
+    }
     return row | decoded | booleans | endless
 
 
 @lru_cache(maxsize=256)
 def _object_or_empty(text: str) -> Any:
-    """Return a JSON value, the same object for the same text: most sessions share their software and machine."""
+    """Return a JSON value, the same object for the same text: most sessions share their software
+    and machine.
+    """
     try:
         return read_json(text)
     except StoreError:
@@ -202,8 +246,10 @@ def _object_or_empty(text: str) -> Any:
 
 
 _COLUMNS = (
-    f"SELECT sessions.*, {UTC_OFFSET} AS utc_offset_s, seats.participant, other.participant AS partner,"
-    " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) AS attempts FROM "
+    f"SELECT sessions.*, {UTC_OFFSET} AS utc_offset_s, seats.participant, other.participant AS "
+    "partner,"
+    " (SELECT count(DISTINCT attempt) FROM attempts WHERE session=sessions.id AND NOT practice) "
+    "AS attempts FROM "
 )
 _SEATS = (
     " CROSS JOIN seats ON seats.session=sessions.id AND seats.seat='A'"
@@ -216,21 +262,31 @@ _LISTED_OF_ONE = (
     f"{_COLUMNS} seats AS own CROSS JOIN sessions ON sessions.id=own.session {_SEATS}"
     " WHERE own.participant=:who ORDER BY own.rowid DESC LIMIT :limit"
 )
-"""The seats of one participant, which are stored with their sessions, are visited from the newest on."""
+"""The seats of one participant, which are stored with their sessions, are visited from the newest
+on.
+"""
 
 
 def listing(
-    db: sqlite3.Connection, folder: Path, *, participant: str | None = None, limit: int = -1, also_damaged: bool = False
+    db: sqlite3.Connection,
+    folder: Path,
+    *,
+    participant: str | None = None,
+    limit: int = -1,
+    also_damaged: bool = False,
 ) -> list[Row]:
-    """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number of ``attempts``.
+    """Return sessions, newest first, with ``participant``, ``partner`` (or None) and their number
+    of ``attempts``.
 
-    ``utc_offset_s`` is that of the place where a session was played (see `trained_at`), None if it was not recorded.
+    ``utc_offset_s`` is that of the place where a session was played (see `trained_at`), None if it
+    was not recorded.
 
-    The order is that in which they were stored: the machine's clock may have been set back in between.
+    The order is that in which they were stored: the machine's clock may have been set back in
+    between.
 
-    ``participant`` selects the sessions of one participant, at any seat. The status of a session that is stored as
-    running and not locked by a program is ``interrupted``. ``also_damaged`` returns rows whose JSON is damaged as well,
-    with an empty object in its place.
+    ``participant`` selects the sessions of one participant, at any seat. The status of a session
+    that is stored as running and not locked by a program is ``interrupted``. ``also_damaged``
+    returns rows whose JSON is damaged as well, with an empty object in its place.
     """
     query = _LISTED_OF_ONE if participant else f"{_LISTED}{_NEWEST_FIRST}"
     rows = _query(db, query, {"who": participant, "limit": limit})
@@ -238,7 +294,9 @@ def listing(
 
 
 def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
-    """Return the newest live session that can be resumed here, as `listing` does; None if there is none."""
+    """Return the newest live session that can be resumed here, as `listing` does; None if there is
+    none.
+    """
     unfinished = f"{COUNTS} AND site='' AND status IN ('running', 'interrupted')"
     rows = _query(db, f"{_LISTED} WHERE {unfinished}{_NEWEST_FIRST}", {"limit": -1})
     interrupted = (row for row in rows if _with_status(row, folder)["status"] == "interrupted")
@@ -247,14 +305,17 @@ def latest_interrupted(db: sqlite3.Connection, folder: Path) -> Row | None:
 
 
 def operators(db: sqlite3.Connection, session: str | None = None) -> dict[str, list[str]]:
-    """Return the names of the operators, in order of arrival, by session; only sessions that had one.
+    """Return the names of the operators, in order of arrival, by session; only sessions that had
+    one.
 
     ``session`` selects a single session.
     """
     found: dict[str, list[str]] = {}
     for source, name in ((_EARLIER_PRESENCE, "session"), (_PRESENCE, "session_numbers.id")):
         of_session = f" AND {name}=:session" if session else ""
-        for joined, actor in db.execute(f"{source}{of_session} ORDER BY {name}, seq", {"session": session}):
+        for joined, actor in db.execute(
+            f"{source}{of_session} ORDER BY {name}, seq", {"session": session}
+        ):
             names = found.setdefault(joined, [])
             if actor not in names:
                 names.append(actor)
@@ -267,10 +328,14 @@ _EARLIER_PRESENCE = (
     f" WHERE topic='{PRESENCE.name}' AND {_IS_OPERATOR}"
 )
 _PRESENCE = (
-    "SELECT session_numbers.id, json_extract(message, '$.actor') FROM messages INDEXED BY idx_messages_presence"
-    f" JOIN session_numbers ON number=session_number WHERE topic={messages.PRESENCE_ID} AND {_IS_OPERATOR}"
+    "SELECT session_numbers.id, json_extract(message, '$.actor') FROM messages INDEXED BY "
+    "idx_messages_presence"
+    f" JOIN session_numbers ON number=session_number WHERE topic={messages.PRESENCE_ID} AND "
+    f"{_IS_OPERATOR}"
 )
-"""The conditions on the topic are literals, as in the indexes, so that no other message is looked at."""
+"""The conditions on the topic are literals, as in the indexes, so that no other message is looked
+at.
+"""
 
 
 def codes(row: Row) -> tuple[str, ...]:
@@ -284,7 +349,8 @@ def participant_codes(row: Row) -> str:
 
 
 def find(db: sqlite3.Connection, folder: Path, name: str, *, also_damaged: bool = False) -> Row:
-    """Find one session by its id, the beginning of its id, or ``last``; ``also_damaged`` as in `listing`.
+    """Find one session by its id, the beginning of its id, or ``last``; ``also_damaged`` as in
+    `listing`.
 
     Raises:
         StoreError: there is no such session, or more than one.
@@ -292,14 +358,21 @@ def find(db: sqlite3.Connection, folder: Path, name: str, *, also_damaged: bool 
     if name == "last":
         found = listing(db, folder, limit=1, also_damaged=also_damaged)
     else:
-        rows = _query(db, f"{_LISTED} WHERE substr(sessions.id, 1, length(:name))=:name LIMIT 2", {"name": name})
+        rows = _query(
+            db,
+            f"{_LISTED} WHERE substr(sessions.id, 1, length(:name))=:name LIMIT 2",
+            {"name": name},
+        )
         found = [_with_status(_typed("sessions", row, also_damaged), folder) for row in rows]
     if not name or not found:
         raise StoreError(
-            f"There is no session {name or 'with an empty name'}. `sar-tui sessions` lists them.", bad_input=True
+            f"There is no session {name or 'with an empty name'}. `sar-tui sessions` lists them.",
+            bad_input=True,
         )
     if len(found) > 1:
-        raise StoreError(f"More than one session begins with {name}. Give more of the id.", bad_input=True)
+        raise StoreError(
+            f"More than one session begins with {name}. Give more of the id.", bad_input=True
+        )
     return found[0]
 
 
@@ -309,12 +382,18 @@ def _with_status(row: Row, folder: Path) -> Row:
 
 
 def status_now(stored: str, session: str, folder: Path) -> str:
-    """Return a session's status: interrupted if it is stored as running, and no program has locked it."""
-    return "interrupted" if stored == "running" and not is_held(folder, "session", session) else stored
+    """Return a session's status: interrupted if it is stored as running, and no program has locked
+    it.
+    """
+    return (
+        "interrupted" if stored == "running" and not is_held(folder, "session", session) else stored
+    )
 
 
 def stored_status(db: sqlite3.Connection, session: str) -> str | None:
-    """Return a session's status as it is stored, locked or not; None if there is no such session."""
+    """Return a session's status as it is stored, locked or not; None if there is no such
+    session.
+    """
     row = db.execute("SELECT status FROM sessions WHERE id=?", (session,)).fetchone()
     return row[0] if row else None
 
@@ -322,7 +401,8 @@ def stored_status(db: sqlite3.Connection, session: str) -> str | None:
 def rows(db: sqlite3.Connection, table: Table, session: str) -> list[Row]:
     """Return the rows of a session in one table, in order."""
     return [
-        _typed(table, row) for row in _query(db, f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))
+        _typed(table, row)
+        for row in _query(db, f"SELECT * FROM {table} WHERE session=? ORDER BY rowid", (session,))
     ]
 
 
@@ -333,7 +413,9 @@ def stored(db: sqlite3.Connection, session: str) -> Row | None:
 
 
 def attempt_ended(row: Row) -> AttemptEnded:
-    """Return the message that a row of `rows(db, "attempts", session)` was stored from, without choice and spreads."""
+    """Return the message that a row of `rows(db, "attempts", session)` was stored from, without
+    choice and spreads.
+    """
     return AttemptEnded(
         seat=row["seat"],
         attempt=row["attempt"],

@@ -7,23 +7,37 @@ from sar_tui.store.database import StoreError, transaction
 from sar_tui.store.views import SITE
 
 _CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]{0,15}")
-OF_SITES = ("participants", "sessions", "programmes", "wellbeing", "adverse_events", "instrument_scores", "exports")
+OF_SITES = (
+    "participants",
+    "sessions",
+    "programmes",
+    "wellbeing",
+    "adverse_events",
+    "instrument_scores",
+    "exports",
+)
 """Tables with a column ``site``: empty in the rows of the database's own site."""
 
 
 def check_site(code: str) -> str:
-    """Return a site's code as it is stored, in capital letters. Raise StoreError if it is not valid."""
+    """Return a site's code as it is stored, in capital letters. Raise StoreError if it is not
+    valid.
+    """
     code = code.strip()
-    if not _CODE.fullmatch(code):  # before the capitals: those of ß and ı are letters of other codes
+    # before the capitals: those of ß and ı are letters of other codes
+    if not _CODE.fullmatch(code):
         raise StoreError(
-            "A site's code has 1 to 16 letters, digits or -, and begins with a letter or digit, such as BERN.",
+            "A site's code has 1 to 16 letters, digits or -, and begins with a letter or digit, "
+            "such as BERN.",
             bad_input=True,
         )
     return code.upper()
 
 
 def resolved(column: str) -> str:
-    """Return the SQL of a site's code from a column ``site``; it is empty only if this database has no code yet."""
+    """Return the SQL of a site's code from a column ``site``; it is empty only if this database has
+    no code yet.
+    """
     return SITE.format(column=column)
 
 
@@ -34,8 +48,12 @@ def own(db: sqlite3.Connection) -> str:
 
 
 def of_session(db: sqlite3.Connection, session: str) -> str:
-    """Return the code of the site at which a session was recorded; empty if the database has no code yet."""
-    row = db.execute(f"SELECT {resolved('sessions.site')} FROM sessions WHERE id=?", (session,)).fetchone()
+    """Return the code of the site at which a session was recorded; empty if the database has no
+    code yet.
+    """
+    row = db.execute(
+        f"SELECT {resolved('sessions.site')} FROM sessions WHERE id=?", (session,)
+    ).fetchone()
     return row[0] if row else ""
 
 
@@ -50,7 +68,8 @@ def set_own(db: sqlite3.Connection, code: str) -> str:
         before = own(connection)
         if before and before != code and (reason := _known_outside(connection)):
             raise StoreError(
-                f"This database is {before}, and stays so: {reason}. Its sessions would be those of two sites.",
+                f"This database is {before}, and stays so: {reason}. Its sessions would be those "
+                "of two sites.",
                 bad_input=True,
             )
         connection.execute("INSERT OR REPLACE INTO site (number, code) VALUES (1, ?)", (code,))
@@ -59,7 +78,9 @@ def set_own(db: sqlite3.Connection, code: str) -> str:
 
 def _known_outside(db: sqlite3.Connection) -> str:
     """Return the reason why the code must not change, in words; empty if there is none."""
-    if any(db.execute(f"SELECT 1 FROM {table} WHERE site<>'' LIMIT 1").fetchone() for table in OF_SITES):
+    if any(
+        db.execute(f"SELECT 1 FROM {table} WHERE site<>'' LIMIT 1").fetchone() for table in OF_SITES
+    ):
         return "data of other sites was merged into it"
     if db.execute("SELECT 1 FROM exports WHERE site='' AND format='parquet' LIMIT 1").fetchone():
         return "data was exported under this code"

@@ -1,4 +1,6 @@
-"""One rule for texts that somebody typed: those that are stored here, and those of a database that is merged."""
+"""One rule for texts that somebody typed: those that are stored here, and those of a database that
+is merged.
+"""
 
 from sar_tui.model.visible_text import obeyed
 from sar_tui.store.database import StoreError

@@ -1,4 +1,6 @@
-"""Troubles with the data that a person must know of: rescue files that wait, and data that was lost."""
+"""Troubles with the data that a person must know of: rescue files that wait, and data that was
+lost.
+"""
 
 import os
 import sqlite3
@@ -19,7 +21,10 @@ def troubles(database: sqlite3.Connection, folder: Path) -> list[str]:
             f"{path} holds data that is not in the database. `sar-tui rescue` brings it back."
             for path in rescue_files(folder)
         ),
-        *(f"{loss} Restore a backup, or delete {loss.note} to accept it." for loss in losses(database, folder)),
+        *(
+            f"{loss} Restore a backup, or delete {loss.note} to accept it."
+            for loss in losses(database, folder)
+        ),
     ]
 
 
@@ -28,6 +33,8 @@ def may_have_any(folder: Path) -> bool:
     try:
         with os.scandir(folder) as entries:
             names = [entry.name for entry in entries]
-        return any(name.startswith(RESCUE) for name in names) or (SAVED in names and bool(os.listdir(folder / SAVED)))
+        return any(name.startswith(RESCUE) for name in names) or (
+            SAVED in names and bool(os.listdir(folder / SAVED))
+        )
     except OSError:
         return False

@@ -1,4 +1,5 @@
-"""Views of attempts, trials and reaches, a row each, for any program that reads SQLite (3.34 or newer).
+"""Views of attempts, trials and reaches, a row each, for any program that reads SQLite (3.34 or
+newer).
 
 They are part of a migration (``schema``): to change one, drop and create it in a new migration.
 """
@@ -20,7 +21,8 @@ _REACH = {
 SITE = "coalesce(nullif({column}, ''), (SELECT code FROM site), '')"
 """The site of a row in words: an empty one is the database's own, which may have no code yet."""
 _WHO = (
-    "(SELECT participant FROM seats WHERE seats.session={row}.session AND seats.seat={row}.seat) AS participant, "
+    "(SELECT participant FROM seats WHERE seats.session={row}.session AND seats.seat={row}.seat) "
+    "AS participant, "
     + SITE.format(column="sessions.site")
     + " AS site, {row}.session, task, mode, sessions.status AS session_status, {row}.attempt"
 )
@@ -32,7 +34,8 @@ _TIME = (
 """A moment of a run by the time of day (UTC), from its steady clock."""
 _ATTEMPT = "practice, level, condition, goal, metric_unit, outcome"
 _OF_TRIALS = (
-    "FROM trials JOIN sessions ON sessions.id=trials.session LEFT JOIN attempts ON attempts.session=trials.session"
+    "FROM trials JOIN sessions ON sessions.id=trials.session LEFT JOIN attempts ON "
+    "attempts.session=trials.session"
     " AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"
 )
 _REACTION = "CASE WHEN abs(reaction_time_ms) < 9e999 THEN reaction_time_ms END AS reaction_time_ms"

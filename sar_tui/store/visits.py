@@ -16,7 +16,9 @@ FROM (SELECT participant, task, updated_at, json_extract(parameters, '$.days_bet
     WHERE json_valid(parameters)) AS planned
 WHERE days > 0
 """
-"""The newest programmes that plan visits, with the time at which each was saved, and the last session."""
+"""The newest programmes that plan visits, with the time at which each was saved, and the last
+session.
+"""
 
 
 def due(database: sqlite3.Connection, today: date) -> set[str]:

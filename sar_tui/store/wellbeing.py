@@ -7,14 +7,22 @@ from typing import Any, Literal
 
 import msgspec
 
-from sar_tui.rules.wellbeing import PAIN_SESSIONS, TIRED_SESSIONS, Moment, PainLimits, SessionRatings
+from sar_tui.rules.wellbeing import (
+    PAIN_SESSIONS,
+    TIRED_SESSIONS,
+    Moment,
+    PainLimits,
+    SessionRatings,
+)
 from sar_tui.store.counted import LIVE
 from sar_tui.store.database import transaction
 from sar_tui.store.participants import add
 
 Row = dict[str, Any]
 Question = Literal["pain", "place", "fatigue", "advice"]
-"""A question, or the ``advice`` not to train, whose answers tell what came of it (`policies.wellbeing.Advice`)."""
+"""A question, or the ``advice`` not to train, whose answers tell what came of it
+(`policies.wellbeing.Advice`).
+"""
 NOT_SAID = "not said"
 """Answer of a participant who would rather not say."""
 IN_PAUSE = "yes"
@@ -46,8 +54,8 @@ def save(
 ) -> str:
     """Store an answer at once, and return its time. Raises StoreError.
 
-    Answers before a session have none yet: see `attach`. A new participant is added with the first one, because the
-    session may not begin.
+    Answers before a session have none yet: see `attach`. A new participant is added with the first
+    one, because the session may not begin.
     """
     at = now()
     participant = add(db, participant)
@@ -60,11 +68,14 @@ def save(
 
 
 def attach(db: sqlite3.Connection, session: str, participants: Sequence[str], since: str) -> None:
-    """Give answers that were stored since a time, before the session began, their session. Raises StoreError."""
+    """Give answers that were stored since a time, before the session began, their session. Raises
+    StoreError.
+    """
     slots = ",".join("?" for _ in participants)
     with transaction(db) as connection:
         connection.execute(
-            f"UPDATE wellbeing SET session=? WHERE session IS NULL AND at>=? AND participant IN ({slots})",
+            "UPDATE wellbeing SET session=? WHERE session IS NULL AND at>=? AND participant IN "
+            f"({slots})",
             (session, since, *participants),
         )
 
@@ -78,21 +89,30 @@ def by_session(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, lis
     """Return the rows of some sessions by session; only those of which something is known."""
     found: dict[str, list[Row]] = {}
     wanted = msgspec.json.encode(list(sessions)).decode()
-    for row in _rows(db.execute(f"{_SELECT} WHERE session IN (SELECT value FROM json_each(?)) {_IN_ORDER}", (wanted,))):
+    for row in _rows(
+        db.execute(
+            f"{_SELECT} WHERE session IN (SELECT value FROM json_each(?)) {_IN_ORDER}", (wanted,)
+        )
+    ):
         found.setdefault(row["session"], []).append(row)
     return found
 
 
 def of_participant(db: sqlite3.Connection, participant: str) -> list[Row]:
     """Return the rows of a participant, oldest first; some have no session, as it did not begin."""
-    return list(_rows(db.execute(f"{_SELECT} WHERE participant=? ORDER BY at, rowid", (participant,))))
+    return list(
+        _rows(db.execute(f"{_SELECT} WHERE participant=? ORDER BY at, rowid", (participant,)))
+    )
 
 
 def newest_without_session(db: sqlite3.Connection) -> dict[str, list[Row]]:
-    """Return by participant what they said before a session that never began, since their newest session."""
+    """Return by participant what they said before a session that never began, since their newest
+    session.
+    """
     newest = (
         "SELECT started_at FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
-        f" WHERE seats.participant=wellbeing.participant AND {LIVE} ORDER BY seats.rowid DESC LIMIT 1"
+        f" WHERE seats.participant=wellbeing.participant AND {LIVE} ORDER BY seats.rowid DESC "
+        "LIMIT 1"
     )
     found: dict[str, list[Row]] = {}
     query = f"{_SELECT} WHERE session IS NULL AND at > coalesce(({newest}), '') {_IN_ORDER}"
@@ -102,9 +122,13 @@ def newest_without_session(db: sqlite3.Connection) -> dict[str, list[Row]]:
 
 
 def limits_in(parameters: Mapping[str, Any]) -> PainLimits:
-    """Return the limits of pain from the parameters of a session; a session without any has the usual ones."""
+    """Return the limits of pain from the parameters of a session; a session without any has the
+    usual ones.
+    """
     usual = PainLimits()
-    return PainLimits(parameters.get("pain_limit", usual.highest), parameters.get("pain_rise", usual.rise))
+    return PainLimits(
+        parameters.get("pain_limit", usual.highest), parameters.get("pain_rise", usual.rise)
+    )
 
 
 def limits_of(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, PainLimits]:
@@ -114,7 +138,9 @@ def limits_of(db: sqlite3.Connection, sessions: Sequence[str]) -> dict[str, Pain
     return {session: PainLimits(*limits) for session, *limits in db.execute(query, (wanted,))}
 
 
-def ratings(rows: Sequence[Row], seat: str = "A", limits: PainLimits | None = None) -> SessionRatings:
+def ratings(
+    rows: Sequence[Row], seat: str = "A", limits: PainLimits | None = None
+) -> SessionRatings:
     """Return the ratings of a session from its rows; the last answer of a question counts."""
     found: dict[str, Any] = {"limits": limits} if limits else {}
     told_pain = False
@@ -136,7 +162,8 @@ def ratings(rows: Sequence[Row], seat: str = "A", limits: PainLimits | None = No
 
 
 def history(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
-    """Return the ratings of a participant's live sessions, oldest first, also of those that did not ask.
+    """Return the ratings of a participant's live sessions, oldest first, also of those that did not
+    ask.
 
     Among them is what was said before a session that never began, as pain may be why.
     """
@@ -150,11 +177,15 @@ def history(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
 
 
 def newest_ratings(db: sqlite3.Connection, participant: str) -> list[SessionRatings]:
-    """Return as many of the newest ratings, oldest first, as `tell_therapist` looks at; as `history`, but sooner."""
+    """Return as many of the newest ratings, oldest first, as `tell_therapist` looks at; as
+    `history`, but sooner.
+    """
     found: list[_Dated] = []
     pains, tired = PAIN_SESSIONS + 1, TIRED_SESSIONS
     answered = f"{_LIVE_SESSIONS} AND EXISTS (SELECT 1 FROM wellbeing WHERE session=sessions.id)"
-    for session, seat, began, *limits in db.execute(f"{answered} ORDER BY seats.rowid DESC", (participant,)):
+    for session, seat, began, *limits in db.execute(
+        f"{answered} ORDER BY seats.rowid DESC", (participant,)
+    ):
         rated = ratings(of_session(db, session), seat, PainLimits(*limits))
         found.append((began, rated))
         pains -= rated.pain is not None
@@ -171,7 +202,9 @@ _Dated = tuple[str, SessionRatings]
 def _not_begun(db: sqlite3.Connection, participant: str) -> Iterator[_Dated]:
     """Yield the ratings before sessions that never began: those of a day together."""
     by_day: dict[str, list[Row]] = {}
-    for row in _rows(db.execute(f"{_SELECT} WHERE participant=? AND session IS NULL {_IN_ORDER}", (participant,))):
+    for row in _rows(
+        db.execute(f"{_SELECT} WHERE participant=? AND session IS NULL {_IN_ORDER}", (participant,))
+    ):
         by_day.setdefault(row["at"][:10], []).append(row)
     for rows in by_day.values():
         yield rows[0]["at"], msgspec.structs.replace(ratings(rows, rows[0]["seat"]), began=False)
@@ -188,7 +221,8 @@ _LIMITS = (
     f" coalesce(json_extract(parameters, '$.pain_rise'), {_USUAL.rise})"
 )
 _LIVE_SESSIONS = (
-    f"SELECT sessions.id, seats.seat, started_at, {_LIMITS} FROM seats CROSS JOIN sessions ON sessions.id=seats.session"
+    f"SELECT sessions.id, seats.seat, started_at, {_LIMITS} FROM seats CROSS JOIN sessions ON "
+    "sessions.id=seats.session"
     f" WHERE participant=? AND {LIVE}"
 )
 """Also of sessions that do not count: pain is pain, whatever became of the session."""

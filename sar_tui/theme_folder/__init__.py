@@ -1,7 +1,8 @@
-"""Reads a theme's folder: ``theme.toml``, ``phrases.<language>.toml``, and ``words.<language>.toml`` if there is one.
+"""Reads a theme's folder: ``theme.toml``, ``phrases.<language>.toml``, and
+``words.<language>.toml`` if there is one.
 
-Parts that are missing or wrong are taken from another theme and listed in ``Theme.repairs``, so that a session runs
-even while a theme is being edited.
+Parts that are missing or wrong are taken from another theme and listed in ``Theme.repairs``, so
+that a session runs even while a theme is being edited.
 """
 
 from pathlib import Path
@@ -19,9 +20,9 @@ Problems = dict[str, list[str]]
 class Reading(msgspec.Struct, frozen=True):
     """A theme as read, and what was missing or wrong in its folder.
 
-    ``problems`` holds sentences by part: ``settings``, ``colors``, ``faces``, ``gestures``, ``manner``, ``wordings``,
-    ``vocabulary``, ``texts``. ``english`` names the situations whose wordings are English because the language has
-    none.
+    ``problems`` holds sentences by part: ``settings``, ``colors``, ``faces``, ``gestures``,
+    ``manner``, ``wordings``, ``vocabulary``, ``texts``. ``english`` names the situations whose
+    wordings are English because the language has none.
     """
 
     theme: Theme
@@ -45,7 +46,8 @@ def read_theme(folder: Path, language: str = ENGLISH, base: Theme | None = None)
 
     Args:
         folder: the theme's folder, with its name.
-        language: of the phrases; those that it lacks are English. ``es-mx`` uses those of ``es``, too.
+        language: of the phrases; those that it lacks are English. ``es-mx`` uses those of ``es``,
+            too.
         base: theme that replaces what is missing or wrong; without it, that stays missing.
 
     Raises:
@@ -57,7 +59,9 @@ def read_theme(folder: Path, language: str = ENGLISH, base: Theme | None = None)
 
 
 def read(folder: Path, language: str = ENGLISH, base: Theme | None = None) -> Reading:
-    """Read a theme with its problems by part. Raises ThemeError and nothing else, whatever is in the folder."""
+    """Read a theme with its problems by part. Raises ThemeError and nothing else, whatever is in
+    the folder.
+    """
     try:
         return _read(folder, language, base)
     except ThemeError:

@@ -9,7 +9,19 @@ from msgspec import Meta
 
 from sar_tui.model.contrast import contrast, cut, is_color
 from sar_tui.model.gesture import GESTURES, Gesture, Keyframe
-from sar_tui.model.theme import FACES, GAZES, GROUNDS, MANNERS, TONES, Colors, Manner, Note, Theme, ThemeError, Voice
+from sar_tui.model.theme import (
+    FACES,
+    GAZES,
+    GROUNDS,
+    MANNERS,
+    TONES,
+    Colors,
+    Manner,
+    Note,
+    Theme,
+    ThemeError,
+    Voice,
+)
 from sar_tui.model.visible_text import control_problem, visible
 from sar_tui.theme_folder.faces import drawing_problems, fitted
 
@@ -36,7 +48,9 @@ class Look(msgspec.Struct, frozen=True):
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the contents of a file. Raises ThemeError, with one sentence, if it is missing or not TOML."""
+    """Return the contents of a file. Raises ThemeError, with one sentence, if it is missing or not
+    TOML.
+    """
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except FileNotFoundError as error:
@@ -45,7 +59,9 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ThemeError(f"{path.name} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError as error:
         line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise ThemeError(f"{path.name} is not UTF-8 text from line {line} on; save it as UTF-8.") from error
+        raise ThemeError(
+            f"{path.name} is not UTF-8 text from line {line} on; save it as UTF-8."
+        ) from error
     except (ValueError, RecursionError) as error:
         raise ThemeError(f"{path.name} is not TOML: {error}.") from error
 
@@ -70,7 +86,9 @@ class _Reader:
     def parts(self) -> dict[str, Any]:
         """Return all parts, read in the order in which they depend on each other."""
         known = (*_SETTINGS, "mouth_line", *_TABLES)
-        self.problems["settings"] += [f"theme.toml has no use for {name}." for name in self._table if name not in known]
+        self.problems["settings"] += [
+            f"theme.toml has no use for {name}." for name in self._table if name not in known
+        ]
         settings = {name: self._setting(name) for name in _SETTINGS}
         mouth_line = self._mouth_line()
         gestures = self._gestures()
@@ -80,13 +98,15 @@ class _Reader:
             "mouth_line": mouth_line,
             "faces": self._faces(mouth_line),
             "images": self._images(),
-            "voice": self._converted("manner", "voice", self._table.get("voice", {}), Voice) or Voice(),
+            "voice": self._converted("manner", "voice", self._table.get("voice", {}), Voice)
+            or Voice(),
             "gestures": gestures,
             "manners": self._manners(gestures),
             "tones": self._tones(),
         }
 
-    # --- one value, one table ------------------------------------------------------------------------------
+    # --- one value, one table
+    # ------------------------------------------------------------------------------
 
     def _converted(self, part: str, name: str, value: object, kind: Any) -> Any:
         """Return a value as its type; None if it cannot be converted."""
@@ -105,30 +125,45 @@ class _Reader:
         return {}
 
     def _setting(self, name: str) -> Any:
-        default = {"title": self._folder.name, "summary": "", "dark": True, "minimum_contrast": LEAST_CONTRAST}
+        default = {
+            "title": self._folder.name,
+            "summary": "",
+            "dark": True,
+            "minimum_contrast": LEAST_CONTRAST,
+        }
         if name not in self._table:
             self.problems["settings"].append(f"theme.toml does not say its {name}.")
         elif name == "minimum_contrast" and _is_below(self._table[name], LEAST_CONTRAST):
             least = f"{LEAST_CONTRAST:g}, below which text is hard to read"
             self.problems["settings"].append(
-                f"minimum_contrast is {_printable(str(self._table[name]))}; it must be at least {least}."
+                f"minimum_contrast is {_printable(str(self._table[name]))}; it must be at least "
+                f"{least}."
             )
         else:
             value = self._converted("settings", name, self._table[name], _SETTINGS[name])
-            if problem := control_problem(f"{name} in theme.toml", value) if isinstance(value, str) else "":
+            if (
+                problem := control_problem(f"{name} in theme.toml", value)
+                if isinstance(value, str)
+                else ""
+            ):
                 self.problems["settings"].append(problem)
             if value is not None:
                 return value
         return getattr(self._base, name) if self._base and name == "dark" else default[name]
 
-    # --- colours -------------------------------------------------------------------------------------------
+    # --- colours
+    # -------------------------------------------------------------------------------------------
 
     def _colors(self, minimum: float) -> Colors:
-        """Return the colours; invalid ones are the base's, and text with too little contrast becomes black or white."""
+        """Return the colours; invalid ones are the base's, and text with too little contrast
+        becomes black or white.
+        """
         given, problems = self._entries("colors", "colors"), self.problems["colors"]
         names = [field.name for field in msgspec.structs.fields(Colors)]
         problems += [
-            f"{name} is not a colour of a theme; these are: {', '.join(names)}." for name in given if name not in names
+            f"{name} is not a colour of a theme; these are: {', '.join(names)}."
+            for name in given
+            if name not in names
         ]
         found = {}
         for name in names:
@@ -138,24 +173,35 @@ class _Reader:
                 value = getattr(self._base.colors, name) if self._base else ""
             found[name] = value
         colors = Colors(**found)
-        faint = {(name, ground): ratio for (name, ground), ratio in colors.contrasts().items() if ratio < minimum}
+        faint = {
+            (name, ground): ratio
+            for (name, ground), ratio in colors.contrasts().items()
+            if ratio < minimum
+        }
         for (name, ground), ratio in faint.items():
-            problems.append(f"{name} on {ground} has a contrast of {cut(ratio):g}, less than {minimum:g}.")
+            problems.append(
+                f"{name} on {ground} has a contrast of {cut(ratio):g}, less than {minimum:g}."
+            )
         if not self._base:
             return colors
         return msgspec.structs.replace(colors, **{name: _legible(colors) for name, _ in faint})
 
-    # --- faces ---------------------------------------------------------------------------------------------
+    # --- faces
+    # ---------------------------------------------------------------------------------------------
 
     def _mouth_line(self) -> int:
-        line = self._converted("faces", "mouth_line", self._table.get("mouth_line", 2), Annotated[int, Meta(ge=0)])
+        line = self._converted(
+            "faces", "mouth_line", self._table.get("mouth_line", 2), Annotated[int, Meta(ge=0)]
+        )
         return 2 if line is None else int(line)
 
     def _faces(self, mouth_line: int) -> dict[str, str]:
         """Return the drawings, all of one size; a missing or unusable one is the base's."""
         given, problems = self._entries("faces", "faces"), self.problems["faces"]
         problems += [
-            f"{name} is not an expression; these are: {', '.join(FACES)}." for name in given if name not in FACES
+            f"{name} is not an expression; these are: {', '.join(FACES)}."
+            for name in given
+            if name not in FACES
         ]
         drawn = {}
         for name in FACES:
@@ -168,7 +214,10 @@ class _Reader:
                 drawn[name] = face.strip("\n")
         heights = sorted({len(face.split("\n")) for face in drawn.values()})
         if len(heights) > 1:
-            problems.append(f"The faces have {' and '.join(map(str, heights))} lines; all must have the same number.")
+            problems.append(
+                f"The faces have {' and '.join(map(str, heights))} lines; all must have the same "
+                "number."
+            )
         return fitted({**(self._base.faces if self._base else {}), **drawn})
 
     def _images(self) -> dict[str, str]:
@@ -177,23 +226,32 @@ class _Reader:
         folder = self._folder.resolve()
         for name, file in self._entries("faces", "images").items():
             if name not in FACES:
-                self.problems["faces"].append(f"images.{name} is not an expression; these are: {', '.join(FACES)}.")
+                self.problems["faces"].append(
+                    f"images.{name} is not an expression; these are: {', '.join(FACES)}."
+                )
             elif not isinstance(file, str) or (path := _file(folder, file)) is None:
-                self.problems["faces"].append(f"There is no image {_printable(str(file))} for {name}.")
+                self.problems["faces"].append(
+                    f"There is no image {_printable(str(file))} for {name}."
+                )
             elif not path.is_relative_to(folder):
-                self.problems["faces"].append(f"The image {file} for {name} must be in the theme's folder.")
+                self.problems["faces"].append(
+                    f"The image {file} for {name} must be in the theme's folder."
+                )
             else:
                 good[name] = file
         return good
 
-    # --- gestures and manner -------------------------------------------------------------------------------
+    # --- gestures and manner
+    # -------------------------------------------------------------------------------
 
     def _gestures(self) -> dict[str, Gesture]:
         """Return the gestures; a missing or unusable one is the base's."""
         given, problems = self._entries("gestures", "gestures"), self.problems["gestures"]
         good: dict[str, Gesture] = {}
         for name, frames in given.items():
-            keyframes = self._converted("gestures", f"gestures.{name}", frames, tuple[Keyframe, ...])
+            keyframes = self._converted(
+                "gestures", f"gestures.{name}", frames, tuple[Keyframe, ...]
+            )
             if keyframes is None:
                 continue
             gesture = Gesture(keyframes)
@@ -205,11 +263,15 @@ class _Reader:
         return {**(self._base.gestures if self._base else {}), **good}
 
     def _manners(self, gestures: dict[str, Gesture]) -> dict[str, Manner]:
-        """Return the manners that the theme sets; what a table leaves out is the default of its kind."""
+        """Return the manners that the theme sets; what a table leaves out is the default of its
+        kind.
+        """
         good = {}
         for name, value in self._entries("manner", "manner").items():
             if name not in MANNERS:
-                self.problems["manner"].append(f"{name} has no manner; these have: {', '.join(MANNERS)}.")
+                self.problems["manner"].append(
+                    f"{name} has no manner; these have: {', '.join(MANNERS)}."
+                )
                 continue
             usual = msgspec.structs.asdict(MANNERS[name])
             asked = {**usual, **value} if isinstance(value, dict) else value
@@ -218,7 +280,12 @@ class _Reader:
                 continue
             unknown = [
                 f"The manner of {name} has the {kind} {chosen}, which does not exist."
-                for kind, known in (("face", FACES), ("gesture", gestures), ("gaze", GAZES), ("tone", TONES))
+                for kind, known in (
+                    ("face", FACES),
+                    ("gesture", gestures),
+                    ("gaze", GAZES),
+                    ("tone", TONES),
+                )
                 if (chosen := getattr(manner, kind)) and chosen not in known
             ]
             self.problems["manner"] += unknown
@@ -230,7 +297,9 @@ class _Reader:
         good = {}
         for name, value in self._entries("manner", "tones").items():
             if name not in TONES:
-                self.problems["manner"].append(f"{name} is not a tone; these are: {', '.join(TONES)}.")
+                self.problems["manner"].append(
+                    f"{name} is not a tone; these are: {', '.join(TONES)}."
+                )
             elif notes := self._converted("manner", f"tones.{name}", value, _NOTES):
                 good[name] = notes
         return good
@@ -241,7 +310,12 @@ def _file(folder: Path, name: str) -> Path | None:
     try:
         path = (folder / name).resolve()
         return path if path.is_file() else None
-    except (OSError, ValueError, RuntimeError):  # a name that is too long or contains NUL, or a cycle of links
+    # a name that is too long or contains NUL, or a cycle of links
+    except (
+        OSError,
+        ValueError,
+        RuntimeError,
+    ):
         return None
 
 
@@ -251,7 +325,10 @@ def _is_below(value: object, least: float) -> bool:
 
 def _legible(colors: Colors) -> str:
     """Return black or white, whichever has more contrast on both backgrounds."""
-    return max((_BLACK, _WHITE), key=lambda one: min(contrast(one, getattr(colors, ground)) for ground in GROUNDS))
+    return max(
+        (_BLACK, _WHITE),
+        key=lambda one: min(contrast(one, getattr(colors, ground)) for ground in GROUNDS),
+    )
 
 
 def _printable(name: str) -> str:

@@ -14,10 +14,17 @@ def drawing_problems(name: str, face: str, mouth_line: int) -> list[str]:
     if len(lines) > HEIGHT or max(map(len, lines)) > WIDTH:
         found.append(f"The face {name} is larger than {WIDTH} columns and {HEIGHT} lines.")
     if mouth_line >= len(lines):
-        found.append(f"The face {name} has no line {mouth_line}, counted from 0, for its mouth (mouth_line).")
-    odd = sorted({character for line in lines for character in line if not _is_one_column(character)})
+        found.append(
+            f"The face {name} has no line {mouth_line}, counted from 0, for its mouth (mouth_line)."
+        )
+    odd = sorted(
+        {character for line in lines for character in line if not _is_one_column(character)}
+    )
     if odd:
-        found.append(f"The face {name} is drawn with what does not fill one column: {', '.join(map(ascii, odd))}.")
+        found.append(
+            f"The face {name} is drawn with what does not fill one column: "
+            f"{', '.join(map(ascii, odd))}."
+        )
     return found
 
 
@@ -33,5 +40,10 @@ def fitted(faces: Mapping[str, str]) -> dict[str, str]:
 
 
 def _is_one_column(character: str) -> bool:
-    """Return whether a character takes one column: no emoji, wide East Asian or combining character."""
-    return unicodedata.category(character)[0] not in "MC" and unicodedata.east_asian_width(character) not in "WF"
+    """Return whether a character takes one column: no emoji, wide East Asian or combining
+    character.
+    """
+    return (
+        unicodedata.category(character)[0] not in "MC"
+        and unicodedata.east_asian_width(character) not in "WF"
+    )

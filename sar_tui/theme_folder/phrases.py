@@ -5,7 +5,13 @@ from typing import Any
 
 import msgspec
 
-from sar_tui.loop.phrase_keys import PHRASE_KEYS, SPOKEN_BY, VOCABULARY, holds_number, wording_problems
+from sar_tui.loop.phrase_keys import (
+    PHRASE_KEYS,
+    SPOKEN_BY,
+    VOCABULARY,
+    holds_number,
+    wording_problems,
+)
 from sar_tui.model.theme import ENGLISH, Theme
 from sar_tui.model.visible_text import control_problem
 from sar_tui.theme_folder.appearance import read_toml
@@ -31,7 +37,9 @@ class Phrases(msgspec.Struct, frozen=True):
 
 
 def read_phrases(folder: Path, language: str, base: Theme | None) -> Phrases:
-    """Read a folder's phrases in a language, else in English, else the base's. Raises ThemeError."""
+    """Read a folder's phrases in a language, else in English, else the base's. Raises
+    ThemeError.
+    """
     problems: dict[str, list[str]] = {"wordings": [], "vocabulary": []}
     sources = _sources(folder, language, problems["wordings"])
     spoken = sources[0][0]
@@ -60,7 +68,9 @@ def _phrases(
 ) -> tuple[dict[str, tuple[str, ...]], tuple[str, ...]]:
     spoken, own = sources[0]
     problems += [
-        f"{name} is not a situation ({spoken})." for name in own if name not in PHRASE_KEYS and name not in _TABLES
+        f"{name} is not a situation ({spoken})."
+        for name in own
+        if name not in PHRASE_KEYS and name not in _TABLES
     ]
     found, english = {}, []
     for situation in PHRASE_KEYS:
@@ -108,12 +118,26 @@ def _table(
         if not isinstance(entries, dict):
             problems.append(f"{table} ({language}) must be a table.")
             continue
-        good = {name: word for name, word in entries.items() if isinstance(word, str) and word.strip()}
-        problems += [f"{name} in {table} ({language}) must be a text." for name in entries if name not in good]
-        wrong = _units_problems(good, language) if table == "units" else _vocabulary_problems(good, language)
+        good = {
+            name: word for name, word in entries.items() if isinstance(word, str) and word.strip()
+        }
+        problems += [
+            f"{name} in {table} ({language}) must be a text."
+            for name in entries
+            if name not in good
+        ]
+        wrong = (
+            _units_problems(good, language)
+            if table == "units"
+            else _vocabulary_problems(good, language)
+        )
         problems += wrong.values()
         if language == spoken:
-            problems += [f"The {table} lacks {name} ({language})." for name in _TABLES[table] if name not in entries]
+            problems += [
+                f"The {table} lacks {name} ({language})."
+                for name in _TABLES[table]
+                if name not in entries
+            ]
         found.update({name: word for name, word in good.items() if name not in wrong})
     return {**(getattr(base, table) if base else {}), **found}
 
@@ -141,5 +165,7 @@ def _units_problems(words: dict[str, str], language: str) -> dict[str, str]:
         elif problem := control_problem(f"{name} in units ({language})", f"{name}{word}"):
             wrong[name] = problem
         elif len(forms) > MOST_FORMS or not all(form.strip() for form in forms):
-            wrong[name] = f"{name} in units ({language}) must be one text, or two: singular | plural."
+            wrong[name] = (
+                f"{name} in units ({language}) must be one text, or two: singular | plural."
+            )
     return wrong

@@ -1,7 +1,8 @@
 """A minimal reaction task with `os.write` and `os.read` on a terminal in raw mode. POSIX only.
 
-No Python program can time a key in this terminal better, so sar-tui's own timing is compared with it. Run as
-``python -m sar_tui.timing.baseline FILE``; each trial is written to FILE as a line of JSON.
+No Python program can time a key in this terminal better, so sar-tui's own timing is compared with
+it. Run as ``python -m sar_tui.timing.baseline FILE``; each trial is written to FILE as a line of
+JSON.
 """
 
 import argparse
@@ -19,7 +20,8 @@ if sys.platform != "win32":
 
 
 class Procedure:
-    """The trials of a minimal reaction task, as set on its command line, and the file that records them.
+    """The trials of a minimal reaction task, as set on its command line, and the file that records
+    them.
 
     Attributes:
         prompts: number of trials.
@@ -50,7 +52,11 @@ class Procedure:
 
     def record(self, trial: int, response: str, reaction_time_ms: float) -> None:
         """Write a trial to the file."""
-        row = {"stimulus": self.key(trial), "response": response, "correct": response == self.key(trial)}
+        row = {
+            "stimulus": self.key(trial),
+            "response": response,
+            "correct": response == self.key(trial),
+        }
         self._file.write(json.dumps(row | {"reaction_time_ms": reaction_time_ms}) + "\n")
         self._file.flush()
 

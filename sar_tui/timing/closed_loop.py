@@ -1,7 +1,7 @@
 """Compares the reaction times that programs record with the true ones of a scripted participant.
 
-A block is one run of one program in a terminal of its own. The programs take turns, so that disturbances of the
-machine affect them alike.
+A block is one run of one program in a terminal of its own. The programs take turns, so that
+disturbances of the machine affect them alike.
 """
 
 import gc
@@ -10,6 +10,7 @@ import sqlite3
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,9 @@ from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answ
 Row = dict[str, Any]
 
 SHORTEST_MS, LONGEST_MS = 150, 350
-"""Bounds of the planned delays: longer than an anticipation, and short enough to measure hundreds."""
+"""Bounds of the planned delays: longer than an anticipation, and short enough to measure
+hundreds.
+"""
 FOREPERIOD_MS = 40, 80
 """Bounds of the foreperiod."""
 QUIET_MS = 20
@@ -44,21 +47,26 @@ class Program(msgspec.Struct, frozen=True):
     Args:
         name: its name in tables.
         command: makes the command from an empty folder to write in, and a block.
-        read_trials: reads the recorded trials, in order, from that folder: ``response``, ``correct``,
-            ``reaction_time_ms``, and ``timing`` if there is one.
+        read_trials: reads the recorded trials, in order, from that folder: ``response``,
+            ``correct``, ``reaction_time_ms``, and ``timing`` if there is one.
         quit_keys: the keys that end it, if it does not end by itself.
-        companion: makes a context manager from that folder and the terminal; it is entered before the first prompt.
+        companion: makes a context manager from that folder and the terminal; it is entered before
+            the first prompt.
     """
 
     name: str
     command: Callable[[Path, Block], list[str]]
     read_trials: Callable[[Path], list[Row]]
     quit_keys: tuple[str, ...] = ()
-    companion: Callable[[Path, Terminal], AbstractContextManager[object]] = lambda folder, terminal: nullcontext()
+    companion: Callable[[Path, Terminal], AbstractContextManager[object]] = (
+        lambda folder, terminal: nullcontext()
+    )
 
 
 class Trial(msgspec.Struct, frozen=True):
-    """The error of one recorded reaction time (ms, positive: too long), and its stored timing quality."""
+    """The error of one recorded reaction time (ms, positive: too long), and its stored timing
+    quality.
+    """
 
     error_ms: float
     timing: Row
@@ -92,16 +100,23 @@ def _sar_tui(folder: Path, block: Block) -> list[str]:
         "foreperiod_max_ms": longest,
         "quiet_ms": QUIET_MS,
     }
-    command = child_process.python("sar_tui", "run", "keyboard", "-p", "BENCH", "--new", "--data", str(folder))
+    command = child_process.python(
+        "sar_tui", "run", "keyboard", "-p", "BENCH", "--new", "--data", str(folder)
+    )
     command += ["--seed", str(block.seed)]
-    return command + [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
+    return command + [
+        word for name, value in settings.items() for word in ("--set", f"{name}={value}")
+    ]
 
 
 def _trials_table(folder: Path) -> list[Row]:
     with closing(sqlite3.connect(folder / "sar-tui.db")) as database:
         database.row_factory = sqlite3.Row
         rows = database.execute("SELECT * FROM trials ORDER BY attempt, trial").fetchall()
-    return [{**row, "correct": bool(row["correct"]), "timing": json.loads(row["timing"])} for row in rows]
+    return [
+        {**row, "correct": bool(row["correct"]), "timing": json.loads(row["timing"])}
+        for row in rows
+    ]
 
 
 BASELINE = python_program("bare loop", "sar_tui.timing.baseline")
@@ -112,8 +127,11 @@ MAX_PROMPTS = 200
 """The largest number of prompts in an attempt of sar-tui."""
 
 
-def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[], None] = lambda: None) -> list[Trial]:
-    """Run a program once, respond to its prompts, and compare its record with the true reaction times.
+def run_block(
+    program: Program, block: Block, folder: Path, on_press: Callable[[], None] = lambda: None
+) -> list[Trial]:
+    """Run a program once, respond to its prompts, and compare its record with the true reaction
+    times.
 
     Args:
         program: what to run.
@@ -147,11 +165,17 @@ def run_block(program: Program, block: Block, folder: Path, on_press: Callable[[
             for key in program.quit_keys:
                 terminal.confirm(key)
         if terminal.wait(seconds=10) != 0:
-            raise Mismatch(f"{program.name} ended with an error: {visible(bytes(terminal.output))[-300:]}")
+            raise Mismatch(
+                f"{program.name} ended with an error: {visible(bytes(terminal.output))[-300:]}"
+            )
         rows = program.read_trials(Path(own))
     if [row["response"] for row in rows] != [press.key for press in participant.presses]:
-        raise Mismatch(f"{program.name} recorded {len(rows)} trials, which do not match the pressed keys.")
-    if [row["correct"] for row in rows] != [press.key == press.expected for press in participant.presses]:
+        raise Mismatch(
+            f"{program.name} recorded {len(rows)} trials, which do not match the pressed keys."
+        )
+    if [row["correct"] for row in rows] != [
+        press.key == press.expected for press in participant.presses
+    ]:
         raise Mismatch(f"{program.name} recorded right keys as wrong, or wrong ones as right.")
     return [
         Trial(row["reaction_time_ms"] - press.reaction_time_ms, row.get("timing", {}))
@@ -166,7 +190,8 @@ def take_turns(
     folder: Path,
     on_press: Callable[[str], None] = lambda name: None,
 ) -> dict[str, list[Trial]]:
-    """Run programs in turns, in a different order in each block, and return the trials by the name of the program.
+    """Run programs in turns, in a different order in each block, and return the trials by the name
+    of the program.
 
     Raises:
         Mismatch, NoPrompt: as ``run_block``.
@@ -177,5 +202,6 @@ def take_turns(
         first = number % len(programs)
         for program in (*programs[first:], *programs[:first]):
             name = program.name
-            done[name] += run_block(program, Block(prompts, number + 1), folder, lambda name=name: on_press(name))  # type: ignore[misc]
+            block = Block(prompts, number + 1)
+            done[name] += run_block(program, block, folder, partial(on_press, name))
     return done

@@ -12,9 +12,10 @@ _NORMAL = 1.4826
 class ErrorStatistics(msgspec.Struct, frozen=True):
     """Statistics of ``n`` errors in ms.
 
-    ``robust_sd_ms`` is the median absolute deviation scaled to be the standard deviation of normal errors, so
-    that one stall of the machine does not hide the distribution of the others (Leys et al. 2013). ``iqr_ms`` is the
-    interquartile range, ``p99_ms`` the 99th percentile of the errors' absolute values, ``max_ms`` the largest.
+    ``robust_sd_ms`` is the median absolute deviation scaled to be the standard deviation of normal
+    errors, so that one stall of the machine does not hide the distribution of the others (Leys et
+    al. 2013). ``iqr_ms`` is the interquartile range, ``p99_ms`` the 99th percentile of the errors'
+    absolute values, ``max_ms`` the largest.
     """
 
     n: int
@@ -28,7 +29,8 @@ class ErrorStatistics(msgspec.Struct, frozen=True):
 
 
 def error_statistics(errors: Sequence[float]) -> ErrorStatistics:
-    """Compute the statistics of errors in ms. Percentiles are interpolated between the errors (R's type 7).
+    """Compute the statistics of errors in ms. Percentiles are interpolated between the errors (R's
+    type 7).
 
     Raises:
         ValueError: there are fewer than two.

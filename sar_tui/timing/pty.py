@@ -1,4 +1,6 @@
-"""A program in a pseudo-terminal: its output is read with time stamps, and keys are typed. POSIX only."""
+"""A program in a pseudo-terminal: its output is read with time stamps, and keys are typed. POSIX
+only.
+"""
 
 import contextlib
 import os
@@ -19,7 +21,9 @@ if sys.platform != "win32":
     import fcntl
     import termios
 
-_HIDDEN = frozenset("SSH_CONNECTION SSH_CLIENT SSH_TTY TMUX TMUX_PANE STY ZELLIJ TERM_PROGRAM COLUMNS LINES".split())
+_HIDDEN = frozenset(
+    "SSH_CONNECTION SSH_CLIENT SSH_TTY TMUX TMUX_PANE STY ZELLIJ TERM_PROGRAM COLUMNS LINES".split()
+)
 """Environment variables that describe the terminal of this process, not that of the program."""
 
 _KEYS = {
@@ -38,8 +42,12 @@ _KEYS = {
 _READING = max(QUIET, UNREAD) + 100 * MS
 """Time from what a person sees to the key that they press for it."""
 
-_SEQUENCE = re.compile(rb"\x1b(?:\[[0-?]*[ -/]*(?:[@-~]|$)|[\]PX^_].*?(?:\x1b\\|\x07|$)|[ -/]*(?:[0-~]|$))", re.DOTALL)
-"""An escape sequence, complete or cut off by the end of the output (ECMA-48: CSI, strings, others)."""
+_SEQUENCE = re.compile(
+    rb"\x1b(?:\[[0-?]*[ -/]*(?:[@-~]|$)|[\]PX^_].*?(?:\x1b\\|\x07|$)|[ -/]*(?:[0-~]|$))", re.DOTALL
+)
+"""An escape sequence, complete or cut off by the end of the output (ECMA-48: CSI, strings,
+others).
+"""
 
 
 class NoTerminal(RuntimeError):
@@ -47,7 +55,8 @@ class NoTerminal(RuntimeError):
 
 
 def encode(key: str) -> bytes:
-    """Return the bytes that a terminal sends for a key: a character, a name (``left``, ``enter``), or ``ctrl+q``.
+    """Return the bytes that a terminal sends for a key: a character, a name (``left``, ``enter``),
+    or ``ctrl+q``.
 
     Raises:
         ValueError: there is no such key.
@@ -62,16 +71,19 @@ def encode(key: str) -> bytes:
 
 
 def visible(output: bytes) -> str:
-    """Return the visible text of an output: without escape sequences, control characters and outer blanks."""
+    """Return the visible text of an output: without escape sequences, control characters and outer
+    blanks.
+    """
     text = _SEQUENCE.sub(b"", output).decode(errors="ignore")
     return "".join(character for character in text if character.isprintable()).strip()
 
 
 class Terminal:
-    """A terminal with a program in it. A context manager: a program that still runs at its end is killed.
+    """A terminal with a program in it. A context manager: a program that still runs at its end is
+    killed.
 
-    Output is read only by ``read`` and the methods that call it (see also ``read_together``). A program whose output
-    is not read blocks.
+    Output is read only by ``read`` and the methods that call it (see also ``read_together``). A
+    program whose output is not read blocks.
 
     Args:
         command: the program and its arguments.
@@ -126,7 +138,10 @@ class Terminal:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self.close()
 
@@ -139,13 +154,16 @@ class Terminal:
         return list(termios.tcgetattr(self._file))
 
     def read(self, until: int) -> bool:
-        """Wait for output until a time (ns), and read it; False if there was none or the terminal was closed.
+        """Wait for output until a time (ns), and read it; False if there was none or the terminal
+        was closed.
 
         Terminals that are read together with this one (see ``read_together``) are read, too.
         """
         while not self.ended:
             left = max(0, until - time.monotonic_ns())
-            ready = select.select([each for each in (self, *self._read_with) if not each.ended], [], [], left / 1e9)[0]
+            ready = select.select(
+                [each for each in (self, *self._read_with) if not each.ended], [], [], left / 1e9
+            )[0]
             for each in ready:
                 each._take()
             if self in ready:
@@ -179,17 +197,21 @@ class Terminal:
         return self.write(encode(key))
 
     def confirm(self, key: str = "enter") -> int:
-        """Press a key after a while, as somebody who has read the screen and whose last key is up; return the time."""
+        """Press a key after a while, as somebody who has read the screen and whose last key is up;
+        return the time.
+        """
         until = time.monotonic_ns() + _READING
         while self.read(until):
             pass
         return self.press(key)
 
     def wait_for(self, text: str, *, since: int = 0, seconds: float = 60) -> int:
-        """Read until the output contains ``text`` after position ``since``; return the position after it.
+        """Read until the output contains ``text`` after position ``since``; return the position
+        after it.
 
         Raises:
-            TimeoutError: it did not appear, or the program has ended. The message quotes the visible output.
+            TimeoutError: it did not appear, or the program has ended. The message quotes the
+                visible output.
         """
         wanted, until = text.encode(), time.monotonic_ns() + round(seconds * 1e9)
         while (found := self.output.find(wanted, since)) < 0:
@@ -245,9 +267,11 @@ def read_together(*terminals: Terminal) -> None:
 
 
 def _take_terminal() -> None:
-    """Make standard input the controlling terminal of a new session, with the signals' default actions.
+    """Make standard input the controlling terminal of a new session, with the signals' default
+    actions.
 
-    Signals that this program ignores (under ``nohup``, or in the background) would be ignored by the new one, too.
+    Signals that this program ignores (under ``nohup``, or in the background) would be ignored by
+    the new one, too.
     """
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)

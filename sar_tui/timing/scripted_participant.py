@@ -1,4 +1,5 @@
-"""A scripted participant at a pseudo-terminal, who reads a prompt, waits as planned, and presses a key.
+"""A scripted participant at a pseudo-terminal, who reads a prompt, waits as planned, and presses a
+key.
 
 Its own time stamps give the true reaction times, with which recorded ones are compared.
 """
@@ -52,8 +53,12 @@ class NoPrompt(TimeoutError):
     """The program did not show a prompt or ask for Enter for too long."""
 
 
-def random_answers(seed: int, shortest_ms: float, longest_ms: float, error_rate: float = 0.0) -> Answer:
-    """Return a source of responses with uniform delays, a share of them wrong. Equal seeds give equal responses."""
+def random_answers(
+    seed: int, shortest_ms: float, longest_ms: float, error_rate: float = 0.0
+) -> Answer:
+    """Return a source of responses with uniform delays, a share of them wrong. Equal seeds give
+    equal responses.
+    """
 
     def answer(number: int, expected: str) -> tuple[float, str]:
         streams = RandomStreams(seed, number)
@@ -66,10 +71,11 @@ def random_answers(seed: int, shortest_ms: float, longest_ms: float, error_rate:
 
 
 class ScriptedParticipant:
-    """Responds to prompts such as ``Press: f`` or ``Press: left``, and presses Enter when the screen requests it.
+    """Responds to prompts such as ``Press: f`` or ``Press: left``, and presses Enter when the
+    screen requests it.
 
-    A prompt must be one unbroken run of plain text. It is new if its line comes after the last response, so that a
-    prompt can be repeated.
+    A prompt must be one unbroken run of plain text. It is new if its line comes after the last
+    response, so that a prompt can be repeated.
 
     Args:
         terminal: the terminal that shows the prompts.
@@ -89,10 +95,15 @@ class ScriptedParticipant:
         self._prompts_from = 0
         self._enter_from = 0
         self._asked_at: int | None = None
-        self._due: tuple[int, int, str, str] | None = None  # time to press, onset, expected key, key to press
+        self._due: tuple[int, int, str, str] | None = (
+            None  # time to press, onset, expected key, key to press
+        )
 
-    def run(self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 60) -> list[Press]:
-        """Respond until there are this many responses in total, or until a time (ns), or until the program ends.
+    def run(
+        self, prompts: int | None = None, *, until: int | None = None, patience_s: float = 60
+    ) -> list[Press]:
+        """Respond until there are this many responses in total, or until a time (ns), or until the
+        program ends.
 
         Raises:
             NoPrompt: nothing was asked for ``patience_s`` seconds.
@@ -104,7 +115,9 @@ class ScriptedParticipant:
             if until is not None and now >= until:
                 break
             if now >= deadline:
-                raise NoPrompt(f"There was no prompt and no request for Enter for {patience_s:g} s.")
+                raise NoPrompt(
+                    f"There was no prompt and no request for Enter for {patience_s:g} s."
+                )
             if self._act(min(deadline, until or deadline)):
                 deadline = time.monotonic_ns() + patience
         return self.presses

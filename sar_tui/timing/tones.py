@@ -14,7 +14,9 @@ from sar_tui.outputs.sound.tone_process import Onset, ToneProcess
 from sar_tui.timing.error_statistics import ErrorStatistics, error_statistics
 
 AHEAD_MS = 150
-"""Time from the request of a planned tone to its onset: like that of a frame that follows another."""
+"""Time from the request of a planned tone to its onset: like that of a frame that follows
+another.
+"""
 TONE = Tone(880, 30)
 _PAUSE_S = 0.25
 _PATIENCE_S = 10.0
@@ -28,7 +30,8 @@ class ToneDelays(msgspec.Struct, frozen=True):
         card: name of the sound system.
         buffer_ms: time that a sample waits in the card's buffer, which is part of all delays.
         at_once: from the request of a tone to its onset.
-        planned: the onset of a tone that was requested in advance, as reckoned after it, minus the time it was due.
+        planned: the onset of a tone that was requested in advance, as reckoned after it, minus the
+            time it was due.
     """
 
     card: str
@@ -37,7 +40,9 @@ class ToneDelays(msgspec.Struct, frozen=True):
     planned: ErrorStatistics
 
 
-def measure_tones(count: int, backends: Sequence[str] = (), on_tone: Callable[[], object] = lambda: None) -> ToneDelays:
+def measure_tones(
+    count: int, backends: Sequence[str] = (), on_tone: Callable[[], object] = lambda: None
+) -> ToneDelays:
     """Play tones, and return their delays.
 
     Args:
@@ -73,7 +78,9 @@ def measure_tones(count: int, backends: Sequence[str] = (), on_tone: Callable[[]
         raise SoundError(_SILENT) from None
     finally:
         process.close()
-    return ToneDelays(card.card, card.buffer_ms, error_statistics(at_once), error_statistics(planned))
+    return ToneDelays(
+        card.card, card.buffer_ms, error_statistics(at_once), error_statistics(planned)
+    )
 
 
 def _next(onsets: "queue.SimpleQueue[Onset]") -> int:

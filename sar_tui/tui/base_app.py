@@ -1,4 +1,6 @@
-"""The base of the three apps: the participant's, the operator's panel, and the agent in a window of its own."""
+"""The base of the three apps: the participant's, the operator's panel, and the agent in a window of
+its own.
+"""
 
 import asyncio
 import contextlib
@@ -36,14 +38,17 @@ DEBUG = "SAR_TUI_DEBUG"
 
 
 class BaseApp(App[int]):
-    """An app that ends in order: with an exit code, and after a fault with one sentence in place of a traceback.
+    """An app that ends in order: with an exit code, and after a fault with one sentence in place of
+    a traceback.
 
     A signal ends it, too, with the terminal restored, even if that takes no output any more.
 
     Attributes:
         failure: why it ended, for the terminal it leaves; empty if all is well.
-        key_seconds: when the last key was read (s), for actions, which Textual does not pass the key event.
-        has_lost_terminal: True if it ends because its terminal is gone: closed, or the connection to it broken.
+        key_seconds: when the last key was read (s), for actions, which Textual does not pass the
+            key event.
+        has_lost_terminal: True if it ends because its terminal is gone: closed, or the connection
+            to it broken.
         terminal_probe: proves that the terminal is there, for screens that ask it.
     """
 
@@ -55,7 +60,9 @@ class BaseApp(App[int]):
     ]
 
     def __init__(self) -> None:
-        self.terminal_probe = TerminalProbe(self.write_to_terminal, is_relayed=lambda: not self.is_web and is_relayed())
+        self.terminal_probe = TerminalProbe(
+            self.write_to_terminal, is_relayed=lambda: not self.is_web and is_relayed()
+        )
         super().__init__()
         self.failure = ""
         self.key_seconds = 0.0
@@ -78,12 +85,16 @@ class BaseApp(App[int]):
         return self.return_code or int(bool(self.failure))
 
     def _end_input(self) -> None:
-        """Let the driver's input thread end, for which Python waits, even if a lost terminal has kept it running."""
+        """Let the driver's input thread end, for which Python waits, even if a lost terminal has
+        kept it running.
+        """
         if (ends := getattr(self._driver, "exit_event", None)) is not None:
             ends.set()
 
     def get_driver_class(self) -> type[Driver]:
-        driver = unblocked(super().get_driver_class(), self._terminal_recovered, self._terminal_gone)
+        driver = unblocked(
+            super().get_driver_class(), self._terminal_recovered, self._terminal_gone
+        )
         return steady(driver, self.terminal_probe)
 
     def catch_signals(self) -> None:
@@ -115,7 +126,10 @@ class BaseApp(App[int]):
 
     def _draw_everything(self) -> None:
         screen = self.screen
-        self._display(screen, screen._compositor.render_update(full=True, screen_stack=self._background_screens))
+        self._display(
+            screen,
+            screen._compositor.render_update(full=True, screen_stack=self._background_screens),
+        )
 
     def write_to_terminal(self, text: str) -> None:
         """Write to the terminal at once, after the frames before."""
@@ -132,11 +146,14 @@ class BaseApp(App[int]):
             await super().on_event(event)
 
     def update_styles(self, node: DOMNode, animate: bool = True) -> None:
-        """Style a node and those below it, except a widget that is not mounted yet: mounting styles it."""
+        """Style a node and those below it, except a widget that is not mounted yet: mounting styles
+        it.
+        """
         if node.parent is not None or node is self:
             super().update_styles(node, animate)
 
-    # --- what may come from anywhere ----------------------------------------------------------------------
+    # --- what may come from anywhere
+    # ----------------------------------------------------------------------
 
     @property
     def size(self) -> Size:
@@ -144,7 +161,9 @@ class BaseApp(App[int]):
         return capped(super().size)
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        """Return the filters of all lines: Textual's, one that makes control characters visible, and a console's."""
+        """Return the filters of all lines: Textual's, one that makes control characters visible,
+        and a console's.
+        """
         return [*super().get_line_filters(), *self._line_filters]
 
     def notify(self, message: str, *, markup: bool = False, **how: Any) -> None:
@@ -160,17 +179,23 @@ class BaseApp(App[int]):
         self.log.warning(f"dropped a paste of {message.length} characters")
 
     def _report_unreadable(self) -> None:
-        """Print a line if the terminal sent what cannot be read, and one if it sent pastes that were dropped."""
+        """Print a line if the terminal sent what cannot be read, and one if it sent pastes that
+        were dropped.
+        """
         if self._pastes_dropped:
             count, longest = len(self._pastes_dropped), max(self._pastes_dropped)
             pastes = "A paste was" if count == 1 else f"{count} pastes were"
             with contextlib.suppress(OSError):
-                print(f"{pastes} dropped: too long, or no text ({longest:,} characters).", file=sys.stderr)
+                print(
+                    f"{pastes} dropped: too long, or no text ({longest:,} characters).",
+                    file=sys.stderr,
+                )
         if self._unreadable:
             times = "once" if self._unreadable == 1 else f"{self._unreadable} times"
             with contextlib.suppress(OSError):  # the terminal may be gone
                 print(
-                    f"The terminal sent input that cannot be read, {times} (last: {self._last_unreadable}). It was "
+                    f"The terminal sent input that cannot be read, {times} (last: "
+                    f"{self._last_unreadable}). It was "
                     "dropped. Is the terminal set to UTF-8?",
                     file=sys.stderr,
                 )
@@ -191,7 +216,9 @@ class BaseApp(App[int]):
             self.mutate_reactive(App.theme)
 
     async def action_quit(self) -> None:
-        """Ctrl-Q: exit, unless the screen has a ``may_quit`` that asks first, and returns True if it was asked."""
+        """Ctrl-Q: exit, unless the screen has a ``may_quit`` that asks first, and returns True if
+        it was asked.
+        """
         if getattr(self.screen, "may_quit", lambda: True)():
             self.exit()
 
@@ -204,7 +231,8 @@ class BaseApp(App[int]):
         if self.is_headless or os.environ.get(DEBUG):
             super()._handle_exception(error)
             return
-        if self._exit:  # a signal came while screens were still being made: they miss what is not made any more
+        # a signal came while screens were still being made: they miss what is not made any more
+        if self._exit:
             self._close_messages_no_wait()
             return
         self.failure = explain_failure(error)
@@ -213,8 +241,14 @@ class BaseApp(App[int]):
 
 
 def explain_failure(error: Exception) -> str:
-    """Return a sentence about an unhandled exception. Those of the database are sentences already."""
-    from sar_tui.store.database import StoreError, explain  # the panel and the agent's window have no database
+    """Return a sentence about an unhandled exception. Those of the database are sentences
+    already.
+    """
+    # the panel and the agent's window have no database
+    from sar_tui.store.database import (
+        StoreError,
+        explain,
+    )
 
     if isinstance(error, sqlite3.Error):
         error = explain(error)

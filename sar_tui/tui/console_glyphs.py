@@ -1,8 +1,9 @@
-"""Filter of all lines on the Linux console, whose font has few characters: the others become similar ones.
+"""Filter of all lines on the Linux console, whose font has few characters: the others become
+similar ones.
 
-The console draws one sign for all characters that its font lacks. Known are the fonts of Debian's and Ubuntu's
-console-setup (Fixed, Terminus and VGA, with the sets Lat15 and Uni2): of what the apps draw they lack half blocks, fine
-bars, braille, rings and arcs.
+The console draws one sign for all characters that its font lacks. Known are the fonts of Debian's
+and Ubuntu's console-setup (Fixed, Terminus and VGA, with the sets Lat15 and Uni2): of what the apps
+draw they lack half blocks, fine bars, braille, rings and arcs.
 """
 
 import os
@@ -50,7 +51,9 @@ class ConsoleGlyphs(LineFilter):
 
     def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
         return [
-            segment if segment.control or segment.text.isascii() else segment._replace(text=drawn(segment.text))
+            segment
+            if segment.control or segment.text.isascii()
+            else segment._replace(text=drawn(segment.text))
             for segment in segments
         ]
 

@@ -1,4 +1,6 @@
-"""Exit codes of the program. They follow the shell: 128 plus the number of the signal that ended it."""
+"""Exit codes of the program. They follow the shell: 128 plus the number of the signal that ended
+it.
+"""
 
 FAILED = 1
 BAD_INPUT = 2

@@ -1,4 +1,6 @@
-"""Control of the garbage collector while a response is awaited, and measurement of the event loop's lag."""
+"""Control of the garbage collector while a response is awaited, and measurement of the event loop's
+lag.
+"""
 
 import asyncio
 import gc
@@ -8,21 +10,27 @@ from sar_tui.loop.clock import STALLED, host_now
 from sar_tui.model.units import MS
 
 SWITCH_INTERVAL = 0.0005
-"""Seconds a thread may hold the interpreter while another waits; short, so that keys are stamped in time."""
+"""Seconds a thread may hold the interpreter while another waits; short, so that keys are stamped in
+time.
+"""
 _PERIOD = 0.02
 _WAKING = 50 * MS
 """After a suspension the program's threads go on within this time of each other."""
 
 
 def end_loading() -> None:
-    """Turn the garbage collector on, if it was off while the program was loaded, and let it pass over all that was."""
+    """Turn the garbage collector on, if it was off while the program was loaded, and let it pass
+    over all that was.
+    """
     if not gc.isenabled():
         gc.freeze()
         gc.enable()
 
 
 class GcControl:
-    """Turns the garbage collector off in trials, and measures how late the event loop runs in them."""
+    """Turns the garbage collector off in trials, and measures how late the event loop runs in
+    them.
+    """
 
     def __init__(self) -> None:
         self._handle: asyncio.TimerHandle | None = None
@@ -63,7 +71,8 @@ class GcControl:
         return self._worst
 
     def is_stalled(self, at: int) -> bool:
-        """Return True if the program went on at ``at`` (ns) after it had been suspended in the trial.
+        """Return True if the program went on at ``at`` (ns) after it had been suspended in the
+        trial.
 
         What was stamped then had waited in the terminal for some unknown time.
         """

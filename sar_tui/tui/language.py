@@ -1,6 +1,7 @@
 """The language of the app's screens for participants.
 
-Such a screen holds it as ``tr``, where its widgets and the help find it (`widgets.language.language_of`).
+Such a screen holds it as ``tr``, where its widgets and the help find it
+(`widgets.language.language_of`).
 """
 
 import dataclasses
@@ -24,12 +25,16 @@ def app_language(code: str, texts: Mapping[str, str] = {}) -> Language:
 
 
 def session_language(task: Task) -> Language:
-    """Return the texts of a session's screen: the app's, the framework's, the task's and the theme's."""
+    """Return the texts of a session's screen: the app's, the framework's, the task's and the
+    theme's.
+    """
     return app_language(task.tr.code, task.tr.texts)
 
 
 def planned_language(plan: Plan, catalogue: Catalogue) -> Language:
-    """Return the texts of the screen before a session begins. Raises PluginError if there is no such theme."""
+    """Return the texts of the screen before a session begins. Raises PluginError if there is no
+    such theme.
+    """
     code = plan.parameters.language
     own = language(code, task_folder(plan.task)).texts
     return app_language(code, {**own, **catalogue.theme(plan.theme, code).texts})

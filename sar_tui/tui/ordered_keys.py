@@ -1,4 +1,6 @@
-"""Handles each key completely before the next, also if many arrive at once: over a slow line, or pasted."""
+"""Handles each key completely before the next, also if many arrive at once: over a slow line, or
+pasted.
+"""
 
 from typing import Any, TypeVar
 
@@ -10,14 +12,17 @@ T = TypeVar("T")
 
 
 class OrderedScreen(Screen[T]):
-    """A screen on which a key may open a text field, so that the keys after it in the same burst are typed there.
+    """A screen on which a key may open a text field, so that the keys after it in the same burst
+    are typed there.
 
-    Textual queues a key for the focused widget, so that keys read together would all go to the widget that had the
-    focus before the first of them.
+    Textual queues a key for the focused widget, so that keys read together would all go to the
+    widget that had the focus before the first of them.
     """
 
     def takes(self, event: events.Key | events.Paste) -> bool:
-        """Type a key if a field takes it; return True if so. Other keys are looked up in the bindings: here, all."""
+        """Type a key if a field takes it; return True if so. Other keys are looked up in the
+        bindings: here, all.
+        """
         return False
 
 

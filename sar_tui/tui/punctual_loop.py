@@ -8,8 +8,9 @@ import sys
 def punctual_loop() -> asyncio.AbstractEventLoop:
     """Return a new event loop.
 
-    On Linux asyncio would wait with ``epoll``, whose time-outs are whole milliseconds: timers come 1 to 2 ms late. The
-    time-outs of ``select`` are microseconds. It takes file descriptors below 1024 only; an app has some twenty.
+    On Linux asyncio would wait with ``epoll``, whose time-outs are whole milliseconds: timers come
+    1 to 2 ms late. The time-outs of ``select`` are microseconds. It takes file descriptors below
+    1024 only; an app has some twenty.
     """
     if sys.platform == "linux":
         return asyncio.SelectorEventLoop(selectors.SelectSelector())

@@ -1,4 +1,6 @@
-"""A driver for our apps: it ends in order on a signal, and keeps the terminal's answers to itself."""
+"""A driver for our apps: it ends in order on a signal, and keeps the terminal's answers to
+itself.
+"""
 
 from textual import events
 from textual.driver import Driver
@@ -8,7 +10,8 @@ from sar_tui.tui.terminal_probe import TerminalProbe
 
 
 def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
-    """Return a driver class that ends its app on a signal, and passes the terminal's answers to a probe.
+    """Return a driver class that ends its app on a signal, and passes the terminal's answers to a
+    probe.
 
     Args:
         driver: the class Textual chose.
@@ -17,7 +20,9 @@ def steady(driver: type[Driver], probe: TerminalProbe) -> type[Driver]:
 
     class Steady(driver):  # type: ignore[valid-type, misc]
         def start_application_mode(self) -> None:
-            """Catch signals before the terminal is changed, so that it is restored however early one comes."""
+            """Catch signals before the terminal is changed, so that it is restored however early
+            one comes.
+            """
             self._app.catch_signals()
             super().start_application_mode()
 

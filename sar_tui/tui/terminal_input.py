@@ -1,7 +1,8 @@
 """Input of a terminal: what cannot be read is dropped and reported, and the next key counts again.
 
-A byte of another encoding, a damaged escape sequence or a paste without an end would otherwise end the app, or make it
-deaf. Textual's drivers look up their parser and decoder in their modules, so they are exchanged there.
+A byte of another encoding, a damaged escape sequence or a paste without an end would otherwise end
+the app, or make it deaf. Textual's drivers look up their parser and decoder in their modules, so
+they are exchanged there.
 """
 
 import codecs
@@ -20,9 +21,13 @@ from textual.geometry import Size
 from textual.message import Message
 
 LARGEST = Size(1000, 400)
-"""Largest terminal that is drawn, in columns and rows. Drawing the sizes of faulty reports would take minutes."""
+"""Largest terminal that is drawn, in columns and rows. Drawing the sizes of faulty reports would
+take minutes.
+"""
 LONGEST_PASTE = 64 * 1024
-"""Characters of the longest paste that is passed on. A longer one is dropped, and its length reported."""
+"""Characters of the longest paste that is passed on. A longer one is dropped, and its length
+reported.
+"""
 TYPED_AT_MOST, _TYPED_WITHIN_S = 128, 0.25
 """Nobody types, and no keyboard repeats, more characters within this time; so they are pasted."""
 _PASTE_GAP_S = 0.5
@@ -33,11 +38,17 @@ _SIGNALS = {
     "f1": ("\x1bOP", "\x1b[P", "\x1b[11~", "\x1b[[A"),
     "f2": ("\x1bOQ", "\x1b[Q", "\x1b[12~", "\x1b[[B"),
 }
-"""Keys that act in the middle of a paste that is not marked: help and stop, by what terminals send for them."""
+"""Keys that act in the middle of a paste that is not marked: help and stop, by what terminals send
+for them.
+"""
 _SIGNAL_GAP_S = 0.1
 _LONGEST_SIGN = len(BRACKETED_PASTE_END) - 1
-_NO_TEXT = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]?|O[ -~]?)?|[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")
-"""Control sequences, cut off ones too, control characters other than tab and ends of lines, and unreadable bytes."""
+_NO_TEXT = re.compile(
+    r"\x1b(?:\[[0-?]*[ -/]*[@-~]?|O[ -~]?)?|[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]"
+)
+"""Control sequences, cut off ones too, control characters other than tab and ends of lines, and
+unreadable bytes.
+"""
 _MOUSE_BEGINS = "\x1b[<"
 _MOUSE = re.compile(r"\x1b\[<[\d;]*[Mm]")
 _QUOTED = 80
@@ -53,7 +64,9 @@ class UnreadableInput(Message):
 
 
 class PasteDropped(Message):
-    """A paste was dropped: it is longer than `LONGEST_PASTE`, or holds no text. ``length``: its characters."""
+    """A paste was dropped: it is longer than `LONGEST_PASTE`, or holds no text. ``length``: its
+    characters.
+    """
 
     def __init__(self, length: int) -> None:
         super().__init__()
@@ -61,11 +74,13 @@ class PasteDropped(Message):
 
 
 class TolerantParser:
-    """Parser of a terminal's input, in place of Textual's, which ends at the first input that it cannot read.
+    """Parser of a terminal's input, in place of Textual's, which ends at the first input that it
+    cannot read.
 
-    Its time is linear in the length of the input, and short for what nobody types: Textual's parser takes 30 µs for
-    each character, and the app many times that for each key. What comes in faster than `TYPED_AT_MOST` is therefore
-    taken as a paste, although not all terminals mark it as one. F1 and F2 in it act at once, as help and stop must.
+    Its time is linear in the length of the input, and short for what nobody types: Textual's parser
+    takes 30 µs for each character, and the app many times that for each key. What comes in faster
+    than `TYPED_AT_MOST` is therefore taken as a paste, although not all terminals mark it as one.
+    F1 and F2 in it act at once, as help and stop must.
 
     Args:
         debug: write a log, as Textual's parser does.
@@ -84,7 +99,9 @@ class TolerantParser:
         self._signalled: dict[str, float] = {}
 
     def feed(self, data: str) -> Iterator[Message]:
-        """Parse text, in which surrogates stand for bytes that are not UTF-8. Empty text ends what was begun."""
+        """Parse text, in which surrogates stand for bytes that are not UTF-8. Empty text ends what
+        was begun.
+        """
         if not data:
             yield from self._read(self._parser.feed(data))
             self._begin()
@@ -99,7 +116,9 @@ class TolerantParser:
         yield from self._report()
 
     def tick(self) -> Iterator[Message]:
-        """Return messages that wait for no further input, such as a single Escape, or the end of a flood."""
+        """Return messages that wait for no further input, such as a single Escape, or the end of a
+        flood.
+        """
         yield from self._read(self._parser.tick())
         silent_s = self._now() - self._paste.at
         if self._paste.kind == "flood" and silent_s > _FLOOD_GAP_S:
@@ -109,10 +128,13 @@ class TolerantParser:
             self._drop()
         yield from self._report()
 
-    # --- what is typed ------------------------------------------------------------------------------------
+    # --- what is typed
+    # ------------------------------------------------------------------------------------
 
     def _take_typed(self, data: str) -> Generator[Message, None, str]:
-        """Parse keys and sequences; returns what follows the start of a paste, or comes in too fast to be typed."""
+        """Parse keys and sequences; returns what follows the start of a paste, or comes in too fast
+        to be typed.
+        """
         left = self._typing_left(data)
         for at, character in enumerate(data):
             if at >= left and not self._recent:
@@ -133,7 +155,8 @@ class TolerantParser:
     def _typing_left(self, data: str) -> int:
         """Return the number of these characters up to which they may have been typed.
 
-        The mouse does not count, which may report hundreds of positions in a second, nor does a paste that is marked.
+        The mouse does not count, which may report hundreds of positions in a second, nor does a
+        paste that is marked.
         """
         now = self._now()
         if now - self._typed_since >= _TYPED_WITHIN_S:
@@ -145,7 +168,8 @@ class TolerantParser:
             return len(data)
         return max(0, TYPED_AT_MOST - (self._typed - count))
 
-    # --- what is pasted -----------------------------------------------------------------------------------
+    # --- what is pasted
+    # -----------------------------------------------------------------------------------
 
     def _take_paste(self, data: str) -> Generator[Message, None, str]:
         """Take a paste that is marked up to its end; returns what follows it."""
@@ -174,7 +198,8 @@ class TolerantParser:
         elif length:
             yield events.Paste(text)
 
-    # --- what cannot be read ------------------------------------------------------------------------------
+    # --- what cannot be read
+    # ------------------------------------------------------------------------------
 
     def _read(self, messages: Iterable[Message]) -> Iterator[Message]:
         try:
@@ -199,7 +224,9 @@ class TolerantParser:
         self._recent = self._last = ""
         self._paste.end()
         self._parser = XTermParser(self._debug)
-        self._parser.mouse_pixels, self._parser.terminal_size, self._parser.terminal_pixel_size = self._window
+        self._parser.mouse_pixels, self._parser.terminal_size, self._parser.terminal_pixel_size = (
+            self._window
+        )
 
     def _report(self) -> Iterator[Message]:
         if self._dropped:
@@ -211,7 +238,8 @@ class _Paste:
     """A paste while it is read. What is beyond `LONGEST_PASTE` is counted only.
 
     Attributes:
-        kind: between the marks of a terminal, or a flood of characters without; empty if there is none.
+        kind: between the marks of a terminal, or a flood of characters without; empty if there is
+            none.
         at: when its last part was read (s).
         tail: its last characters, as a sequence may be read in two parts.
     """
@@ -239,7 +267,9 @@ class _Paste:
         return None if found < 0 else searched[found + len(end) :]
 
     def end(self) -> tuple[str, int]:
-        """Return the text without control sequences, and the length of what was pasted; forget them."""
+        """Return the text without control sequences, and the length of what was pasted; forget
+        them.
+        """
         text, length = "".join(self._parts)[: self._length], self._length
         self.begin("", 0.0)
         return _NO_TEXT.sub("", text), length
@@ -256,7 +286,11 @@ def _is_valid(message: Message) -> bool:
         return not any(map(is_surrogate, f"{message.key}{message.character or ''}"))
     if isinstance(message, events.Resize):
         pixels = message.pixel_size or message.size
-        return _fits(message.size) and pixels.width >= message.size.width and pixels.height >= message.size.height
+        return (
+            _fits(message.size)
+            and pixels.width >= message.size.width
+            and pixels.height >= message.size.height
+        )
     return True
 
 
@@ -278,7 +312,11 @@ def tolerate(driver: ModuleType) -> None:
 
 def tolerate_in_terminals() -> None:
     """Let the driver of this system's terminals read with a `TolerantParser`."""
-    tolerate(importlib.import_module("textual.drivers." + ("linux_driver" if os.name == "posix" else "win32")))
+    tolerate(
+        importlib.import_module(
+            "textual.drivers." + ("linux_driver" if os.name == "posix" else "win32")
+        )
+    )
 
 
 def _decoder(encoding: str) -> Callable[[], codecs.IncrementalDecoder]:

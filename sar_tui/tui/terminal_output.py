@@ -1,7 +1,7 @@
 """Output to a terminal that may stop taking it: a frozen ssh client, a suspended terminal emulator.
 
-Textual writes from a thread of its own, and waits for it when the queue is full and at the end: a terminal that takes
-nothing would stop the whole program, also for a signal that asks it to end.
+Textual writes from a thread of its own, and waits for it when the queue is full and at the end: a
+terminal that takes nothing would stop the whole program, also for a signal that asks it to end.
 """
 
 import contextlib
@@ -31,12 +31,15 @@ RESET = (
 
 
 class TerminalOutput:
-    """File for Textual's driver that writes to a terminal, and drops output while the terminal is stalled.
+    """File for Textual's driver that writes to a terminal, and drops output while the terminal is
+    stalled.
 
     Args:
-        fileno: file descriptor of the terminal. The terminal is opened once more, as the flag that keeps a write from
-            blocking is shared by all who have inherited a descriptor, the shell included.
-        recovered: called on another thread when a stalled terminal takes output again; what it shows is out of date.
+        fileno: file descriptor of the terminal. The terminal is opened once more, as the flag that
+            keeps a write from blocking is shared by all who have inherited a descriptor, the shell
+            included.
+        recovered: called on another thread when a stalled terminal takes output again; what it
+            shows is out of date.
         gone: called once, on another thread, when the terminal can no longer be written to.
         encoding: of the terminal.
 
@@ -48,7 +51,11 @@ class TerminalOutput:
     """
 
     def __init__(
-        self, fileno: int, recovered: Callable[[], object], gone: Callable[[], object], encoding: str = "utf-8"
+        self,
+        fileno: int,
+        recovered: Callable[[], object],
+        gone: Callable[[], object],
+        encoding: str = "utf-8",
     ) -> None:
         self._tty = _open_again(fileno)
         self._fileno, self._encoding = fileno, encoding
@@ -73,7 +80,9 @@ class TerminalOutput:
         return len(text)
 
     def flush(self) -> None:
-        """Write what is pending, or drop it if the terminal takes nothing for ``STALLED_AFTER_S``."""
+        """Write what is pending, or drop it if the terminal takes nothing for
+        ``STALLED_AFTER_S``.
+        """
         data = memoryview("".join(self._pending).encode(self._encoding, "backslashreplace"))
         self._pending.clear()
         while data and self._gone and not self.is_stalled:
@@ -90,13 +99,17 @@ class TerminalOutput:
         self._is_ending.clear()
 
     def end(self) -> None:
-        """Begin to end: a terminal that is stalled now, or from now on, gets only what `restore` writes."""
+        """Begin to end: a terminal that is stalled now, or from now on, gets only what `restore`
+        writes.
+        """
         self._is_ending.set()
         if self._waiting:
             self._waiting.join()
 
     def restore(self) -> None:
-        """Restore a terminal that did not take the driver's last output; it will take this when it goes on."""
+        """Restore a terminal that did not take the driver's last output; it will take this when it
+        goes on.
+        """
         if self.is_stalled:
             with contextlib.suppress(termios.error):
                 termios.tcflush(self._tty, termios.TCOFLUSH)  # makes room in the terminal's buffer
@@ -105,7 +118,9 @@ class TerminalOutput:
 
     def _stall(self) -> None:
         self.is_stalled = True
-        self._waiting = threading.Thread(target=self._wait_for_terminal, name="terminal-stalled", daemon=True)
+        self._waiting = threading.Thread(
+            target=self._wait_for_terminal, name="terminal-stalled", daemon=True
+        )
         self._waiting.start()
 
     def _wait_for_terminal(self) -> None:
@@ -129,7 +144,9 @@ class TerminalOutput:
 
 
 def _open_again(fileno: int) -> int:
-    """Return a new descriptor of a terminal. After ``su``, only the controlling terminal can be opened."""
+    """Return a new descriptor of a terminal. After ``su``, only the controlling terminal can be
+    opened.
+    """
     flags = os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK
     try:
         return os.open(os.ttyname(fileno), flags)
@@ -137,9 +154,11 @@ def _open_again(fileno: int) -> int:
         return os.open("/dev/tty", flags)
 
 
-def unblocked(driver: type[Driver], recovered: Callable[[], object], gone: Callable[[], object]) -> type[Driver]:
-    """Return a driver class that a stalled terminal does not block. Without a known file (Windows, a browser) or a
-    terminal it writes as before.
+def unblocked(
+    driver: type[Driver], recovered: Callable[[], object], gone: Callable[[], object]
+) -> type[Driver]:
+    """Return a driver class that a stalled terminal does not block. Without a known file (Windows,
+    a browser) or a terminal it writes as before.
 
     Args:
         driver: the class Textual chose.
@@ -152,7 +171,9 @@ def unblocked(driver: type[Driver], recovered: Callable[[], object], gone: Calla
             self._output: TerminalOutput | None = None
             if os.name == "posix" and (file := getattr(self, "_file", None)) is not None:
                 with contextlib.suppress(OSError, ValueError):
-                    self._file = self._output = TerminalOutput(file.fileno(), recovered, gone, file.encoding)
+                    self._file = self._output = TerminalOutput(
+                        file.fileno(), recovered, gone, file.encoding
+                    )
 
         def start_application_mode(self) -> None:
             if self._output:

@@ -1,7 +1,9 @@
-"""Probe of the terminal: it is asked for its cursor's position, which it answers only if it is really there.
+"""Probe of the terminal: it is asked for its cursor's position, which it answers only if it is
+really there.
 
-A program keeps running in its pseudo-terminal while ssh is frozen, or a browser's network is gone, and no system call
-fails. Only the terminal itself can answer (DSR 6, ECMA-48), through the whole way there and back.
+A program keeps running in its pseudo-terminal while ssh is frozen, or a browser's network is gone,
+and no system call fails. Only the terminal itself can answer (DSR 6, ECMA-48), through the whole
+way there and back.
 """
 
 import os
@@ -18,11 +20,15 @@ if TYPE_CHECKING:
     from sar_tui.link.peer import TerminalState
 
 QUERY = "\x1b[6n"
-"""Every terminal answers it, xterm.js in a browser and the Linux console too, and Textual's parser knows the answer."""
+"""Every terminal answers it, xterm.js in a browser and the Linux console too, and Textual's parser
+knows the answer.
+"""
 INTERVAL_S = 0.15
 """Several queries fit into the shortest ``operator_lost_ms``."""
 MAX_UNANSWERED = 8
-"""Queries on their way at a time: over a slow line several are. More would only fill a terminal that takes nothing."""
+"""Queries on their way at a time: over a slow line several are. More would only fill a terminal
+that takes nothing.
+"""
 _RETRY = SECOND
 """Time between two queries of a terminal that answers none (ns)."""
 _LAST_ANSWER_S = 0.5
@@ -40,7 +46,8 @@ class TerminalProbe:
     Args:
         write: writes to the terminal.
         now: a clock (ns).
-        is_relayed: returns True if another program answers in place of the terminal; called once, at the first query.
+        is_relayed: returns True if another program answers in place of the terminal; called once,
+            at the first query.
     """
 
     def __init__(
@@ -60,7 +67,9 @@ class TerminalProbe:
         self._lock = threading.Lock()
 
     def ask(self) -> None:
-        """Ask once, or not at all while too many queries wait for an answer. To be called every ``INTERVAL_S``."""
+        """Ask once, or not at all while too many queries wait for an answer. To be called every
+        ``INTERVAL_S``.
+        """
         if self._is_relayed is None:
             self._is_relayed = self._find_relay()
         now = self._now()
@@ -84,7 +93,9 @@ class TerminalProbe:
                 self._all_answered.set()
 
     def await_answers(self) -> None:
-        """Wait a moment for the answers that are on their way, which would otherwise be typed into the shell."""
+        """Wait a moment for the answers that are on their way, which would otherwise be typed into
+        the shell.
+        """
         silence = self.state().silence
         if self._on_their_way and silence is not None and silence < _RETRY:
             self._all_answered.wait(_LAST_ANSWER_S)
@@ -103,12 +114,18 @@ class TerminalProbe:
 
 
 def is_relayed() -> bool:
-    """Return True if a program between this one and the terminal answers in the terminal's place."""
-    return any(name in os.environ for name in _MULTIPLEXERS) or any(name in _RELAYS for name in _ancestors())
+    """Return True if a program between this one and the terminal answers in the terminal's
+    place.
+    """
+    return any(name in os.environ for name in _MULTIPLEXERS) or any(
+        name in _RELAYS for name in _ancestors()
+    )
 
 
 def _ancestors() -> list[bytes]:
-    """Return the names of the programs that this one was started from; none where the system does not tell."""
+    """Return the names of the programs that this one was started from; none where the system does
+    not tell.
+    """
     found: list[bytes] = []
     process = os.getpid()
     while sys.platform == "linux" and process > 1 and len(found) < _MAX_ANCESTORS:

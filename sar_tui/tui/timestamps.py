@@ -1,8 +1,9 @@
 """Time stamps of prompts and keys, taken where they happen.
 
-Textual writes frames to its driver's file from a thread of its own. That file is wrapped: a frame with the awaited
-text is recognized when it is written, and the time is taken when the flush after it has returned. Keys are stamped in
-the input thread, after their bytes were read and before they are parsed.
+Textual writes frames to its driver's file from a thread of its own. That file is wrapped: a frame
+with the awaited text is recognized when it is written, and the time is taken when the flush after
+it has returned. Keys are stamped in the input thread, after their bytes were read and before they
+are parsed.
 """
 
 import re
@@ -37,9 +38,11 @@ class OnsetWatch:
         self._due = 0
 
     def arm(self, text: str, stamped: Stamped, due: int = 0) -> None:
-        """Call ``stamped`` once, from the writing thread, with the time (ns) at which ``text`` was flushed.
+        """Call ``stamped`` once, from the writing thread, with the time (ns) at which ``text`` was
+        flushed.
 
-        ``due``: it is not flushed before this time (ns), for which the writing thread waits, at most `_PATIENCE`.
+        ``due``: it is not flushed before this time (ns), for which the writing thread waits, at
+        most `_PATIENCE`.
         """
         with self._lock:
             self._text, self._stamped, self._written, self._due = text, stamped, False, due
@@ -56,7 +59,9 @@ class OnsetWatch:
             time.sleep(min(left, _PATIENCE) / SECOND)
 
     def missed(self) -> None:
-        """Notice that the frame was dropped: the terminal is stalled. The next one holds the text again."""
+        """Notice that the frame was dropped: the terminal is stalled. The next one holds the text
+        again.
+        """
         self._written = False
 
     def flushed(self) -> None:
@@ -70,7 +75,9 @@ class OnsetWatch:
 
 
 class WatchedFile:
-    """The driver's terminal file, which reports writes and flushes, and survives the loss of the terminal."""
+    """The driver's terminal file, which reports writes and flushes, and survives the loss of the
+    terminal.
+    """
 
     def __init__(self, file: IO[str], watch: OnsetWatch, gone: Callable[[], None]) -> None:
         self._file = file
@@ -109,8 +116,8 @@ class WatchedFile:
 def stamp_keys_as_read() -> None:
     """Let the POSIX driver's parser stamp events with the time at which their bytes were read.
 
-    Textual stamps an event after parsing, when another thread may have taken the interpreter. A version of Textual
-    without this parser keeps its own stamps.
+    Textual stamps an event after parsing, when another thread may have taken the interpreter. A
+    version of Textual without this parser keeps its own stamps.
     """
     try:
         from textual import _time
@@ -129,7 +136,8 @@ def stamp_keys_as_read() -> None:
 
 
 def watched(driver: type[Driver], watch: OnsetWatch, gone: Callable[[], None]) -> type[Driver]:
-    """Return a driver class whose frames are watched; a driver without the known file (Windows, tests) is unchanged.
+    """Return a driver class whose frames are watched; a driver without the known file (Windows,
+    tests) is unchanged.
 
     Args:
         driver: the class Textual chose.

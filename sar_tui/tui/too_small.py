@@ -21,7 +21,8 @@ def is_too_small(size: Size) -> bool:
 def cover_if_too_small(app: App[Any], size: Size) -> None:
     """Cover the app's screen while it does not fit, and uncover it again.
 
-    A cover with another screen on top of it, such as the help, uncovers by itself when that one is closed.
+    A cover with another screen on top of it, such as the help, uncovers by itself when that one is
+    closed.
     """
     if not is_too_small(size):
         if isinstance(app.screen, TooSmallScreen):

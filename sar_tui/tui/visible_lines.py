@@ -18,7 +18,9 @@ class VisibleLines(LineFilter):
 
 
 def _shown(segments: list[Segment]) -> list[Segment]:
-    """Return the line with signs, which take the place of the next spaces, so that a border stays where it is."""
+    """Return the line with signs, which take the place of the next spaces, so that a border stays
+    where it is.
+    """
     found, wider = [], 0
     for segment in segments:
         sign = segment if segment.control else segment._replace(text=visible(segment.text))

@@ -35,7 +35,9 @@ class Voiced(Protocol):
 
 
 class ServedDriver(WebDriver):
-    """Driver whose other end is `sar_tui.serve.browser_view.BrowserView`. Gives a `Voiced` app the browser's voice."""
+    """Driver whose other end is `sar_tui.serve.browser_view.BrowserView`. Gives a `Voiced` app the
+    browser's voice.
+    """
 
     def __init__(self, app: Any, **how: Any) -> None:
         super().__init__(app, **how)
@@ -58,7 +60,8 @@ class ServedDriver(WebDriver):
         self.write_meta({"type": "hush"})
 
     def write(self, data: str) -> None:
-        with contextlib.suppress(OSError):  # the browser is gone; the end of the input will end the app
+        # the browser is gone; the end of the input will end the app
+        with contextlib.suppress(OSError):
             super().write(data)
 
     def write_meta(self, data: dict[str, object]) -> None:
@@ -66,7 +69,9 @@ class ServedDriver(WebDriver):
             super().write_meta(data)
 
     def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
-        """Exit the app: as by its own key if the browser's tab was closed, else because the browser is lost."""
+        """Exit the app: as by its own key if the browser's tab was closed, else because the browser
+        is lost.
+        """
         if packet_type == "quit":
             self._exit(is_lost=bool(payload.get("lost")))
         else:

@@ -1,1 +1,3 @@
-"""Checks claims of the thesis and of this project by simulation: one experiment per file, listed in ``registry``."""
+"""Checks claims of the thesis and of this project by simulation: one experiment per file, listed in
+``registry``.
+"""

@@ -1,4 +1,6 @@
-"""Task-oriented training (thesis 4.2.1, 4.4.1): Figures 4.4, 4.9 and 4.10, the level over twenty attempts."""
+"""Task-oriented training (thesis 4.2.1, 4.4.1): Figures 4.4, 4.9 and 4.10, the level over twenty
+attempts.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -10,7 +12,9 @@ from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.simulated_sessions import Simulated, session_runner
 
 LAST = 10
-"""Attempts at the end of a session over which levels of users are compared: they have settled by then."""
+"""Attempts at the end of a session over which levels of users are compared: they have settled by
+then.
+"""
 
 
 def average(conditions: Conditions) -> Report:
@@ -38,7 +42,9 @@ def _of_user(conditions: Conditions, name: str, user: str) -> Report:
     seen = [_summed_up(rows, seed) for seed in conditions.seeds]
     title = f"{user.capitalize()} user, seed {conditions.seeds[0]}"
     claims = [follows_results(rows)]
-    return Report(rows, [_COLUMNS], claims, [draw_levels(first, title)], seen, charts.adaptation(first))
+    return Report(
+        rows, [_COLUMNS], claims, [draw_levels(first, title)], seen, charts.adaptation(first)
+    )
 
 
 def level_rows(done: Simulated, user: str, seed: int) -> list[Row]:
@@ -61,12 +67,16 @@ def level_rows(done: Simulated, user: str, seed: int) -> list[Row]:
 
 
 def follows_results(rows: Sequence[Row]) -> Claim:
-    """Return the claim that the level rises after each success and falls after each failure, within its bounds."""
+    """Return the claim that the level rises after each success and falls after each failure, within
+    its bounds.
+    """
     wrong = [
-        f"{before['user']}, seed {before['seed']}: level {before['level']} → {after['level']} after a "
+        f"{before['user']}, seed {before['seed']}: level {before['level']} → {after['level']} "
+        "after a "
         f"{before['outcome']} in attempt {before['attempt']}"
         for before, after in pairwise(rows)
-        if (before["user"], before["seed"]) == (after["user"], after["seed"]) and after["level"] != _expected(before)
+        if (before["user"], before["seed"]) == (after["user"], after["seed"])
+        and after["level"] != _expected(before)
     ]
     sentence = "The level rises after each attempt under the goal, and falls after each other one."
     return Claim(sentence, _listed(wrong))
@@ -77,11 +87,17 @@ def ranks_users(rows: Sequence[Row]) -> Claim:
     wrong = []
     for seed in dict.fromkeys(row["seed"] for row in rows):
         means = {
-            user: fmean(row["level"] for row in rows if (row["user"], row["seed"]) == (user, seed) and _is_late(row))
+            user: fmean(
+                row["level"]
+                for row in rows
+                if (row["user"], row["seed"]) == (user, seed) and _is_late(row)
+            )
             for user in ("poor", "average", "competent")
         }
         if not means["poor"] < means["average"] < means["competent"]:
-            wrong.append(f"seed {seed}: {', '.join(f'{user} {mean:.1f}' for user, mean in means.items())}")
+            wrong.append(
+                f"seed {seed}: {', '.join(f'{user} {mean:.1f}' for user, mean in means.items())}"
+            )
     sentence = f"Over the last {LAST} attempts, better users train at higher levels, in every seed."
     return Claim(sentence, _listed(wrong))
 
@@ -105,7 +121,13 @@ def _summed_up(rows: Sequence[Row], seed: int) -> Row:
     own = [row for row in rows if row["seed"] == seed]
     reached = [row for row in own if row["outcome"] == "success"]
     levels = [row["level"] for row in own]
-    return {"seed": seed, "reached": len(reached), "lowest": min(levels), "highest": max(levels), "last": levels[-1]}
+    return {
+        "seed": seed,
+        "reached": len(reached),
+        "lowest": min(levels),
+        "highest": max(levels),
+        "last": levels[-1],
+    }
 
 
 _COLUMNS = [

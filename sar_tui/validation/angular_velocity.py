@@ -1,4 +1,6 @@
-"""Figure 4.8 of the thesis: the angular velocity about z in the eight reaches of its Table 4.1, as simulated."""
+"""Figure 4.8 of the thesis: the angular velocity about z in the eight reaches of its Table 4.1, as
+simulated.
+"""
 
 from collections.abc import Sequence
 
@@ -30,14 +32,22 @@ def run(_: Conditions) -> Report:
 
 def velocity_rows(times: Floats, rates: Floats) -> list[Row]:
     """Return one row for each sample: time in s, angular velocity in rad/s."""
-    return [{"time_s": round(float(at), 6), "rate_z_rad_s": float(rate)} for at, rate in zip(times, rates, strict=True)]
+    return [
+        {"time_s": round(float(at), 6), "rate_z_rad_s": float(rate)}
+        for at, rate in zip(times, rates, strict=True)
+    ]
 
 
 def figure(rows: Sequence[Row], title: str, claims: Sequence[Claim]) -> Report:
     """Return a report that draws an angular velocity."""
-    step = max(1, round(len(rows) / max(1.0, rows[-1]["time_s"] - rows[0]["time_s"]) / POINTS_A_SECOND))
+    step = max(
+        1, round(len(rows) / max(1.0, rows[-1]["time_s"] - rows[0]["time_s"]) / POINTS_A_SECOND)
+    )
     thinned = rows[::step]
     drawn = draw_curve(
-        [row["time_s"] for row in thinned], [row["rate_z_rad_s"] for row in thinned], title, "rad/s about z over s"
+        [row["time_s"] for row in thinned],
+        [row["rate_z_rad_s"] for row in thinned],
+        title,
+        "rad/s about z over s",
     )
     return Report(rows, [], claims, [drawn], chart=charts.angular_velocity(thinned, title))

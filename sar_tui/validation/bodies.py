@@ -1,4 +1,6 @@
-"""Bodies of the agent for validations: outputs that do nothing, and report each part as done at once."""
+"""Bodies of the agent for validations: outputs that do nothing, and report each part as done at
+once.
+"""
 
 from typing import get_args
 

@@ -1,4 +1,6 @@
-"""Figure 4.15 of the thesis: the parts of the loop that the reaching task adds to those of the keyboard task."""
+"""Figure 4.15 of the thesis: the parts of the loop that the reaching task adds to those of the
+keyboard task.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,11 +16,15 @@ from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 TASKS = ("keyboard", "reaching")
 FOR_A_SENSOR = {"imu", "trunk_imu", "reach_perception", "view"}
-"""Parts that a task with a motion sensor needs: the sensor, what finds reaches in its samples, and the view of them."""
+"""Parts that a task with a motion sensor needs: the sensor, what finds reaches in its samples, and
+the view of them.
+"""
 
 
 def run(conditions: Conditions) -> Report:
-    """Return one row per part of the two loops: in which of them it is, and whether it is the same there."""
+    """Return one row per part of the two loops: in which of them it is, and whether it is the same
+    there.
+    """
     theme = conditions.catalogue.theme("calm")
     kinds = {task: conditions.catalogue.task(task) for task in TASKS}
     return report(
@@ -47,7 +53,10 @@ def report(graphs: Mapping[str, Graph], nodes: Mapping[str, Mapping[str, str]]) 
 
 
 def _rows(graphs: Mapping[str, Graph], nodes: Mapping[str, Mapping[str, str]]) -> list[Row]:
-    one, other = ({part.name for part in graphs[task].nodes if part.kind not in ("tap", "outside")} for task in TASKS)
+    one, other = (
+        {part.name for part in graphs[task].nodes if part.kind not in ("tap", "outside")}
+        for task in TASKS
+    )
     names = [part.name for part in graphs["reaching"].nodes if part.name in other]
     names += sorted(one - other)
     return [
@@ -61,7 +70,9 @@ def _rows(graphs: Mapping[str, Graph], nodes: Mapping[str, Mapping[str, str]]) -
     ]
 
 
-def _state(name: str, one: set[str], other: set[str], nodes: Mapping[str, Mapping[str, str]]) -> str:
+def _state(
+    name: str, one: set[str], other: set[str], nodes: Mapping[str, Mapping[str, str]]
+) -> str:
     if name not in other:
         return "removed"
     if name not in one:
@@ -70,7 +81,9 @@ def _state(name: str, one: set[str], other: set[str], nodes: Mapping[str, Mappin
 
 
 def _needless(rows: Sequence[Row]) -> list[str]:
-    return [row["part"] for row in rows if row["state"] == "added" and row["part"] not in FOR_A_SENSOR]
+    return [
+        row["part"] for row in rows if row["state"] == "added" and row["part"] not in FOR_A_SENSOR
+    ]
 
 
 def _mark(task: str) -> Column:

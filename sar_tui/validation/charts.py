@@ -19,11 +19,20 @@ _CONFIG: Row = {
     "view": {"stroke": "#ccc"},
 }
 _WIDTH = 560
-_ATTEMPT: Row = {"field": "attempt", "type": "ordinal", "title": "attempt", "axis": {"labelAngle": 0}}
+_ATTEMPT: Row = {
+    "field": "attempt",
+    "type": "ordinal",
+    "title": "attempt",
+    "axis": {"labelAngle": 0},
+}
 
 
 def _whole(**parts: object) -> Row:
-    return {"$schema": "https://vega.github.io/schema/vega-lite/v5.json", "config": _CONFIG, **parts}
+    return {
+        "$schema": "https://vega.github.io/schema/vega-lite/v5.json",
+        "config": _CONFIG,
+        **parts,
+    }
 
 
 def _times(rows: Sequence[Row], label: str) -> list[Row]:
@@ -36,14 +45,27 @@ def _times(rows: Sequence[Row], label: str) -> list[Row]:
     }
     goal: Row = {"field": "goal_ms", "type": "quantitative"}
     return [
-        {"mark": {"type": "line", "color": _GOAL, "strokeDash": [5, 4]}, "encoding": {"x": _ATTEMPT, "y": goal}},
-        {"mark": {"type": "line", "color": _INK, "point": {"color": _INK}}, "encoding": {"x": _ATTEMPT, "y": times}},
+        {
+            "mark": {"type": "line", "color": _GOAL, "strokeDash": [5, 4]},
+            "encoding": {"x": _ATTEMPT, "y": goal},
+        },
+        {
+            "mark": {"type": "line", "color": _INK, "point": {"color": _INK}},
+            "encoding": {"x": _ATTEMPT, "y": times},
+        },
     ]
 
 
 def adaptation(rows: Sequence[Row], label: str = RESULT) -> Row:
-    """Chart the results of a session's attempts, and the level below them. ``label``: name and unit of the result."""
-    level: Row = {"field": "level", "type": "quantitative", "title": "level", "axis": {"tickMinStep": 1}}
+    """Chart the results of a session's attempts, and the level below them. ``label``: name and unit
+    of the result.
+    """
+    level: Row = {
+        "field": "level",
+        "type": "quantitative",
+        "title": "level",
+        "axis": {"tickMinStep": 1},
+    }
     steps = {
         "mark": {"type": "line", "color": _SOFT, "interpolate": "step", "point": {"color": _SOFT}},
         "encoding": {"x": _ATTEMPT, "y": level},
@@ -55,7 +77,9 @@ def adaptation(rows: Sequence[Row], label: str = RESULT) -> Row:
 
 
 def feedback(groups: Sequence[tuple[str, Sequence[Row]]], label: str = RESULT) -> Row:
-    """Chart results over attempts with a mark for the feedback on each: one below the other, with titles."""
+    """Chart results over attempts with a mark for the feedback on each: one below the other, with
+    titles.
+    """
     names = list(_FEEDBACK)
     scale = {"domain": names, "range": [_FEEDBACK[name][0] for name in names]}
     colours = {"domain": names, "range": [_FEEDBACK[name][1] for name in names]}
@@ -86,7 +110,11 @@ def angular_velocity(rows: Sequence[Row], title: str) -> Row:
     """Chart the angular velocity about z over time."""
     encoding = {
         "x": {"field": "time_s", "type": "quantitative", "title": "time, s"},
-        "y": {"field": "rate_z_rad_s", "type": "quantitative", "title": "angular velocity about z, rad/s"},
+        "y": {
+            "field": "rate_z_rad_s",
+            "type": "quantitative",
+            "title": "angular velocity about z, rad/s",
+        },
     }
     return _whole(
         data={"values": list(rows)},
@@ -101,8 +129,19 @@ def angular_velocity(rows: Sequence[Row], title: str) -> Row:
 def parts(rows: Sequence[Row]) -> Row:
     """Chart the parts of two loops: those of both, and those that one has alone."""
     marks = {
-        "x": {"field": "task", "type": "nominal", "title": None, "axis": {"labelAngle": 0, "orient": "top"}},
-        "y": {"field": "part", "type": "nominal", "title": None, "sort": None, "axis": {"minExtent": 120}},
+        "x": {
+            "field": "task",
+            "type": "nominal",
+            "title": None,
+            "axis": {"labelAngle": 0, "orient": "top"},
+        },
+        "y": {
+            "field": "part",
+            "type": "nominal",
+            "title": None,
+            "sort": None,
+            "axis": {"minExtent": 120},
+        },
     }
     shown = [
         {"part": row["part"], "task": task, "state": row["state"]}
@@ -131,7 +170,10 @@ def parts(rows: Sequence[Row]) -> Row:
                 "encoding": {
                     **marks,
                     "text": {"field": "state", "type": "nominal"},
-                    "color": {"condition": {"test": "datum.state == 'the same'", "value": "#111"}, "value": "#fff"},
+                    "color": {
+                        "condition": {"test": "datum.state == 'the same'", "value": "#111"},
+                        "value": "#fff",
+                    },
                 },
             },
         ],
@@ -142,11 +184,16 @@ def parts(rows: Sequence[Row]) -> Row:
 
 def sentences(rows: Sequence[Row], kind: str) -> Row:
     """Chart what was said: a line for each text, after the value of the field ``kind``."""
-    values = [{"line": number, "kind": row[kind] or "", "text": row["text"]} for number, row in enumerate(rows)]
+    values = [
+        {"line": number, "kind": row[kind] or "", "text": row["text"]}
+        for number, row in enumerate(rows)
+    ]
     y: Row = {"field": "line", "type": "ordinal", "axis": None}
     layers = [
         {"mark": {"type": "text", "align": "left", "color": colour, "fontSize": 12},
          "encoding": {"x": {"value": x}, "y": y, "text": {"field": field}}}
         for field, x, colour in (("kind", 0, _SOFT), ("text", 90, "#111111"))
     ]  # fmt: skip
-    return _whole(data={"values": values}, layer=layers, width=640, height={"step": 20}, view={"stroke": None})
+    return _whole(
+        data={"values": values}, layer=layers, width=640, height={"step": 20}, view={"stroke": None}
+    )

@@ -1,7 +1,9 @@
-"""A simulated user's attempts at choice reactions, and the probability of success that each attempt has of itself.
+"""A simulated user's attempts at choice reactions, and the probability of success that each attempt
+has of itself.
 
-Reaction times are those of `simulation.participant_model`: ex-Gaussian about a mean that grows with the logarithm of
-the number of keys. Practice and fatigue of the model are left out; instead a user is at rest, or learns.
+Reaction times are those of `simulation.participant_model`: ex-Gaussian about a mean that grows with
+the logarithm of the number of keys. Practice and fatigue of the model are left out; instead a user
+is at rest, or learns.
 """
 
 import math
@@ -53,7 +55,9 @@ class Chance(NamedTuple):
         """Return the attempt of a user with this mean reaction time, judged by this goal."""
         result = mean + self.mean if len(self.deviations) >= LEAST_RIGHT else None
         outcome: Outcome = "success" if result is not None and result < goal else "failure"
-        return ScoredAttempt(number, outcome, result, bisect_left(self.deviations, goal - mean), PROMPTS)
+        return ScoredAttempt(
+            number, outcome, result, bisect_left(self.deviations, goal - mean), PROMPTS
+        )
 
 
 def chances(user: User, attempts: int, seed: int) -> list[Chance]:
@@ -61,22 +65,29 @@ def chances(user: User, attempts: int, seed: int) -> list[Chance]:
     person = user.person
     generator = np.random.default_rng([seed, *person.name.encode()])
     shape = (attempts, PROMPTS)
-    times = generator.normal(-person.tau_ms, person.sigma_ms, shape) + generator.exponential(person.tau_ms, shape)
+    times = generator.normal(-person.tau_ms, person.sigma_ms, shape) + generator.exponential(
+        person.tau_ms, shape
+    )
     is_right = generator.random(shape) < user.right
     rows = (sorted(row[right].tolist()) for row, right in zip(times, is_right, strict=True))
     return [Chance(row, sum(row) / len(row) if row else 0.0) for row in rows]
 
 
 def prompt_success(user: User, margin: float) -> float:
-    """Return the probability that a prompt is answered right, and in less than the mean plus ``margin`` (ms)."""
+    """Return the probability that a prompt is answered right, and in less than the mean plus
+    ``margin`` (ms).
+    """
     sigma, tau = user.person.sigma_ms, user.person.tau_ms
     above = margin + tau
-    tail = math.exp(sigma**2 / (2 * tau**2) - above / tau) * _NORMAL.cdf(above / sigma - sigma / tau)
+    tail = math.exp(sigma**2 / (2 * tau**2) - above / tau) * _NORMAL.cdf(
+        above / sigma - sigma / tau
+    )
     return user.right * (_NORMAL.cdf(above / sigma) - tail)
 
 
 def attempt_success(user: User, margin: float) -> float:
-    """Return the probability that enough responses are right, and their mean below the user's plus ``margin`` (ms).
+    """Return the probability that enough responses are right, and their mean below the user's plus
+    ``margin`` (ms).
 
     The mean of so many reaction times is nearly normal; its skewness is corrected for (Edgeworth).
     """
@@ -94,4 +105,6 @@ def attempt_success(user: User, margin: float) -> float:
 def _numbers_right(right: float) -> tuple[tuple[int, float], ...]:
     """Return the numbers of right responses that are enough, each with its probability."""
     numbers = range(LEAST_RIGHT, PROMPTS + 1)
-    return tuple((n, math.comb(PROMPTS, n) * right**n * (1 - right) ** (PROMPTS - n)) for n in numbers)
+    return tuple(
+        (n, math.comb(PROMPTS, n) * right**n * (1 - right) ** (PROMPTS - n)) for n in numbers
+    )

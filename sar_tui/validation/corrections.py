@@ -21,7 +21,9 @@ ATTEMPTS = 20
 SESSIONS, QUICK_SESSIONS = 600, 150
 TRIALS = (1, 5)
 MEASURES = (1, 3, 4)
-"""Numbers of measures that are judged together; a reach has three, and a fourth with a sensor on the trunk."""
+"""Numbers of measures that are judged together; a reach has three, and a fourth with a sensor on
+the trunk.
+"""
 EARLIER = (LEAST_BASELINE, 15)
 """Attempts before the first that is worse."""
 DECLINES, QUICK_DECLINES = 2000, 600
@@ -34,13 +36,17 @@ CLAIMED_MEASURES, CLAIMED_EARLIER = 3, 15
 NOT_CLAIMED = ("drift", "spoilt")
 """Worlds in which an attempt may differ by more than chance: slowly, or as it was spoilt."""
 TASK, REACHES, MEASURED = "reaching", 3, 3
-"""A task that measures movements, the reaches of an attempt, and the measures without a sensor on the trunk."""
+"""A task that measures movements, the reaches of an attempt, and the measures without a sensor on
+the trunk.
+"""
 SEEDS, QUICK_SEEDS = 4, 0
 """Whole sessions of each simulated user; they take too long for a quick run."""
 
 
 def run(conditions: Conditions) -> Report:
-    """Return rows for each world, number of measures and of trials, and one for a task's sessions."""
+    """Return rows for each world, number of measures and of trials, and one for a task's
+    sessions.
+    """
     rows: list[Row] = []
     steps = len(WORLDS) + 1
     for number, world in enumerate(WORLDS):
@@ -48,7 +54,10 @@ def run(conditions: Conditions) -> Report:
         for measures in MEASURES:
             for trials in TRIALS:
                 rows.append(_without_change(world, measures, trials, conditions.is_quick))
-                rows += [_with_decline(world, measures, trials, earlier, conditions.is_quick) for earlier in EARLIER]
+                rows += [
+                    _with_decline(world, measures, trials, earlier, conditions.is_quick)
+                    for earlier in EARLIER
+                ]
     if seeds := QUICK_SEEDS if conditions.is_quick else SEEDS:
         conditions.progress(f"corrections: {TASK}", len(WORLDS), steps)
         rows.append(_sessions(conditions, seeds))
@@ -62,12 +71,16 @@ def _without_change(world: str, measures: int, trials: int, is_quick: bool) -> R
     corrected = 0
     for _ in range(sessions):
         drawn = [_means(world, rng, ATTEMPTS, trials) for _ in range(measures)]
-        corrected += sum(_is_corrected(drawn, attempt, measures) for attempt in range(1, ATTEMPTS + 1))
+        corrected += sum(
+            _is_corrected(drawn, attempt, measures) for attempt in range(1, ATTEMPTS + 1)
+        )
     return _row(world, measures, trials, attempts=sessions * ATTEMPTS, corrected=corrected)
 
 
 def _with_decline(world: str, measures: int, trials: int, earlier: int, is_quick: bool) -> Row:
-    """Return how often a lasting decline of one measure is named within one, two and three attempts."""
+    """Return how often a lasting decline of one measure is named within one, two and three
+    attempts.
+    """
     rng = random.Random(f"{world} {measures} {trials} {earlier}")
     count = QUICK_DECLINES if is_quick else DECLINES
     by = SDS * sem(world, trials)
@@ -119,12 +132,20 @@ def _row(
 
 
 def _sessions(conditions: Conditions, seeds: int) -> Row:
-    """Return how often people without practice or fatigue hear a correction in whole sessions of a task."""
+    """Return how often people without practice or fatigue hear a correction in whole sessions of a
+    task.
+    """
     kind = conditions.catalogue.task(TASK)
-    settings = {"attempts": ATTEMPTS, "reaches_per_attempt": REACHES, "feedback_form": "qualitative"}
+    settings = {
+        "attempts": ATTEMPTS,
+        "reaches_per_attempt": REACHES,
+        "feedback_form": "qualitative",
+    }
     texts: list[str] = []
     with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
-        play = partial(told_in_session, conditions, Path(folder), kind, settings | {"feedback_on": "both"})
+        play = partial(
+            told_in_session, conditions, Path(folder), kind, settings | {"feedback_on": "both"}
+        )
         for user in PEOPLE.values():
             steady = Person(**msgspec.structs.asdict(user) | {"practice": 0.0, "fatigue": 0.0})
             texts += [told.text for seed in range(1, seeds + 1) for told in play(steady, seed)]
@@ -139,33 +160,43 @@ def names_a_correction(text: str, kind: type[Task]) -> bool:
 
 
 def _claims(rows: Sequence[Row]) -> list[Claim]:
-    too_many = [row for row in rows if row["attempts"] and row["corrected_by_chance"] > MOST_BY_CHANCE]
+    too_many = [
+        row for row in rows if row["attempts"] and row["corrected_by_chance"] > MOST_BY_CHANCE
+    ]
     last = f"found_within_{WITHIN}"
     claimed = [
         row
         for row in rows
-        if row["measures"] <= CLAIMED_MEASURES and row["earlier"] == CLAIMED_EARLIER and row["world"] not in NOT_CLAIMED
+        if row["measures"] <= CLAIMED_MEASURES
+        and row["earlier"] == CLAIMED_EARLIER
+        and row["world"] not in NOT_CLAIMED
     ]
     too_few = [row for row in claimed if row[last] < LEAST_FOUND]
     return [
         Claim(
-            f"With nothing changed, at most {MOST_BY_CHANCE:.0%} of the attempts of a session hear any correction.",
+            f"With nothing changed, at most {MOST_BY_CHANCE:.0%} of the attempts of a session "
+            "hear any correction.",
             ", ".join(f"{_name(row)}: {row['corrected_by_chance']:.1%}" for row in too_many),
         ),
         Claim(
-            f"A quality that gets worse by {SDS:g} SD and stays so is named within {WITHIN} attempts in at least "
-            f"{LEAST_FOUND:.0%}, of up to {CLAIMED_MEASURES} measures, after {CLAIMED_EARLIER} attempts.",
+            f"A quality that gets worse by {SDS:g} SD and stays so is named within {WITHIN} "
+            "attempts in at least "
+            f"{LEAST_FOUND:.0%}, of up to {CLAIMED_MEASURES} measures, after {CLAIMED_EARLIER} "
+            "attempts.",
             ", ".join(f"{_name(row)}: {row[last]:.1%}" for row in too_few),
         ),
         Claim(
-            f"No correction is given before {LEAST_BASELINE} attempts and the {RECENT} that are judged.",
+            f"No correction is given before {LEAST_BASELINE} attempts and the {RECENT} that are "
+            "judged.",
             _too_early(),
         ),
     ]
 
 
 def _too_early() -> str:
-    """Return the first number of attempts after which the worst decline is named, if it is too small."""
+    """Return the first number of attempts after which the worst decline is named, if it is too
+    small.
+    """
     worst = [[1.0] * earlier + [-1e6] * RECENT for earlier in range(LEAST_BASELINE)]
     return ", ".join(f"{len(means)} attempts" for means in worst if decline(means, "higher"))
 
@@ -201,5 +232,8 @@ _COLUMNS = [
     Column("trials", lambda row: str(row["trials"])),
     Column("by chance", partial(_beside, "chance")),
     Column("with a baseline", partial(_beside, "known")),
-    *(Column(f"found in 2, 3\nafter {earlier}", partial(_beside, str(earlier))) for earlier in EARLIER),
+    *(
+        Column(f"found in 2, 3\nafter {earlier}", partial(_beside, str(earlier)))
+        for earlier in EARLIER
+    ),
 ]

@@ -1,7 +1,8 @@
-"""Difficulty policies: how often simulated users succeed, and how many of their attempts are a fitting challenge.
+"""Difficulty policies: how often simulated users succeed, and how many of their attempts are a
+fitting challenge.
 
-An attempt fits if its own probability of success, given its level and its goal, lies between 0.6 and 0.8. A rate of
-success near 0.7 can also come from sure successes and sure failures in turn.
+An attempt fits if its own probability of success, given its level and its goal, lies between 0.6
+and 0.8. A rate of success near 0.7 can also come from sure successes and sure failures in turn.
 """
 
 from collections.abc import Sequence
@@ -12,14 +13,22 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.rules import level_choice
 from sar_tui.rules.parameters import build
 from sar_tui.simulation.participant_model import PEOPLE
-from sar_tui.validation.choice_reactions import Chance, User, attempt_success, chances, prompt_success
+from sar_tui.validation.choice_reactions import (
+    Chance,
+    User,
+    attempt_success,
+    chances,
+    prompt_success,
+)
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.simulated_sessions import TASK
 
 SESSIONS, QUICK_SESSIONS = 200, 40
 """Sessions of each user under each policy."""
 ATTEMPTS, COUNTED = 160, 40
-"""Number of attempts of each user, and of the last ones that the figures are about: a learner has learnt by then."""
+"""Number of attempts of each user, and of the last ones that the figures are about: a learner has
+learnt by then.
+"""
 GOAL_KEYS = 6
 """A user's goal is their mean reaction time among so many keys when they begin."""
 FITTING = (0.6, 0.8)
@@ -35,11 +44,15 @@ POLICIES: dict[str, dict[str, object]] = {
         "level_sequence": [level for level in range(1, 17) for _ in range(ATTEMPTS // 16)],
     },
 }
-"""Settings of each policy; the level with six keys is the fifth. ``sequence``: one level up after ten attempts."""
+"""Settings of each policy; the level with six keys is the fifth. ``sequence``: one level up after
+ten attempts.
+"""
 
 
 class Counted(NamedTuple):
-    """An attempt that counts: its level, its own probability of success, and the share of successes in it."""
+    """An attempt that counts: its level, its own probability of success, and the share of successes
+    in it.
+    """
 
     level: int
     expected: float
@@ -61,7 +74,11 @@ def run(conditions: Conditions) -> Report:
 
 
 def compare(
-    keys: Sequence[int], metric: Metric, parameters: Any, conditions: Conditions, seeds: Sequence[int]
+    keys: Sequence[int],
+    metric: Metric,
+    parameters: Any,
+    conditions: Conditions,
+    seeds: Sequence[int],
 ) -> list[Row]:
     """Return the rows for a task with so many keys at each level."""
     rows: list[Row] = []
@@ -70,10 +87,21 @@ def compare(
             user = User(person, learns, person.mean_ms(GOAL_KEYS, 1))
             drawn = [chances(user, ATTEMPTS, seed) for seed in seeds]
             for name, settings in POLICIES.items():
-                conditions.progress(f"difficulty: {name}", len(rows), 2 * len(PEOPLE) * len(POLICIES))
+                conditions.progress(
+                    f"difficulty: {name}", len(rows), 2 * len(PEOPLE) * len(POLICIES)
+                )
                 set_up = build(parameters, settings)
-                sessions = [play(user, keys, metric, set_up, by_chance)[-COUNTED:] for by_chance in drawn]
-                rows.append({"policy": name, "user": person.name, "learning": learns, **_figures(sessions, len(keys))})
+                sessions = [
+                    play(user, keys, metric, set_up, by_chance)[-COUNTED:] for by_chance in drawn
+                ]
+                rows.append(
+                    {
+                        "policy": name,
+                        "user": person.name,
+                        "learning": learns,
+                        **_figures(sessions, len(keys)),
+                    }
+                )
     return sorted(rows, key=lambda row: list(POLICIES).index(row["policy"]))
 
 
@@ -91,9 +119,13 @@ def play(
         mean = user.mean(keys[state.level - 1], number - 1)
         attempt = chance.attempt(number, mean, goal)
         if of_prompts:
-            counted = Counted(state.level, prompt_success(user, goal - mean), attempt.reached / attempt.prompts)
+            counted = Counted(
+                state.level, prompt_success(user, goal - mean), attempt.reached / attempt.prompts
+            )
         else:
-            counted = Counted(state.level, attempt_success(user, goal - mean), float(attempt.outcome == "success"))
+            counted = Counted(
+                state.level, attempt_success(user, goal - mean), float(attempt.outcome == "success")
+            )
         played.append(counted)
         past.setdefault(state.level, []).append(attempt.result)
         state = level_choice.step(state, attempt, parameters, len(keys))
@@ -106,7 +138,9 @@ def _figures(sessions: Sequence[Sequence[Counted]], levels: int) -> Row:
     return {
         "success_rate": round(fmean(attempt.success for attempt in counted), 4),
         "fitting": round(fmean(low <= attempt.expected <= high for attempt in counted), 4),
-        "level_sd": round(fmean(pstdev(attempt.level for attempt in session) for session in sessions), 4),
+        "level_sd": round(
+            fmean(pstdev(attempt.level for attempt in session) for session in sessions), 4
+        ),
         "at_bound": round(fmean(attempt.level in (1, levels) for attempt in counted), 4),
     }
 
@@ -116,14 +150,20 @@ def claims(rows: Sequence[Row]) -> list[Claim]:
     one_up = [row for row in rows if row["policy"] == "one-up-one-down"]
     fitting = [row for row in rows if row["policy"] in ("target", "percentile")]
     return [
-        Claim("one-up-one-down: about half of the attempts succeed (0.45 to 0.55).", _against(one_up, 0.45, 0.55)),
         Claim(
-            "target: 7 of 10 prompts reach the goal; percentile: 7 of 10 attempts do (0.65 to 0.75).",
+            "one-up-one-down: about half of the attempts succeed (0.45 to 0.55).",
+            _against(one_up, 0.45, 0.55),
+        ),
+        Claim(
+            "target: 7 of 10 prompts reach the goal; percentile: 7 of 10 attempts do (0.65 to "
+            "0.75).",
             _against(fitting, 0.65, 0.75),
         ),
         Claim(
             "target and percentile: at least 7 of 10 attempts are fitting.",
-            "; ".join(f"{_who(row)}: {row['fitting']:.2f}" for row in fitting if row["fitting"] < 0.7),
+            "; ".join(
+                f"{_who(row)}: {row['fitting']:.2f}" for row in fitting if row["fitting"] < 0.7
+            ),
         ),
     ]
 

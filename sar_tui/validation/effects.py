@@ -1,4 +1,6 @@
-"""Published effects of the tasks, in sessions of simulated participants, and in controls who do not show them."""
+"""Published effects of the tasks, in sessions of simulated participants, and in controls who do not
+show them.
+"""
 
 from collections.abc import Iterator
 from statistics import fmean, stdev
@@ -43,21 +45,28 @@ def run(conditions: Conditions) -> Report:
             ", ".join(row["task"] for row in rows if not row["low"] <= row["mean"] <= row["high"]),
         ),
         Claim(
-            "Simulated people without the effect are told from them: their mean lies outside of that range.",
-            ", ".join(row["task"] for row in rows if row["low"] <= row["control_mean"] <= row["high"]),
+            "Simulated people without the effect are told from them: their mean lies outside of "
+            "that range.",
+            ", ".join(
+                row["task"] for row in rows if row["low"] <= row["control_mean"] <= row["high"]
+            ),
         ),
     ]
     return Report(rows, [_COLUMNS], claims)
 
 
 def effects(catalogue: Catalogue) -> Iterator[tuple[type[Task], Effect]]:
-    """Yield the tasks that declare an effect, and the effect. Raises PluginError if one cannot be loaded."""
+    """Yield the tasks that declare an effect, and the effect. Raises PluginError if one cannot be
+    loaded.
+    """
     for name in catalogue.task_names():
         kind = catalogue.task(name)
         if module := module_beside(kind, "effect"):
             effect = getattr(module, "EFFECT", None)
             if not isinstance(effect, Effect):
-                raise PluginError(f"The effect.py of the task {name} must define EFFECT, an Effect.")
+                raise PluginError(
+                    f"The effect.py of the task {name} must define EFFECT, an Effect."
+                )
             yield kind, effect
 
 

@@ -24,9 +24,10 @@ class Evidence(msgspec.Struct, frozen=True):
         sessions: of twenty attempts with feedback after each, by user and seed.
         rare: those of competent users with feedback after every three attempts, by seed.
         worded: sessions of an average user by the form of feedback that was asked for, and seed.
-        bare: a session without other bodies than the screen; ``embodied``: the same one with ``bodies``.
-        code: lines of each task's session; ``graphs``: the loops of the keyboard and the reaching task;
-            ``nodes``: the classes of the nodes in them, by name.
+        bare: a session without other bodies than the screen; ``embodied``: the same one with
+            ``bodies``.
+        code: lines of each task's session; ``graphs``: the loops of the keyboard and the reaching
+            task; ``nodes``: the classes of the nodes in them, by name.
     """
 
     sessions: Mapping[tuple[str, int], Simulated]
@@ -44,8 +45,8 @@ class System(msgspec.Struct, frozen=True):
     """A system that evidence is collected on: the program as it is, or with one thing broken.
 
     Attributes:
-        settings: of every session. ``rare``, ``worded``: more of them, for sessions in which feedback is to be rare, or
-            has a form; they come last.
+        settings: of every session. ``rare``, ``worded``: more of them, for sessions in which
+            feedback is to be rare, or has a form; they come last.
         bodies: returns the agent's bodies.
         parts: the classes of the framework's nodes.
     """
@@ -71,13 +72,19 @@ def collect(
         run = partial(_run, runner, done, system.parts)
         bodies = system.bodies()
         return Evidence(
-            sessions={(user, seed): run(user, seed, system.settings) for user in USERS for seed in seeds},
+            sessions={
+                (user, seed): run(user, seed, system.settings) for user in USERS for seed in seeds
+            },
             rare={
-                seed: run("competent", seed, {**system.settings, "feedback_every": EVERY, **system.rare})
+                seed: run(
+                    "competent", seed, {**system.settings, "feedback_every": EVERY, **system.rare}
+                )
                 for seed in seeds
             },
             worded={
-                (form, seed): run("average", seed, {**system.settings, "feedback_form": form, **system.worded})
+                (form, seed): run(
+                    "average", seed, {**system.settings, "feedback_form": form, **system.worded}
+                )
                 for form in ("qualitative", "quantitative")
                 for seed in seeds[:2]
             },

@@ -1,8 +1,9 @@
-"""Exported tables against what happened: a reader has the files alone, and must come to the same numbers.
+"""Exported tables against what happened: a reader has the files alone, and must come to the same
+numbers.
 
-Sessions are simulated and exported as CSV. From the files, and from nothing that the program computed on the way,
-results, scores, outcomes, levels, feedback, repetitions and smoothness are computed again. When prompts were shown and
-keys pressed is known from the inputs of the session.
+Sessions are simulated and exported as CSV. From the files, and from nothing that the program
+computed on the way, results, scores, outcomes, levels, feedback, repetitions and smoothness are
+computed again. When prompts were shown and keys pressed is known from the inputs of the session.
 """
 
 import csv
@@ -38,7 +39,9 @@ from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 CLOSE_MS = 0.01
 """Largest difference of two times: rounding."""
 REACH_MS = 80.0
-"""Largest median difference of a reach time, from 1 % of the peak rate, from the time at more than 5 % of it."""
+"""Largest median difference of a reach time, from 1 % of the peak rate, from the time at more than
+5 % of it.
+"""
 SPARC = 0.02
 """Largest median difference of a smoothness from the one computed anew."""
 MOST_REPETITIONS = 40
@@ -52,8 +55,8 @@ _ALL = Request(everything=True, simulated=True)
 class Tables(NamedTuple):
     """The exported tables that are read, and what is known without them.
 
-    ``pressed``: the time (ns) from a prompt on the screen to the first key after it, by session, attempt and trial.
-    ``repetitions``: as the intervention report counts them.
+    ``pressed``: the time (ns) from a prompt on the screen to the first key after it, by session,
+    attempt and trial. ``repetitions``: as the intervention report counts them.
     """
 
     trials: list[Row]
@@ -75,7 +78,9 @@ class Tables(NamedTuple):
     def trials_of(self, attempt: Row) -> list[Row]:
         """Return the trials of an attempt."""
         return [
-            row for row in self.trials if (row["session"], row["attempt"]) == (attempt["session"], attempt["attempt"])
+            row
+            for row in self.trials
+            if (row["session"], row["attempt"]) == (attempt["session"], attempt["attempt"])
         ]
 
     def number(self, session: str, parameter: str) -> float:
@@ -84,7 +89,9 @@ class Tables(NamedTuple):
 
 
 def run(conditions: Conditions) -> Report:
-    """Return one row for each check: on how many rows of the tables it was tried, and on how many it failed."""
+    """Return one row for each check: on how many rows of the tables it was tried, and on how many
+    it failed.
+    """
     with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
         tables = _exported(conditions, Path(folder))
     rows = [_checked(check, tables) for check in CHECKS]
@@ -97,7 +104,9 @@ def run(conditions: Conditions) -> Report:
 
 
 class Check(NamedTuple):
-    """A sentence about the tables. ``find`` yields for each row that it is tried on what is wrong; empty if nothing."""
+    """A sentence about the tables. ``find`` yields for each row that it is tried on what is wrong;
+    empty if nothing.
+    """
 
     sentence: str
     find: Callable[[Tables], Iterable[str]]
@@ -111,7 +120,8 @@ def _checked(check: Check, tables: Tables) -> Row:
     return {"check": check.sentence, "tried": len(found), "wrong": len(wrong), "against": against}
 
 
-# --- sessions, and their files -------------------------------------------------------------------------------
+# --- sessions, and their files
+# -------------------------------------------------------------------------------
 
 
 def _exported(conditions: Conditions, folder: Path) -> Tables:
@@ -124,18 +134,31 @@ def _exported(conditions: Conditions, folder: Path) -> Tables:
         session = simulate(plan, person, data, catalogue)
         limited = session if "repetitions_a_day" in settings else limited
     with closing(connect(data)) as database:
-        export(database, data, catalogue, _ALL, load("csv"), folder / "files", lambda steps: lambda: None)
+        export(
+            database,
+            data,
+            catalogue,
+            _ALL,
+            load("csv"),
+            folder / "files",
+            lambda steps: lambda: None,
+        )
         report = intervention(read(database, data, select(database, data, _ALL), lambda: None))
         pressed = {
             (row["id"], *place): taken
             for row in select(database, data, _ALL).sessions
-            for place, taken in _pressed([each.message for each in sessions.history(database, row["id"])])
+            for place, taken in _pressed(
+                [each.message for each in sessions.history(database, row["id"])]
+            )
         }
     files = folder / "files"
     return Tables(
         trials=_rows(files / "trials.csv"),
         attempts=_rows(files / "attempts.csv"),
-        parameters={(row["session"], row["parameter"]): row["value"] for row in _rows(files / "parameters.csv")},
+        parameters={
+            (row["session"], row["parameter"]): row["value"]
+            for row in _rows(files / "parameters.csv")
+        },
         samples=_samples(files / "imu.csv"),
         pressed=pressed,
         repetitions=sum(dose.repetitions for dose in report.dose),
@@ -159,7 +182,9 @@ def _rows(file: Path) -> list[Row]:
 
 
 def _samples(file: Path) -> dict[str, Floats]:
-    """Return the samples of each session, an array of shape (n, 4): time in s, angular rate in rad/s."""
+    """Return the samples of each session, an array of shape (n, 4): time in s, angular rate in
+    rad/s.
+    """
     columns = ("at_ns", "rate_x", "rate_y", "rate_z")
     found: dict[str, list[list[float]]] = defaultdict(list)
     for row in _rows(file):
@@ -174,7 +199,8 @@ def _pressed(messages: Sequence[Any]) -> Iterator[tuple[tuple[str, str], int]]:
             yield (str(each.attempt), str(each.trial)), keys[after] - each.at
 
 
-# --- what a reader computes ----------------------------------------------------------------------------------
+# --- what a reader computes
+# ----------------------------------------------------------------------------------
 
 
 def _responses(tables: Tables) -> Iterator[str]:
@@ -193,7 +219,9 @@ def _is_counted(row: Row) -> bool:
 
 def _results(tables: Tables) -> Iterator[str]:
     for attempt in (row for session in tables.keyboard() for row in session):
-        times = [float(row["reaction_time_ms"]) for row in tables.trials_of(attempt) if _is_counted(row)]
+        times = [
+            float(row["reaction_time_ms"]) for row in tables.trials_of(attempt) if _is_counted(row)
+        ]
         true = fmean(times) if times else None
         told = float(attempt["metric"]) if attempt["metric"] else None
         same = told == true if told is None or true is None else abs(told - true) <= CLOSE_MS
@@ -205,7 +233,11 @@ def _accuracies(tables: Tables) -> Iterator[str]:
         trials = tables.trials_of(attempt)
         planned = tables.number(attempt["session"], "prompts_per_attempt")
         right = sum(row["correct"] == "true" for row in trials)
-        told = (int(attempt["correct"]), int(attempt["trials"]), round(float(attempt["accuracy"]), 9))
+        told = (
+            int(attempt["correct"]),
+            int(attempt["trials"]),
+            round(float(attempt["accuracy"]), 9),
+        )
         true = (right, len(trials), round(right / len(trials), 9))
         is_whole = len(trials) == planned or attempt["session"] == tables.limited
         yield "" if told == true and is_whole else f"{_attempt(attempt)}: {told} instead of {true}"
@@ -228,30 +260,50 @@ def _outcomes(tables: Tables) -> Iterator[str]:
 def _hasty(tables: Tables) -> Iterator[str]:
     for attempt in (row for session in tables.keyboard() for row in session):
         if _is_fast(attempt) and not _is_accurate(tables, attempt):
-            is_told = attempt["outcome"] == "failure" and attempt["feedback"] in ("negative", "none")
-            yield "" if is_told else f"{_attempt(attempt)}: {attempt['outcome']}, {attempt['feedback']}"
+            is_told = attempt["outcome"] == "failure" and attempt["feedback"] in (
+                "negative",
+                "none",
+            )
+            yield (
+                ""
+                if is_told
+                else f"{_attempt(attempt)}: {attempt['outcome']}, {attempt['feedback']}"
+            )
 
 
 def _levels(tables: Tables) -> Iterator[str]:
     for attempts in tables.keyboard():
-        lowest, highest = (tables.number(attempts[0]["session"], name) for name in ("min_level", "max_level"))
+        lowest, highest = (
+            tables.number(attempts[0]["session"], name) for name in ("min_level", "max_level")
+        )
         for before, after in pairwise(attempts):
-            step = 0 if before["practice"] == "true" else 1 if before["outcome"] == "success" else -1
+            step = (
+                0 if before["practice"] == "true" else 1 if before["outcome"] == "success" else -1
+            )
             true = max(lowest, min(int(before["level"]) + step, highest))
             yield (
-                "" if int(after["level"]) == true else f"{_attempt(after)}: level {after['level']} instead of {true:g}"
+                ""
+                if int(after["level"]) == true
+                else f"{_attempt(after)}: level {after['level']} instead of {true:g}"
             )
 
 
 def _feedback(tables: Tables) -> Iterator[str]:
     for attempts in tables.keyboard():
-        every, band = (tables.number(attempts[0]["session"], name) for name in ("feedback_every", "neutral_band"))
+        every, band = (
+            tables.number(attempts[0]["session"], name)
+            for name in ("feedback_every", "neutral_band")
+        )
         scored = [row for row in attempts if row["practice"] == "false"]
         for number, attempt in enumerate(scored, 1):
             is_due = number % every == 0
             if not is_due or every == 1:
                 true = _valence(tables, attempt, band) if is_due else "none"
-                yield "" if attempt["feedback"] == true else f"{_attempt(attempt)}: {attempt['feedback']}"
+                yield (
+                    ""
+                    if attempt["feedback"] == true
+                    else f"{_attempt(attempt)}: {attempt['feedback']}"
+                )
 
 
 def _valence(tables: Tables, attempt: Row, band: float) -> str:
@@ -273,7 +325,9 @@ def _limit(tables: Tables) -> Iterator[str]:
 
 
 def _reaches(tables: Tables) -> Iterator[tuple[Row, Floats, Floats]]:
-    """Yield each reach with the times (s) and the norms of the angular rate (rad/s) from 0.5 s before to after it."""
+    """Yield each reach with the times (s) and the norms of the angular rate (rad/s) from 0.5 s
+    before to after it.
+    """
     for row in tables.trials:
         if row["task"] == "reaching" and row["details_reach_time_ms"]:
             samples = tables.samples[row["session"]]
@@ -286,7 +340,9 @@ def _reach_times(tables: Tables) -> Iterator[str]:
     differences = []
     for row, time_s, norm in _reaches(tables):
         moving = time_s[norm > 0.05 * norm.max()]
-        differences.append(float(row["details_reach_time_ms"]) - float(moving[-1] - moving[0]) * 1000)
+        differences.append(
+            float(row["details_reach_time_ms"]) - float(moving[-1] - moving[0]) * 1000
+        )
     yield from _median_within(differences, REACH_MS, "ms")
 
 
@@ -295,12 +351,15 @@ def _smoothness(tables: Tables) -> Iterator[str]:
     for row, time_s, norm in _reaches(tables):
         onset = int(row["onset_ns"]) / 1e9
         is_out = (time_s >= onset) & (time_s <= onset + float(row["details_out_ms"]) / 1000)
-        differences.append(float(row["details_sparc_out"]) - sparc(norm[is_out], float(row["details_rate_hz"])))
+        differences.append(
+            float(row["details_sparc_out"]) - sparc(norm[is_out], float(row["details_rate_hz"]))
+        )
     yield from _median_within(differences, SPARC, "")
 
 
 def sparc(speed: Floats, rate_hz: float) -> float:
-    """Return the spectral arc length by its definition (Balasubramanian et al. 2015, doi:10.1186/s12984-015-0090-9).
+    """Return the spectral arc length by its definition (Balasubramanian et al. 2015,
+    doi:10.1186/s12984-015-0090-9).
 
     Written anew, so that it shares no line with what it is compared with.
     """
@@ -315,7 +374,9 @@ def sparc(speed: Floats, rate_hz: float) -> float:
 def _median_within(differences: Sequence[float], most: float, unit: str) -> Iterator[str]:
     if differences:
         median = float(np.median(differences))
-        yield "" if abs(median) <= most else f"the median difference is {median:+.3g} {unit}".rstrip()
+        yield (
+            "" if abs(median) <= most else f"the median difference is {median:+.3g} {unit}".rstrip()
+        )
 
 
 def _attempt(row: Row) -> str:
@@ -328,15 +389,33 @@ def _trial(row: Row) -> str:
 
 CHECKS = (
     Check("Each reaction time is the time from the prompt on the screen to the key.", _responses),
-    Check("Each result is the mean of the attempt's reaction times of right responses without a flag.", _results),
+    Check(
+        "Each result is the mean of the attempt's reaction times of right responses without a "
+        "flag.",
+        _results,
+    ),
     Check("Each accuracy is the share of right responses, over all planned prompts.", _accuracies),
     Check("Each outcome follows from result, goal, accuracy and minimum accuracy.", _outcomes),
-    Check("An attempt that is fast enough and not accurate enough is a failure, and not praised.", _hasty),
+    Check(
+        "An attempt that is fast enough and not accurate enough is a failure, and not praised.",
+        _hasty,
+    ),
     Check("Each level follows from the outcome before it; practice changes none.", _levels),
     Check("Feedback follows from result, goal and accuracy, and comes when it is due.", _feedback),
-    Check("The intervention report counts each prompt and reach once, without practice.", _repetitions),
-    Check(f"A limit of {MOST_REPETITIONS} repetitions a day ends a session after as many rows.", _limit),
-    Check(f"Reach times are those in the samples (median difference within {REACH_MS:g} ms).", _reach_times),
-    Check(f"SPARC computed anew from the samples is the same (median difference within {SPARC:g}).", _smoothness),
+    Check(
+        "The intervention report counts each prompt and reach once, without practice.", _repetitions
+    ),
+    Check(
+        f"A limit of {MOST_REPETITIONS} repetitions a day ends a session after as many rows.",
+        _limit,
+    ),
+    Check(
+        f"Reach times are those in the samples (median difference within {REACH_MS:g} ms).",
+        _reach_times,
+    ),
+    Check(
+        f"SPARC computed anew from the samples is the same (median difference within {SPARC:g}).",
+        _smoothness,
+    ),
 )
 """In the order in which they are printed."""

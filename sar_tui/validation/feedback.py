@@ -1,4 +1,6 @@
-"""Augmented feedback (thesis 4.4.2): Figures 4.11 to 4.14, from simulated users over twenty attempts."""
+"""Augmented feedback (thesis 4.4.2): Figures 4.11 to 4.14, from simulated users over twenty
+attempts.
+"""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,10 +14,14 @@ from sar_tui.validation.simulated_sessions import SessionRunner, Simulated, sess
 
 VALENCES = ("positive", "neutral", "negative")
 BAND_MS, LEAST_ACCURACY = 10.0, 0.8
-"""Results within this distance of the goal are neutral; praise needs at least this share of correct responses."""
+"""Results within this distance of the goal are neutral; praise needs at least this share of correct
+responses.
+"""
 EVERY = 3
 """Number of attempts per feedback in the second condition of Figure 4.14."""
-TRUE_FIGURES = "Every figure is the result, the goal, or the difference from the last result at that level."
+TRUE_FIGURES = (
+    "Every figure is the result, the goal, or the difference from the last result at that level."
+)
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
@@ -25,7 +31,9 @@ def poor(conditions: Conditions) -> Report:
 
 
 def competent(conditions: Conditions) -> Report:
-    """Return Figure 4.12: one row per attempt of a competent user, and of a poor one for comparison."""
+    """Return Figure 4.12: one row per attempt of a competent user, and of a poor one for
+    comparison.
+    """
     report = _of_users(conditions, "figure-4.12", ("competent", "poor"))
     claims = [*report.claims, *differs_by_user(report.rows)]
     return report._replace(claims=claims)
@@ -39,9 +47,14 @@ def differs_by_user(rows: Sequence[Row]) -> list[Claim]:
         for seed, theirs, poors in _by_seed(rows, "positive")
         if theirs <= poors
     ]
-    negative = [sum(counts) for counts in zip(*(row[1:] for row in _by_seed(rows, "negative")), strict=True)]
+    negative = [
+        sum(counts) for counts in zip(*(row[1:] for row in _by_seed(rows, "negative")), strict=True)
+    ]
     return [
-        Claim(f"Competent users get more positives than poor ones in all {len(seeds)} seeds.", "; ".join(fewer)),
+        Claim(
+            f"Competent users get more positives than poor ones in all {len(seeds)} seeds.",
+            "; ".join(fewer),
+        ),
         Claim(
             "Over all seeds, poor users get more negative feedback than competent ones.",
             "" if negative[1] > negative[0] else f"they get {negative[1]} against {negative[0]}",
@@ -54,7 +67,9 @@ def has_its_form(texts: Mapping[str, Sequence[str]]) -> list[Claim]:
     words = [text for text in texts["qualitative"] if holds_number(text)]
     figures = [text for text in texts["quantitative"] if not _NUMBER.search(text)]
     return [
-        Claim("No qualitative feedback contains a number, in digits or in words.", "; ".join(words)),
+        Claim(
+            "No qualitative feedback contains a number, in digits or in words.", "; ".join(words)
+        ),
         Claim("All quantitative feedback contains a figure.", "; ".join(figures)),
     ]
 
@@ -67,7 +82,10 @@ def examples(conditions: Conditions) -> Report:
             conditions.progress("figure-4.13", number, 2)
             for seed in conditions.seeds[:3]:
                 rows += said_rows(form, seed, runner.run("average", seed, feedback_form=form))
-    texts = {form: [row["text"] for row in rows if row["form"] == form] for form in ("qualitative", "quantitative")}
+    texts = {
+        form: [row["text"] for row in rows if row["form"] == form]
+        for form in ("qualitative", "quantitative")
+    }
     untrue = [row["text"] for row in rows if row["form"] == "quantitative" and not is_true(row)]
     claims = [
         *has_its_form(texts),
@@ -78,7 +96,9 @@ def examples(conditions: Conditions) -> Report:
 
 
 def frequency(conditions: Conditions) -> Report:
-    """Return Figure 4.14: one row per attempt of a competent user, with feedback after each, and after every three."""
+    """Return Figure 4.14: one row per attempt of a competent user, with feedback after each, and
+    after every three.
+    """
     rows: list[Row] = []
     unsaid: list[str] = []
     with session_runner(conditions.catalogue, conditions.known) as runner:
@@ -93,8 +113,15 @@ def frequency(conditions: Conditions) -> Report:
                 rows += found
     claims = [
         _feedback_claim(rows, 1, "With feedback after every attempt, each attempt has it."),
-        _feedback_claim(rows, EVERY, "With feedback after every three, the attempts 3, 6, 9 … have it, and no others."),
-        Claim("The log holds what the agent said on those attempts, and on no others.", "; ".join(unsaid)),
+        _feedback_claim(
+            rows,
+            EVERY,
+            "With feedback after every three, the attempts 3, 6, 9 … have it, and no others.",
+        ),
+        Claim(
+            "The log holds what the agent said on those attempts, and on no others.",
+            "; ".join(unsaid),
+        ),
     ]
     first = conditions.seeds[0]
     drawings = [
@@ -108,7 +135,8 @@ def frequency(conditions: Conditions) -> Report:
     return Report(rows, [], claims, drawings, chart=charts.feedback(groups))
 
 
-# --- sessions as rows ----------------------------------------------------------------------------------------
+# --- sessions as rows
+# ----------------------------------------------------------------------------------------
 
 
 def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report:
@@ -117,12 +145,20 @@ def _of_users(conditions: Conditions, name: str, users: Sequence[str]) -> Report
         for number, seed in enumerate(conditions.seeds):
             conditions.progress(name, number, len(conditions.seeds))
             rows += _of_seed(runner, users, seed)
-    wrong = [f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}" for row in rows if not fits(row)]
+    wrong = [
+        f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}"
+        for row in rows
+        if not fits(row)
+    ]
     claim = Claim(
-        f"Feedback is positive under the goal, negative over it, and neutral within {BAND_MS:g} ms of it.",
+        f"Feedback is positive under the goal, negative over it, and neutral within {BAND_MS:g} "
+        "ms of it.",
         "; ".join(wrong),
     )
-    first, title = _only(rows, user=users[0], seed=conditions.seeds[0]), f"{users[0].capitalize()} user"
+    first, title = (
+        _only(rows, user=users[0], seed=conditions.seeds[0]),
+        f"{users[0].capitalize()} user",
+    )
     drawn = draw(first, f"{title}, seed {conditions.seeds[0]}")
     seen = [_counted(rows, user, seed) for seed in conditions.seeds for user in users]
     return Report(rows, [_COUNTS], [claim], [drawn], seen, charts.feedback([(title, first)]))
@@ -159,13 +195,20 @@ def _counted(rows: Sequence[Row], user: str, seed: int) -> Row:
 
 
 def _by_seed(rows: Sequence[Row], valence: str) -> list[tuple[int, int, int]]:
-    """Return each seed with the number of times that a competent and a poor user got this feedback."""
+    """Return each seed with the number of times that a competent and a poor user got this
+    feedback.
+    """
     seeds = dict.fromkeys(row["seed"] for row in rows)
-    return [(seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence]) for seed in seeds]
+    return [
+        (seed, _counted(rows, "competent", seed)[valence], _counted(rows, "poor", seed)[valence])
+        for seed in seeds
+    ]
 
 
 def fits(row: Row) -> bool:
-    """Return True if feedback is as the thesis describes, without praise for too few correct responses."""
+    """Return True if feedback is as the thesis describes, without praise for too few correct
+    responses.
+    """
     if row["reaction_time_ms"] is None or row["accuracy"] < LEAST_ACCURACY:
         return bool(row["feedback"] == "negative")
     over = row["reaction_time_ms"] - row["goal_ms"]
@@ -182,7 +225,8 @@ def _feedback_claim(rows: Sequence[Row], every: int, sentence: str) -> Claim:
     return Claim(sentence, "; ".join(wrong))
 
 
-# --- what was said --------------------------------------------------------------------------------------------
+# --- what was said
+# --------------------------------------------------------------------------------------------
 
 
 def said_rows(form: str, seed: int, done: Simulated) -> list[Row]:
@@ -215,8 +259,14 @@ def is_true(row: Row) -> bool:
     """Return True if each figure in a text belongs to the attempt."""
     result, last = row["reaction_time_ms"], row["last_at_level_ms"]
     measured = {f"{row['goal_ms'] / 1000:.4g}", str(row["correct"]), str(row["trials"])}
-    for decimals in (2, 3):  # times are said in seconds; three decimals set a result apart from the goal
-        now, before = (None if value is None else round(value / 1000, decimals) for value in (result, last))
+    # times are said in seconds; three decimals set a result apart from the goal
+    for decimals in (
+        2,
+        3,
+    ):
+        now, before = (
+            None if value is None else round(value / 1000, decimals) for value in (result, last)
+        )
         difference = None if now is None or before is None else abs(now - before)
         measured |= {f"{value:.{decimals}f}" for value in (now, difference) if value is not None}
     return set(_NUMBER.findall(row["text"])) <= measured
@@ -228,10 +278,13 @@ def _one_of_each(rows: Iterable[Row]) -> list[Row]:
     for row in rows:
         found.setdefault((row["form"], row["feedback"], row["degree"]), row)
     forms = [row["form"] for row in found.values()]
-    return sorted(found.values(), key=lambda row: (forms.index(row["form"]), VALENCES.index(row["feedback"])))
+    return sorted(
+        found.values(), key=lambda row: (forms.index(row["form"]), VALENCES.index(row["feedback"]))
+    )
 
 
-# --- columns ---------------------------------------------------------------------------------------------------
+# --- columns
+# ---------------------------------------------------------------------------------------------------
 
 
 def _count(valence: str, row: Row) -> str:
@@ -239,7 +292,11 @@ def _count(valence: str, row: Row) -> str:
 
 
 def _graded(row: Row) -> str:
-    return str(row["feedback"]) if row["feedback"] == "neutral" else f"{row['feedback']}, {row['degree']}"
+    return (
+        str(row["feedback"])
+        if row["feedback"] == "neutral"
+        else f"{row['feedback']}, {row['degree']}"
+    )
 
 
 def _compared(row: Row) -> str | None:

@@ -1,4 +1,6 @@
-"""Figures 4.11, 4.12 and 4.14 of the thesis as text: the results of a session's attempts, with their feedback."""
+"""Figures 4.11, 4.12 and 4.14 of the thesis as text: the results of a session's attempts, with
+their feedback.
+"""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -15,10 +17,12 @@ _WIDTH, _HEIGHT = 78, 16
 
 
 def draw(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
-    """Draw reaction times over attempts, with a mark for the feedback on each, and the goal as a line.
+    """Draw reaction times over attempts, with a mark for the feedback on each, and the goal as a
+    line.
 
     Args:
-        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``, ``feedback``.
+        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``,
+            ``feedback``.
         title: text above the drawing.
         label: name and unit of the result.
     """

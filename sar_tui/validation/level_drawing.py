@@ -14,7 +14,8 @@ def draw_levels(rows: Sequence[Row], title: str, label: str = RESULT) -> str:
     """Draw results over attempts with the goal, and the level of each attempt below them.
 
     Args:
-        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``, ``level``, ``outcome``.
+        rows: one per attempt, in order: ``reaction_time_ms`` (None without one), ``goal_ms``,
+            ``level``, ``outcome``.
         title: text above the drawing.
         label: name and unit of the result.
     """

@@ -1,7 +1,8 @@
-"""Lists the modules that a task's session loads: ``python -m sar_tui.validation.loaded_modules TASK [FOLDER…]``.
+"""Lists the modules that a task's session loads: ``python -m sar_tui.validation.loaded_modules TASK
+[FOLDER…]``.
 
-It loads what a live session loads, except the app; then a simulated participant does two attempts, to find modules
-that are loaded later. Modules of the simulation itself are left out. Prints JSON.
+It loads what a live session loads, except the app; then a simulated participant does two attempts,
+to find modules that are loaded later. Modules of the simulation itself are left out. Prints JSON.
 """
 
 import sys
@@ -12,7 +13,9 @@ LONGEST_S = 3600
 
 
 def main(name: str, folders: list[str]) -> None:
-    """Print ``{"modules": {name: file}, "package": name, "folder": path}``; package and folder are the task's."""
+    """Print ``{"modules": {name: file}, "package": name, "folder": path}``; package and folder are
+    the task's.
+    """
     from sar_tui.inputs.keyboard import Keyboard
     from sar_tui.loop.clock import VirtualClock
     from sar_tui.loop.node import Node
@@ -43,7 +46,10 @@ def main(name: str, folders: list[str]) -> None:
     if kind.sensor_seats(task.parameters):
         hand = open_source("simulated", clock=clock)
         move = getattr(hand, "move", None)
-        participant = [SimulatedParticipant(PEOPLE["average"], task, 0, move), Imu(ImuFeed(hand, clock.now))]
+        participant = [
+            SimulatedParticipant(PEOPLE["average"], task, 0, move),
+            Imu(ImuFeed(hand, clock.now)),
+        ]
     simulation = set(sys.modules) - live
 
     session = Session(task, catalogue.theme("calm"), clock, 0, participant)
@@ -53,7 +59,9 @@ def main(name: str, folders: list[str]) -> None:
 
     session.bus.subscribe(TRIAL, store)
     session.begin()
-    while not (session.ended or session.broken) and clock.now() < LONGEST_S * SECOND and clock.step():
+    while (
+        not (session.ended or session.broken) and clock.now() < LONGEST_S * SECOND and clock.step()
+    ):
         pass
     if session.broken:
         sys.exit(f"its session failed ({session.broken.error}, {session.broken.place})")
@@ -68,7 +76,11 @@ def main(name: str, folders: list[str]) -> None:
         if (file := getattr(sys.modules[module], "__file__", None))
     }
     package = kind.__module__.rpartition(".")[0] or kind.__module__
-    print(msgspec.json.encode({"modules": files, "package": package, "folder": str(task_folder(kind))}).decode())
+    print(
+        msgspec.json.encode(
+            {"modules": files, "package": package, "folder": str(task_folder(kind))}
+        ).decode()
+    )
 
 
 if __name__ == "__main__":

@@ -27,7 +27,9 @@ SWINGS = (2, 5, 12, 40)
 
 
 class Measure(NamedTuple):
-    """A measure, and the claim that the median error, or 95 % of the errors, are ``within`` this in each kind."""
+    """A measure, and the claim that the median error, or 95 % of the errors, are ``within`` this in
+    each kind.
+    """
 
     name: str
     head: str
@@ -59,32 +61,49 @@ def run(conditions: Conditions) -> Report:
         rows.append(row_of(kind, reaches))
     tables = [
         [
-            Column("median error\n(95 % are within)", lambda row: str(row["scenario"]), is_number=False),
+            Column(
+                "median error\n(95 % are within)", lambda row: str(row["scenario"]), is_number=False
+            ),
             *(Column(measure.head, partial(_shown, measure)) for measure in some),
         ]
         for some in (ANGLES, SHAPES)
     ]
-    claims = [_claim(measure, measure.within, rows) for measure in MEASURES if measure.within is not None]
-    miscounted = [f"{counted} of {true}" for true in SWINGS if (counted := _counted_swings(true)) != true]
-    claims.append(Claim(f"Repetitions of a swing are counted ({', '.join(map(str, SWINGS))}).", "; ".join(miscounted)))
+    claims = [
+        _claim(measure, measure.within, rows) for measure in MEASURES if measure.within is not None
+    ]
+    miscounted = [
+        f"{counted} of {true}" for true in SWINGS if (counted := _counted_swings(true)) != true
+    ]
+    claims.append(
+        Claim(
+            f"Repetitions of a swing are counted ({', '.join(map(str, SWINGS))}).",
+            "; ".join(miscounted),
+        )
+    )
     return Report(rows, tables, claims)
 
 
 def _counted_swings(repetitions: int, period_s: float = 2.0, rate_hz: float = 100.0) -> int:
-    """Return the number of repetitions counted in a limb that swings out by a radian and back so many times."""
+    """Return the number of repetitions counted in a limb that swings out by a radian and back so
+    many times.
+    """
     cycles = np.arange(0, repetitions, 1 / (period_s * rate_hz))
     rate = np.outer(np.gradient((1 - np.cos(2 * np.pi * cycles)) / 2) * rate_hz, (0.2, -0.4, 0.9))
     return count_repetitions(rate, None, rate_hz).count
 
 
 def row_of(kind: str, reaches: int) -> Row:
-    """Return the errors of each measure, of the reaches of a kind that are found; None if none is."""
+    """Return the errors of each measure, of the reaches of a kind that are found; None if none
+    is.
+    """
     errors: dict[str, list[float]] = {measure.name: [] for measure in MEASURES}
     found = 0
     for seed in range(reaches):
         arm: Hand = "left" if seed % 2 else "right"
         placement = seed // 2 % len(PLACEMENTS)
-        make: Callable[..., SimulatedReaches] = partial(simulate_reaches, kind, seed, arm=arm, placement=placement)
+        make: Callable[..., SimulatedReaches] = partial(
+            simulate_reaches, kind, seed, arm=arm, placement=placement
+        )
         simulated = make()
         measured = detect(simulated.recording, hand=simulated.site.arm)
         if len(measured) != 1:
@@ -102,14 +121,17 @@ def row_of(kind: str, reaches: int) -> Row:
 
 
 def true_measures(simulated: SimulatedReaches, ideal: SimulatedReaches) -> dict[str, float | None]:
-    """Return the measures of a reach between its true boundaries: angles of its trajectory, in degrees, and smoothness
-    in the recording of an ideal sensor."""
+    """Return the measures of a reach between its true boundaries: angles of its trajectory, in
+    degrees, and smoothness in the recording of an ideal sensor.
+    """
     (times,) = simulated.times
     time_s = np.arange(times.onset_s, times.end_s, TRUTH_S)
     orientation = simulated.movement.pose(simulated.site, time_s).orientation
     turned = np.degrees(angle(multiply(conjugate(orientation[0]), orientation)))
     arrival, departure = np.searchsorted(time_s, (times.arrival_s, times.departure_s)).tolist()
-    path = np.degrees(angle(multiply(conjugate(orientation[:arrival]), orientation[1 : arrival + 1]))).sum()
+    path = np.degrees(
+        angle(multiply(conjugate(orientation[:arrival]), orientation[1 : arrival + 1]))
+    ).sum()
     up = rotate(orientation[[0, (arrival + departure) // 2]], np.array(FINGERS))[:, 2]
     at_rest, at_target = np.degrees(np.arcsin(up)).tolist()
     reach = between_true_times(ideal)
@@ -125,11 +147,15 @@ def true_measures(simulated: SimulatedReaches, ideal: SimulatedReaches) -> dict[
 
 
 def between_true_times(simulated: SimulatedReaches) -> Reach:
-    """Return the measures of a reach by the norm of the angular rate as recorded, between its true boundaries."""
+    """Return the measures of a reach by the norm of the angular rate as recorded, between its true
+    boundaries.
+    """
     (times,) = simulated.times
     recording = simulated.recording
     bounds = Bounds(**times._asdict(), axis=(0.0, 0.0, 1.0))
-    detected = Detected(recording.time_s, recording.rate, recording.rate_hz, (bounds,), by_norm=True)
+    detected = Detected(
+        recording.time_s, recording.rate, recording.rate_hz, (bounds,), by_norm=True
+    )
     (reach,) = measure(detected, recording)
     return reach
 
@@ -140,9 +166,12 @@ def _claim(measure: Measure, within: float, rows: list[Row]) -> Claim:
     sentence = (
         f"The median error of {measure.name} is within {within:g} in each kind."
         if measure.share == "median"
-        else f"In 95 % of the reaches of each kind the error of {measure.name} is within {within:g}."
+        else f"In 95 % of the reaches of each kind the error of {measure.name} is within "
+        f"{within:g}."
     )
-    return Claim(sentence, ", ".join(f"{row['scenario']}: {row[error]:{measure.form}}" for row in off))
+    return Claim(
+        sentence, ", ".join(f"{row['scenario']}: {row[error]:{measure.form}}" for row in off)
+    )
 
 
 def _shown(measure: Measure, row: Row) -> str | None:

@@ -1,8 +1,9 @@
 """The share of common code in a task's session (the fourth requirement of the thesis: 70 to 80 %).
 
-It compares the lines of code in the modules that a session of the task loads: those of the framework, inputs, outputs
-and movement science with those in the task's own folder. The app, the database and the simulated participant
-are left out: all tasks share them, and they would only raise the figure.
+It compares the lines of code in the modules that a session of the task loads: those of the
+framework, inputs, outputs and movement science with those in the task's own folder. The app, the
+database and the simulated participant are left out: all tasks share them, and they would only raise
+the figure.
 """
 
 import subprocess
@@ -16,12 +17,16 @@ from sar_tui.plugins import Catalogue
 from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 from sar_tui.validation.source_lines import source_lines
 
-SHARED_PACKAGES = tuple(f"sar_tui.{room}" for room in ("loop", "rules", "model", "inputs", "outputs", "motion"))
+SHARED_PACKAGES = tuple(
+    f"sar_tui.{room}" for room in ("loop", "rules", "model", "inputs", "outputs", "motion")
+)
 LEAST = 0.75
 
 
 class Loaded(msgspec.Struct, frozen=True):
-    """The modules that the session of a task loads, with their files; the task's own package and folder."""
+    """The modules that the session of a task loads, with their files; the task's own package and
+    folder.
+    """
 
     modules: dict[str, str]
     package: str
@@ -52,13 +57,18 @@ def run(conditions: Conditions) -> Report:
             broken.append(f"{name} cannot be counted: {error}")
     rows = [_row(name, codes) for name in codes]
     short = [f"{row['task']} {row['shared']:.0%}" for row in rows if row["shared"] < LEAST]
-    claim = Claim(f"At least {LEAST:.0%} of the code that each task runs is shared.", ", ".join(short + broken))
+    claim = Claim(
+        f"At least {LEAST:.0%} of the code that each task runs is shared.",
+        ", ".join(short + broken),
+    )
     return Report(rows, [_COLUMNS], [claim])
 
 
 def load(name: str, catalogue: Catalogue) -> Loaded:
     """Run a session of a task in another process, and list what it loads. Raises NotLoaded."""
-    command = child_process.python("sar_tui.validation.loaded_modules", name, *map(str, catalogue.extra_tasks))
+    command = child_process.python(
+        "sar_tui.validation.loaded_modules", name, *map(str, catalogue.extra_tasks)
+    )
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         last = done.stderr.strip().splitlines()[-1:]
@@ -67,7 +77,9 @@ def load(name: str, catalogue: Catalogue) -> Loaded:
 
 
 def code(loaded: Loaded) -> Code:
-    """Count the lines of what was loaded. Everything in a task's folder is its own, loaded or not."""
+    """Count the lines of what was loaded. Everything in a task's folder is its own, loaded or
+    not.
+    """
     own = {
         name: Path(file)
         for name, file in loaded.modules.items()
@@ -76,7 +88,11 @@ def code(loaded: Loaded) -> Code:
     folder = Path(loaded.folder)
     if (folder / "task.py").is_file():
         own = {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*.py"))}
-    shared = {name: Path(file) for name, file in loaded.modules.items() if name.startswith(SHARED_PACKAGES)}
+    shared = {
+        name: Path(file)
+        for name, file in loaded.modules.items()
+        if name.startswith(SHARED_PACKAGES)
+    }
     return Code(
         {name: source_lines(path) for name, path in shared.items()},
         {name: source_lines(path) for name, path in own.items()},

@@ -1,4 +1,6 @@
-"""Worlds in which a person's attempts differ by noise alone, each in another way. More is better in all of them."""
+"""Worlds in which a person's attempts differ by noise alone, each in another way. More is better in
+all of them.
+"""
 
 import math
 import random
@@ -25,8 +27,13 @@ _MANY = 20_000
 _SESSION = 10
 
 
-def _trials(draw: Callable[[], float], count: int, trials: int, shifts: Sequence[float] = ()) -> Attempts:
-    return [[draw() + (shifts[number] if shifts else 0.0) for _ in range(trials)] for number in range(count)]
+def _trials(
+    draw: Callable[[], float], count: int, trials: int, shifts: Sequence[float] = ()
+) -> Attempts:
+    return [
+        [draw() + (shifts[number] if shifts else 0.0) for _ in range(trials)]
+        for number in range(count)
+    ]
 
 
 def normal(rng: random.Random, count: int, trials: int) -> Attempts:
@@ -50,7 +57,9 @@ def heavy_tails(rng: random.Random, count: int, trials: int) -> Attempts:
 
 def moments(rng: random.Random, count: int, trials: int) -> Attempts:
     """Each attempt has a better or worse moment of its own."""
-    return _trials(lambda: rng.gauss(0, 1), count, trials, [rng.gauss(0, MOMENTS_SD) for _ in range(count)])
+    return _trials(
+        lambda: rng.gauss(0, 1), count, trials, [rng.gauss(0, MOMENTS_SD) for _ in range(count)]
+    )
 
 
 def drift(rng: random.Random, count: int, trials: int) -> Attempts:
@@ -84,7 +93,9 @@ WORLDS: dict[str, World] = {
 
 @cache
 def sem(world: str, trials: int) -> float:
-    """Return the true standard error of measurement of a world: the SD between the means of its attempts."""
+    """Return the true standard error of measurement of a world: the SD between the means of its
+    attempts.
+    """
     rng = random.Random(f"{world} {trials}")
     played = [WORLDS[world](rng, _SESSION, trials) for _ in range(_MANY // _SESSION // trials)]
     return spread_of([fmean(attempt) for session in played for attempt in session])

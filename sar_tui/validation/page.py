@@ -1,4 +1,6 @@
-"""All validations as one page: verdicts first, then each with its figure, its table and its claims."""
+"""All validations as one page: verdicts first, then each with its figure, its table and its
+claims.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
@@ -9,7 +11,8 @@ from sar_tui.validation.report import Column, Report
 _LISTED = 60
 """Rows of a table; the files have all."""
 _FOOT = (
-    "Simulated people obey the model that they are made of: what they show holds for the program, and for people only "
+    "Simulated people obey the model that they are made of: what they show holds for the program, "
+    "and for people only "
     "as far as they are like the model."
 )
 
@@ -41,7 +44,8 @@ def _section(name: str, heading: str, report: Report) -> Iterator[str]:
         yield f'<div class="wide">{_table(columns, report)}</div>'
     if report.claims:
         lines = "".join(
-            f"<li>{'✓' if claim.holds else '✗'} {escape(claim.sentence)}{_against(claim.against)}</li>"
+            f"<li>{'✓' if claim.holds else '✗'} "
+            f"{escape(claim.sentence)}{_against(claim.against)}</li>"
             for claim in report.claims
         )
         yield f'<ul class="claims">{lines}</ul>'
@@ -65,4 +69,8 @@ def _against(against: str) -> str:
 def _table(columns: Sequence[Column], report: Report) -> str:
     rows = report.rows if report.seen is None else report.seen
     shown = ([column.show(row) or "" for column in columns] for row in rows[:_LISTED])
-    return table([column.head for column in columns], list(shown), right=[c.head for c in columns if c.is_number])
+    return table(
+        [column.head for column in columns],
+        list(shown),
+        right=[c.head for c in columns if c.is_number],
+    )

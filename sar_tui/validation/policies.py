@@ -1,4 +1,6 @@
-"""Feedback schedules: a simulated session under each, and checks of the logged times, texts and reasons."""
+"""Feedback schedules: a simulated session under each, and checks of the logged times, texts and
+reasons.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -28,14 +30,26 @@ def run(conditions: Conditions) -> Report:
     with session_runner(conditions.catalogue, conditions.known) as runner:
         for number, (name, schedule) in enumerate(SCHEDULES.items()):
             conditions.progress(f"policies: {name}", number, len(SCHEDULES))
-            settings = {"feedback_schedule": name, "feedback_delay_ms": DELAY_MS, **schedule.settings}
+            settings = {
+                "feedback_schedule": name,
+                "feedback_delay_ms": DELAY_MS,
+                **schedule.settings,
+            }
             done = runner.run(USER, conditions.seeds[0], **settings)
             found = _rows(name, done)
-            wrong = sorted(set(schedule.expected(found)) ^ {row["attempt"] for row in found if row["feedback"]})
-            claims.append(Claim(schedule.promise, f"attempts {_listed(wrong)} differ" if wrong else ""))
+            wrong = sorted(
+                set(schedule.expected(found)) ^ {row["attempt"] for row in found if row["feedback"]}
+            )
+            claims.append(
+                Claim(schedule.promise, f"attempts {_listed(wrong)} differ" if wrong else "")
+            )
             rows += found
     claims += [
-        _claim(rows, "The log gives a reason for each attempt.", lambda row: bool(row["why"].strip().endswith("."))),
+        _claim(
+            rows,
+            "The log gives a reason for each attempt.",
+            lambda row: bool(row["why"].strip().endswith(".")),
+        ),
         _claim(
             rows,
             "The log holds the text of each feedback that it reports, and no other.",
@@ -43,23 +57,31 @@ def run(conditions: Conditions) -> Report:
         ),
         _claim(
             rows,
-            f"Feedback that is due comes {DELAY_MS} ms after its attempt, requested feedback at once.",
+            f"Feedback that is due comes {DELAY_MS} ms after its attempt, requested feedback at "
+            "once.",
             lambda row: (
                 row["answered_after_ms"] is None
                 or abs(row["answered_after_ms"] - (0 if row["asked"] else DELAY_MS)) <= _NEAR_MS
             ),
         ),
-        _claim(rows, "No attempt begins before the last one's feedback.", lambda row: not row["next_began_before"]),
+        _claim(
+            rows,
+            "No attempt begins before the last one's feedback.",
+            lambda row: not row["next_began_before"],
+        ),
         _claim(
             [row for row in rows if row["schedule"] == "summary" and row["feedback"]],
             f"A summary covers {SUMMARY} attempts, and says how many of them reached the goal.",
-            lambda row: row["attempts"] == SUMMARY and str(row["reached_of_them"]) in row["text"].split(),
+            lambda row: (
+                row["attempts"] == SUMMARY and str(row["reached_of_them"]) in row["text"].split()
+            ),
         ),
     ]
     return Report(rows, [_COLUMNS], claims, seen=[_summed_up(rows, name) for name in SCHEDULES])
 
 
-# --- the promises of the schedules, computed from the participant's results -------------------------------------
+# --- the promises of the schedules, computed from the participant's results
+# -------------------------------------
 
 
 def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
@@ -67,7 +89,9 @@ def _each(every: int) -> Callable[[Sequence[Row]], list[int]]:
 
 
 def _faded(rows: Sequence[Row]) -> list[int]:
-    """Return the attempts with feedback: the interval grows by one per ``FADE`` more successes than failures."""
+    """Return the attempts with feedback: the interval grows by one per ``FADE`` more successes than
+    failures.
+    """
     given, ahead, at_last, last = [], 0, 0, 0
     for row in rows:
         ahead = max(0, ahead + (1 if row["outcome"] == "success" else -1))
@@ -88,7 +112,11 @@ def _outside(rows: Sequence[Row]) -> list[int]:
 
 
 SCHEDULES: dict[str, Schedule] = {
-    "every": Schedule({"feedback_every": EVERY}, f"every: feedback after every {EVERY} attempts only.", _each(EVERY)),
+    "every": Schedule(
+        {"feedback_every": EVERY},
+        f"every: feedback after every {EVERY} attempts only.",
+        _each(EVERY),
+    ),
     "faded": Schedule(
         {"feedback_fade": FADE},
         f"faded: one attempt rarer for each {FADE} more successes than failures.",
@@ -96,11 +124,14 @@ SCHEDULES: dict[str, Schedule] = {
     ),
     "bandwidth": Schedule(
         {"feedback_tolerance": BANDWIDTH_PERCENT},
-        f"bandwidth: only on results more than {BANDWIDTH_PERCENT:g} % from the goal, or with too few right responses.",
+        f"bandwidth: only on results more than {BANDWIDTH_PERCENT:g} % from the goal, or with too "
+        "few right responses.",
         _outside,
     ),
     "summary": Schedule(
-        {"feedback_every": SUMMARY}, f"summary: a summary after every {SUMMARY} attempts.", _each(SUMMARY)
+        {"feedback_every": SUMMARY},
+        f"summary: a summary after every {SUMMARY} attempts.",
+        _each(SUMMARY),
     ),
     "request": Schedule(
         {},
@@ -111,7 +142,8 @@ SCHEDULES: dict[str, Schedule] = {
 }
 
 
-# --- sessions as rows -----------------------------------------------------------------------------------------------
+# --- sessions as rows
+# -----------------------------------------------------------------------------------------------
 
 
 def _rows(schedule: str, done: Simulated) -> list[Row]:
@@ -121,7 +153,10 @@ def _rows(schedule: str, done: Simulated) -> list[Row]:
     for attempt, next_begins in zip(done.attempts, [*begins, None], strict=True):
         number, choice = attempt["attempt"], attempt["choice"]
         said = done.feedback.get(number)
-        asked = next((at for at in done.asked if at >= attempt["ended_ns"] and (next_begins or at + 1) > at), None)
+        asked = next(
+            (at for at in done.asked if at >= attempt["ended_ns"] and (next_begins or at + 1) > at),
+            None,
+        )
         since = attempt["ended_ns"] if asked is None else asked
         rows.append(
             {
@@ -134,17 +169,32 @@ def _rows(schedule: str, done: Simulated) -> list[Row]:
                 "outcome": attempt["outcome"],
                 "feedback": None if attempt["feedback"] == "none" else attempt["feedback"],
                 **{name: choice[name] for name in CHOICE},
-                "reached_of_them": outcomes[max(0, number - choice["attempts"]) : number].count("success"),
+                "reached_of_them": outcomes[max(0, number - choice["attempts"]) : number].count(
+                    "success"
+                ),
                 "asked": asked is not None,
                 "answered_after_ms": (said["decided_ns"] - since) / 1e6 if said else None,
-                "next_began_before": bool(said and next_begins and next_begins < said["decided_ns"]),
+                "next_began_before": bool(
+                    said and next_begins and next_begins < said["decided_ns"]
+                ),
                 "text": said["final"]["text"] if said else "",
             }
         )
     return rows
 
 
-CHOICE = ("due", "why", "since", "interval", "tolerance", "attempts", "content", "form", "compared_with", "degree")
+CHOICE = (
+    "due",
+    "why",
+    "since",
+    "interval",
+    "tolerance",
+    "attempts",
+    "content",
+    "form",
+    "compared_with",
+    "degree",
+)
 """Fields of `messages.FeedbackChoice` that a row repeats."""
 
 

@@ -25,7 +25,9 @@ MDCS = 2.0
 
 
 def run(conditions: Conditions) -> Report:
-    """Return one row for each world, number of trials and of earlier attempts, and one for each task's sessions."""
+    """Return one row for each world, number of trials and of earlier attempts, and one for each
+    task's sessions.
+    """
     rows: list[Row] = []
     pairs, numbers, tasks = PAIRS, EARLIER, list(TASKS)
     if conditions.is_quick:
@@ -34,7 +36,11 @@ def run(conditions: Conditions) -> Report:
     for number, world in enumerate(WORLDS):
         conditions.progress(f"praise: {world}", number, steps)
         cases = [(trials, 1) for trials in TRIALS] + [(TRIALS_OF_SEVERAL, SEVERAL)]
-        rows += [_row(world, trials, earlier, measures, pairs) for trials, measures in cases for earlier in numbers]
+        rows += [
+            _row(world, trials, earlier, measures, pairs)
+            for trials, measures in cases
+            for earlier in numbers
+        ]
     for number, task in enumerate(tasks, len(WORLDS)):
         conditions.progress(f"praise: {task}", number, steps)
         rows.append(session_row(conditions, task))
@@ -44,7 +50,10 @@ def run(conditions: Conditions) -> Report:
 def _row(world: str, trials: int, earlier: int, measures: int, pairs: int) -> Row:
     rng = random.Random(f"{world} {trials} {earlier} {measures}")
     change = MDCS * mdc95(sem(world, trials))
-    drawn = [[_samples(WORLDS[world](rng, earlier + 1, trials)) for _ in range(measures)] for _ in range(pairs)]
+    drawn = [
+        [_samples(WORLDS[world](rng, earlier + 1, trials)) for _ in range(measures)]
+        for _ in range(pairs)
+    ]
     is_known = earlier >= LEAST_ATTEMPTS and earlier * trials >= LEAST_TRIALS
     return {
         "world": world,
@@ -54,7 +63,9 @@ def _row(world: str, trials: int, earlier: int, measures: int, pairs: int) -> Ro
         "pairs": pairs,
         "better_by_chance": fmean(_is_praised(each) for each in drawn),
         "changes": pairs if is_known else 0,
-        "better_if_changed": fmean(_is_praised(each, change) for each in drawn) if is_known else None,
+        "better_if_changed": fmean(_is_praised(each, change) for each in drawn)
+        if is_known
+        else None,
     }
 
 
@@ -63,21 +74,30 @@ def _samples(attempts: Attempts) -> list[Sample]:
 
 
 def _is_praised(measures: Sequence[Sequence[Sample]], change: float = 0.0) -> bool:
-    """Return True if the last attempt is called better in one of the measures, the first of which has changed."""
+    """Return True if the last attempt is called better in one of the measures, the first of which
+    has changed.
+    """
     shifts = [change, *[0.0] * (len(measures) - 1)]
-    return any(_verdict(each, shift, len(measures)) == "better" for each, shift in zip(measures, shifts, strict=True))
+    return any(
+        _verdict(each, shift, len(measures)) == "better"
+        for each, shift in zip(measures, shifts, strict=True)
+    )
 
 
 def _verdict(attempts: Sequence[Sample], change: float, measures: int) -> str:
     *earlier, now = attempts
-    found = judge(Sample(now.mean + change, now.n, now.sd), earlier[-1], earlier, "higher", measures=measures)
+    found = judge(
+        Sample(now.mean + change, now.n, now.sd), earlier[-1], earlier, "higher", measures=measures
+    )
     return found.verdict if found else ""
 
 
 def _claims(rows: Sequence[Row]) -> list[Claim]:
     too_many = [row for row in rows if row["better_by_chance"] > MOST_BY_CHANCE]
     judged = [
-        row for row in rows if row["better_if_changed"] is not None and (row["measures"] == 1 or not row["earlier"])
+        row
+        for row in rows
+        if row["better_if_changed"] is not None and (row["measures"] == 1 or not row["earlier"])
     ]
     too_few = [row for row in judged if row["better_if_changed"] < LEAST_FOUND]
     early = [row for row in rows if row["earlier"] is not None and row["better_if_changed"] is None]
@@ -87,11 +107,13 @@ def _claims(rows: Sequence[Row]) -> list[Claim]:
             ", ".join(f"{_name(row)}: {row['better_by_chance']:.1%}" for row in too_many),
         ),
         Claim(
-            f"After a true change of {MDCS:g} MDC95 of a measure it is said of at least {LEAST_FOUND:.0%}.",
+            f"After a true change of {MDCS:g} MDC95 of a measure it is said of at least "
+            f"{LEAST_FOUND:.0%}.",
             ", ".join(f"{_name(row)}: {row['better_if_changed']:.1%}" for row in too_few),
         ),
         Claim(
-            f"It is never said before {LEAST_ATTEMPTS} earlier attempts with {LEAST_TRIALS} trials in all.",
+            f"It is never said before {LEAST_ATTEMPTS} earlier attempts with {LEAST_TRIALS} "
+            "trials in all.",
             ", ".join(_name(row) for row in early if row["better_by_chance"]),
         ),
     ]
@@ -104,7 +126,9 @@ def _name(row: Row) -> str:
 
 
 def _side_by_side(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows to print: those that differ only in the number of earlier attempts beside each other."""
+    """Return the rows to print: those that differ only in the number of earlier attempts beside
+    each other.
+    """
     seen: dict[tuple[object, ...], Row] = {}
     for row in rows:
         key = row["world"], row["measures"], row["trials"]
@@ -114,7 +138,9 @@ def _side_by_side(rows: Sequence[Row]) -> list[Row]:
 
 
 def _shares(row: Row) -> str | None:
-    """Return the shares praised by chance, and after a change: "2.1% 91%"; None if praise is not possible."""
+    """Return the shares praised by chance, and after a change: "2.1% 91%"; None if praise is not
+    possible.
+    """
     if row["better_if_changed"] is None:
         return None
     return f"{row['better_by_chance']:.1%} {row['better_if_changed']:4.0%}"

@@ -1,4 +1,6 @@
-"""Praise in whole sessions of simulated participants: of those who never change, and of those who do."""
+"""Praise in whole sessions of simulated participants: of those who never change, and of those who
+do.
+"""
 
 import re
 import tempfile
@@ -38,7 +40,9 @@ TASKS: dict[str, dict[str, Any]] = {
 
 
 class Changing(Person, frozen=True):
-    """A person who never changes, but for a gain at one attempt: ``gain`` is the share of all times that it saves."""
+    """A person who never changes, but for a gain at one attempt: ``gain`` is the share of all times
+    that it saves.
+    """
 
     at_attempt: int = 0
     gain: float = 0.0
@@ -46,7 +50,9 @@ class Changing(Person, frozen=True):
     def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
         usual = super().perform(choices, attempt, streams)
         left = 1 - self.gain if attempt == self.at_attempt else 1.0
-        return Performance(usual.reaction_ms * left, usual.slips, lambda: usual.pace * left, usual.unsteadiness)
+        return Performance(
+            usual.reaction_ms * left, usual.slips, lambda: usual.pace * left, usual.unsteadiness
+        )
 
 
 class Told(NamedTuple):
@@ -72,7 +78,8 @@ def session_row(conditions: Conditions, task: str) -> Row:
             changed += [each.text for each in _changed(play, person, seeds, played)]
     return {
         "world": task,
-        "measures": 1 + len([quality for quality in kind.qualities if quality.praised_until is None]),
+        "measures": 1
+        + len([quality for quality in kind.qualities if quality.praised_until is None]),
         "trials": next(iter(TASKS[task].values())),
         "earlier": None,
         "pairs": len(usual),
@@ -83,11 +90,16 @@ def session_row(conditions: Conditions, task: str) -> Row:
 
 
 def _changed(
-    play: Callable[[Person, int], list[Told]], person: Changing, seeds: Sequence[int], usual: Sequence[Sequence[Told]]
+    play: Callable[[Person, int], list[Told]],
+    person: Changing,
+    seeds: Sequence[int],
+    usual: Sequence[Sequence[Told]],
 ) -> list[Told]:
-    """Return the last attempts of sessions in which the result is better there by two MDC95, on average.
+    """Return the last attempts of sessions in which the result is better there by two MDC95, on
+    average.
 
-    Not all of a reach grows with its pace, so that the gain is corrected after a round of the same sessions.
+    Not all of a reach grows with its pace, so that the gain is corrected after a round of the same
+    sessions.
     """
     results = [[each.result for each in told if each.result is not None] for told in usual]
     wanted = MDCS * mdc95(fmean(variance(each) for each in results) ** 0.5)
@@ -95,12 +107,16 @@ def _changed(
     for _ in range(ROUNDS):
         tried = _last(play, person, seeds, gain)
         pairs = [(told[-1].result, each.result) for told, each in zip(usual, tried, strict=True)]
-        reached = fmean(before - after for before, after in pairs if before is not None and after is not None)
+        reached = fmean(
+            before - after for before, after in pairs if before is not None and after is not None
+        )
         gain = min(gain * wanted / reached, MOST_GAIN)
     return _last(play, person, seeds, gain)
 
 
-def _last(play: Callable[[Person, int], list[Told]], person: Changing, seeds: Sequence[int], gain: float) -> list[Told]:
+def _last(
+    play: Callable[[Person, int], list[Told]], person: Changing, seeds: Sequence[int], gain: float
+) -> list[Told]:
     changing = msgspec.structs.replace(person, at_attempt=ATTEMPTS, gain=gain)
     return [play(changing, seed)[-1] for seed in seeds]
 
@@ -112,7 +128,12 @@ def says_better(text: str, kind: type[Task]) -> bool:
 
 
 def told_in_session(
-    conditions: Conditions, folder: Path, kind: type[Task], settings: dict[str, Any], person: Person, seed: int
+    conditions: Conditions,
+    folder: Path,
+    kind: type[Task],
+    settings: dict[str, Any],
+    person: Person,
+    seed: int,
 ) -> list[Told]:
     """Run a session at one level, and return its attempts."""
     asked = {"difficulty_policy": "fixed", **settings}

@@ -1,4 +1,6 @@
-"""Progress over sessions: simulated histories, whose true level at goal is known, against their estimates."""
+"""Progress over sessions: simulated histories, whose true level at goal is known, against their
+estimates.
+"""
 
 import math
 import random
@@ -40,7 +42,8 @@ class Model(msgspec.Struct, frozen=True):
         day_sd_ms: SD of all times from day to day.
         attempt_sd_ms: SD of the mean time from attempt to attempt.
         curve_ms: added for each squared bit away from three bits.
-        practice: share of the times that repeated testing saves, and the sessions after which 63 % of it is saved.
+        practice: share of the times that repeated testing saves, and the sessions after which 63 %
+            of it is saved.
         recovery: share of the times saved after the baseline.
     """
 
@@ -62,7 +65,9 @@ MODELS: dict[str, Model] = {
 
 
 class _Day(msgspec.Struct, frozen=True):
-    """A simulated session: its attempts, the true level at goal in bits, and the level it ended at."""
+    """A simulated session: its attempts, the true level at goal in bits, and the level it ended
+    at.
+    """
 
     attempts: list[Attempt]
     truth: float
@@ -86,9 +91,12 @@ def run(conditions: Conditions) -> Report:
             "" if low <= coverage <= high else f"it was {coverage:.1%}",
         ),
         Claim(
-            f"If nothing but practice happened, at most {MOST_CHANGED:.0%} of last sessions are called a change.",
+            f"If nothing but practice happened, at most {MOST_CHANGED:.0%} of last sessions are "
+            "called a change.",
             "; ".join(
-                f"{row['user']} {row['changed']:.1%}" for row in fitted if (row["changed"] or 0.0) > MOST_CHANGED
+                f"{row['user']} {row['changed']:.1%}"
+                for row in fitted
+                if (row["changed"] or 0.0) > MOST_CHANGED
             ),
         ),
     ]
@@ -174,7 +182,9 @@ def _unslowed(model: Model, person: Person, bits: float) -> float:
 
 
 def _truth(model: Model, person: Person, goal_ms: float) -> float:
-    """Return the bits at which the mean time is the goal. Times grow from 2 bits on, also in a curve."""
+    """Return the bits at which the mean time is the goal. Times grow from 2 bits on, also in a
+    curve.
+    """
     low, high = -4.0, 12.0
     if model.curve_ms:
         low = 3 - person.per_bit_ms / model.curve_ms / 2

@@ -41,7 +41,8 @@ def run(conditions: Conditions) -> Report:
     doubled = [row for row in rows if row[overlaps]]
     claims = [
         Claim(
-            f"In each kind of daily life the {JUDGED} detector finds less than {MOST_A_MINUTE:g} false reach a minute.",
+            f"In each kind of daily life the {JUDGED} detector finds less than {MOST_A_MINUTE:g} "
+            "false reach a minute.",
             ", ".join(f"{row['kind']}: {row[column]:.1f}" for row in loud),
         ),
         Claim(
@@ -64,14 +65,20 @@ def _is_same(reach: Reach, trip: Trip) -> bool:
 
 
 def overlapping(reaches: Sequence[Reach]) -> int:
-    """Return the number of reaches, in order of time, that begin before the one before them ends."""
+    """Return the number of reaches, in order of time, that begin before the one before them
+    ends.
+    """
     return sum(after.onset_s < before.end_s for before, after in pairwise(reaches))
 
 
 def _row(kind: str, is_quick: bool) -> Row:
     people, minutes = (QUICK_PEOPLE, QUICK_MINUTES) if is_quick else (PEOPLE, MINUTES)
     lives = [simulate(kind, seed, minutes=minutes) for seed in people]
-    row: Row = {"kind": kind, "minutes": minutes * len(people), "trips": sum(len(life.trips) for life in lives)}
+    row: Row = {
+        "kind": kind,
+        "minutes": minutes * len(people),
+        "trips": sum(len(life.trips) for life in lives),
+    }
     for detector, name in STORED_NAMES.items():
         found = [detect(life.recording, detector) for life in lives]
         counts = [count(reaches, life.trips) for reaches, life in zip(found, lives, strict=True)]

@@ -1,4 +1,6 @@
-"""Seeded reaches about one axis under each difficulty, and of each kind about many axes, found by every detector."""
+"""Seeded reaches about one axis under each difficulty, and of each kind about many axes, found by
+every detector.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -22,7 +24,9 @@ JUDGED: DetectorName = AnalysisParameters().detector
 """The claims are about the default detector."""
 LEAST_PERCENT = 99.0
 ONSET_MS, DURATION_MS, SPREAD_MS = 30.0, 60.0, 80.0
-"""Largest median error of onset and duration, and largest range of the middle half of the errors."""
+"""Largest median error of onset and duration, and largest range of the middle half of the
+errors.
+"""
 
 
 class Trial(NamedTuple):
@@ -35,7 +39,9 @@ class Trial(NamedTuple):
 
 
 class Group(NamedTuple):
-    """Reaches that belong together. ``axes``: the number that the hand turns about, ``one`` or ``many``."""
+    """Reaches that belong together. ``axes``: the number that the hand turns about, ``one`` or
+    ``many``.
+    """
 
     name: str
     axes: str
@@ -43,7 +49,9 @@ class Group(NamedTuple):
 
 
 class DetectorResult(NamedTuple):
-    """A detector's result for a recording of one reach. Errors, found minus true: if just that reach was found."""
+    """A detector's result for a recording of one reach. Errors, found minus true: if just that
+    reach was found.
+    """
 
     endless: bool
     onset_ms: float | None = None
@@ -53,7 +61,10 @@ class DetectorResult(NamedTuple):
 def groups() -> list[Group]:
     """Return the difficulties, then the kinds."""
     return [
-        *(Group(scenario.name, "one", partial(_under_difficulty, scenario)) for scenario in scenarios()),
+        *(
+            Group(scenario.name, "one", partial(_under_difficulty, scenario))
+            for scenario in scenarios()
+        ),
         *(Group(kind, "many", partial(_of_kind, kind)) for kind in KINDS),
     ]
 
@@ -65,7 +76,9 @@ def _under_difficulty(scenario: Scenario, seed: int) -> Trial:
 
 
 def _of_kind(kind: str, seed: int) -> Trial:
-    """Return the reach of another person for each seed, with either arm, every placement, and either kind of sensor."""
+    """Return the reach of another person for each seed, with either arm, every placement, and
+    either kind of sensor.
+    """
     hand: Hand = "left" if seed % 2 else "right"
     placement, accelerometer = seed // 2 % len(PLACEMENTS), seed // (2 * len(PLACEMENTS)) % 2 == 0
     made = simulate_reaches(kind, seed, arm=hand, placement=placement, accelerometer=accelerometer)
@@ -79,7 +92,12 @@ def run(conditions: Conditions) -> Report:
     rows = []
     for number, group in enumerate(every):
         conditions.progress(f"reach: {group.name}", number, len(every))
-        rows.append(row_of(group, max(1, conditions.reaches // 3) if conditions.is_quick else conditions.reaches))
+        rows.append(
+            row_of(
+                group,
+                max(1, conditions.reaches // 3) if conditions.is_quick else conditions.reaches,
+            )
+        )
     return Report(rows, list(_tables()), claims(rows))
 
 
@@ -98,7 +116,9 @@ def row_of(group: Group, reaches: int) -> Row:
         row[f"{name}_exactly_one_percent"] = 100 * len(durations) / reaches
         row[f"{name}_endless_percent"] = 100 * sum(result.endless for result in results) / reaches
         row[f"{name}_error_median_ms"], row[f"{name}_error_iqr_ms"] = _median_iqr(durations)
-        row[f"{name}_onset_error_median_ms"], row[f"{name}_onset_error_iqr_ms"] = _median_iqr(onsets)
+        row[f"{name}_onset_error_median_ms"], row[f"{name}_onset_error_iqr_ms"] = _median_iqr(
+            onsets
+        )
     return row
 
 
@@ -127,11 +147,17 @@ def claims(rows: Sequence[Row]) -> list[Claim]:
     name = STORED_NAMES[JUDGED]
 
     def claim(
-        sentence: str, figure: str, holds: Callable[[float], bool], form: str, about: Sequence[Row] = rows
+        sentence: str,
+        figure: str,
+        holds: Callable[[float], bool],
+        form: str,
+        about: Sequence[Row] = rows,
     ) -> Claim:
         column = f"{name}_{figure}"
         wrong = [row for row in about if row[column] is None or not holds(row[column])]
-        return Claim(sentence, ", ".join(f"{row['scenario']}: {_number(row[column], form)}" for row in wrong))
+        return Claim(
+            sentence, ", ".join(f"{row['scenario']}: {_number(row[column], form)}" for row in wrong)
+        )
 
     kinds = [row for row in rows if row["axes"] == "many"]
 

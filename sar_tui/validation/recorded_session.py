@@ -35,7 +35,9 @@ _NOT_OF_A_SESSION = (
 )
 
 
-def reports(database: sqlite3.Connection, row: Mapping[str, Any]) -> tuple[dict[str, Report], list[str]]:
+def reports(
+    database: sqlite3.Connection, row: Mapping[str, Any]
+) -> tuple[dict[str, Report], list[str]]:
     """Return the figures that a session has, by name, and a sentence on each that it has not.
 
     Args:
@@ -50,11 +52,16 @@ def reports(database: sqlite3.Connection, row: Mapping[str, Any]) -> tuple[dict[
         "table-4.1": lambda: _reaches(database, row),
     }
     found = {name: report for name, make in made.items() if (report := make()) is not None}
-    return found, [*(f"{name}: {_WHY_NOT[name]}." for name in made if name not in found), *_NOT_OF_A_SESSION]
+    return found, [
+        *(f"{name}: {_WHY_NOT[name]}." for name in made if name not in found),
+        *_NOT_OF_A_SESSION,
+    ]
 
 
 def _attempts(database: sqlite3.Connection, row: Mapping[str, Any]) -> list[Row]:
-    """Return a row for each attempt at seat A, practice left out. Drawings know the result as ``reaction_time_ms``."""
+    """Return a row for each attempt at seat A, practice left out. Drawings know the result as
+    ``reaction_time_ms``.
+    """
     return [
         {
             "attempt": attempt["attempt"],
@@ -78,7 +85,10 @@ def _timed(database: sqlite3.Connection, row: Mapping[str, Any]) -> list[Row]:
 
 def _title(row: Mapping[str, Any]) -> str:
     metric = _metric(row)
-    return f"Session {row['id']}: {row['task']}, {row['participant']}; {metric.name.replace('_', ' ')} ({metric.unit})"
+    return (
+        f"Session {row['id']}: {row['task']}, {row['participant']}; "
+        f"{metric.name.replace('_', ' ')} ({metric.unit})"
+    )
 
 
 def _levels(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:
@@ -86,7 +96,11 @@ def _levels(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | No
         return None
     label = _metric(row).label
     return Report(
-        _named(rows, row), [], [], [draw_levels(rows, _title(row), label)], chart=charts.adaptation(rows, label)
+        _named(rows, row),
+        [],
+        [],
+        [draw_levels(rows, _title(row), label)],
+        chart=charts.adaptation(rows, label),
     )
 
 
@@ -104,7 +118,9 @@ def _metric(row: Mapping[str, Any]) -> Metric:
 
 
 def _named(rows: list[Row], row: Mapping[str, Any]) -> list[Row]:
-    """Return the rows with the result under the name and unit of the task's metric, as ``reach_time_ms``."""
+    """Return the rows with the result under the name and unit of the task's metric, as
+    ``reach_time_ms``.
+    """
     metric = _metric(row)
     names = {
         "reaction_time_ms": f"{metric.name}_{metric.unit}".rstrip("_"),
@@ -119,13 +135,19 @@ def _said(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None
         for action in sessions.rows(database, "actions", row["id"])
         if action["kind"] == "feedback" and action["final"] and action["final"].get("text")
     ]
-    return Report(rows, [_SAID], [], chart=charts.sentences(rows[:_LISTED], "valence")) if rows else None
+    return (
+        Report(rows, [_SAID], [], chart=charts.sentences(rows[:_LISTED], "valence"))
+        if rows
+        else None
+    )
 
 
 def _velocity(database: sqlite3.Connection, row: Mapping[str, Any]) -> Report | None:
     from sar_tui.validation.angular_velocity import figure, velocity_rows
 
-    (run,) = database.execute("SELECT min(run) FROM imu_streams WHERE session=?", (row["id"],)).fetchone()
+    (run,) = database.execute(
+        "SELECT min(run) FROM imu_streams WHERE session=?", (row["id"],)
+    ).fetchone()
     samples = imu.samples(database, row["id"], run=run)  # stamps of another run may overlap
     if not len(samples):
         return None

@@ -39,42 +39,76 @@ class Validation(NamedTuple):
 
 VALIDATIONS: dict[str, Validation] = {
     "figure-4.4": Validation(
-        "The thesis' Figure 4.4: the level for an average user over twenty attempts", adaptation.average
+        "The thesis' Figure 4.4: the level for an average user over twenty attempts",
+        adaptation.average,
     ),
     "figure-4.8": Validation(
-        "The thesis' Figure 4.8: angular velocity in eight simulated reaches", angular_velocity.run, 0.1
+        "The thesis' Figure 4.8: angular velocity in eight simulated reaches",
+        angular_velocity.run,
+        0.1,
     ),
-    "figure-4.9": Validation("The thesis' Figure 4.9: the level for a poor user over twenty attempts", adaptation.poor),
-    "figure-4.10": Validation("The thesis' Figure 4.10: the level for a competent user", adaptation.competent),
+    "figure-4.9": Validation(
+        "The thesis' Figure 4.9: the level for a poor user over twenty attempts", adaptation.poor
+    ),
+    "figure-4.10": Validation(
+        "The thesis' Figure 4.10: the level for a competent user", adaptation.competent
+    ),
     "figure-4.11": Validation(
         "The thesis' Figure 4.11: feedback for a poor user over twenty attempts", feedback.poor, 0.1
     ),
-    "figure-4.12": Validation("The thesis' Figure 4.12: feedback for a competent user", feedback.competent, 0.1),
-    "figure-4.13": Validation("The thesis' Figure 4.13: what is said, in words and in figures", feedback.examples),
-    "figure-4.14": Validation("The thesis' Figure 4.14: feedback every attempt, and every three", feedback.frequency),
+    "figure-4.12": Validation(
+        "The thesis' Figure 4.12: feedback for a competent user", feedback.competent, 0.1
+    ),
+    "figure-4.13": Validation(
+        "The thesis' Figure 4.13: what is said, in words and in figures", feedback.examples
+    ),
+    "figure-4.14": Validation(
+        "The thesis' Figure 4.14: feedback every attempt, and every three", feedback.frequency
+    ),
     "figure-4.15": Validation(
         "The thesis' Figure 4.15: what the reaching task adds to the loop", changed_parts.run, 0.1
     ),
-    "table-4.1": Validation("The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run, 0.1),
+    "table-4.1": Validation(
+        "The thesis' Table 4.1: eight simulated reaches, measured", table_4_1.run, 0.1
+    ),
     "table-4.2": Validation(
-        "The thesis' Table 4.2: the four requirements, and systems that must fail them", requirements.run, 20
+        "The thesis' Table 4.2: the four requirements, and systems that must fail them",
+        requirements.run,
+        20,
     ),
     "exports": Validation(
-        "Exported tables: results, outcomes and measures computed again from the files", exported_tables.run
+        "Exported tables: results, outcomes and measures computed again from the files",
+        exported_tables.run,
     ),
     "reach": Validation(
-        "Reaches under difficulties, and of ten kinds about many axes, by each detector", reach.run, 1.5
+        "Reaches under difficulties, and of ten kinds about many axes, by each detector",
+        reach.run,
+        1.5,
     ),
     "quiet": Validation("False reaches in simulated daily life, by each detector", quiet.run, 0.5),
-    "measures": Validation("Measures of reaches about many axes, against their trajectories", measures.run, 2),
-    "smoothness": Validation("Smoothness of the same movement, by sensors of different rate and noise", smoothness.run),
+    "measures": Validation(
+        "Measures of reaches about many axes, against their trajectories", measures.run, 2
+    ),
+    "smoothness": Validation(
+        "Smoothness of the same movement, by sensors of different rate and noise", smoothness.run
+    ),
     "policies": Validation("Feedback under each schedule, and the reasons", policies.run),
-    "praise": Validation("Praise by chance, and of a true change, under each kind of noise", praise.run, 2.5),
+    "praise": Validation(
+        "Praise by chance, and of a true change, under each kind of noise", praise.run, 2.5
+    ),
     "corrections": Validation(
         "Corrections by chance, and of a true decline, under each kind of noise", corrections.run, 4
     ),
-    "progress": Validation("Progress over sessions: bands and verdicts on simulated histories", progress.run, 3),
-    "difficulty": Validation("Success and fitting challenge under each difficulty policy", difficulty.run, 2),
-    "effects": Validation("Published effects of the tasks, in simulated participants and in controls", effects.run, 7),
-    "modularity": Validation("Share of the framework in the code that a session runs", modularity.run, 8),
+    "progress": Validation(
+        "Progress over sessions: bands and verdicts on simulated histories", progress.run, 3
+    ),
+    "difficulty": Validation(
+        "Success and fitting challenge under each difficulty policy", difficulty.run, 2
+    ),
+    "effects": Validation(
+        "Published effects of the tasks, in simulated participants and in controls", effects.run, 7
+    ),
+    "modularity": Validation(
+        "Share of the framework in the code that a session runs", modularity.run, 8
+    ),
 }

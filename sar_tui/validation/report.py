@@ -31,8 +31,8 @@ class Column(NamedTuple):
 class Report(NamedTuple):
     """Figures as rows of named values, the printed tables, and the claims about them.
 
-    ``drawings``: text printed before the tables; ``seen``: the rows of the tables, if not all; ``chart``: the same
-    drawing in Vega-Lite, for a file.
+    ``drawings``: text printed before the tables; ``seen``: the rows of the tables, if not all;
+    ``chart``: the same drawing in Vega-Lite, for a file.
     """
 
     rows: Sequence[Row]

@@ -1,4 +1,6 @@
-"""The four requirements of the thesis (its Table 4.2), and systems with one thing broken that must fail them."""
+"""The four requirements of the thesis (its Table 4.2), and systems with one thing broken that must
+fail them.
+"""
 
 import shutil
 import tempfile
@@ -25,7 +27,9 @@ CLOSE_MS = 0.01
 
 
 class Requirement(NamedTuple):
-    """A requirement: what asks for it and how it is tested, as in Table 4.2; ``claims`` about the evidence."""
+    """A requirement: what asks for it and how it is tested, as in Table 4.2; ``claims`` about the
+    evidence.
+    """
 
     name: str
     motivation: str
@@ -36,7 +40,8 @@ class Requirement(NamedTuple):
 class Control(NamedTuple):
     """A system with one thing broken, which must fail one requirement and meet the others.
 
-    ``reaching``: counts the code of the reaching task; ``parts_of_reaching``: classes of the nodes in its loop.
+    ``reaching``: counts the code of the reaching task; ``parts_of_reaching``: classes of the nodes
+    in its loop.
     """
 
     name: str
@@ -55,10 +60,12 @@ def _training(evidence: Evidence) -> Sequence[Claim]:
     unmeasured = [
         f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}"
         for row in rows
-        if (row["outcome"] == "success") != (_reached(row) and row["accuracy"] >= feedback.LEAST_ACCURACY)
+        if (row["outcome"] == "success")
+        != (_reached(row) and row["accuracy"] >= feedback.LEAST_ACCURACY)
     ]
     off = {
-        f"{user}, seed {seed}, attempt {attempt['attempt']}": attempt["metric"] - done.timed[attempt["attempt"]]
+        f"{user}, seed {seed}, attempt {attempt['attempt']}": attempt["metric"]
+        - done.timed[attempt["attempt"]]
         for (user, seed), done in evidence.sessions.items()
         for attempt in done.attempts
         if attempt["metric"] is not None
@@ -66,11 +73,15 @@ def _training(evidence: Evidence) -> Sequence[Claim]:
     wrong = [f"{attempt}: {by:+.0f} ms" for attempt, by in off.items() if abs(by) > CLOSE_MS]
     return (
         Claim(
-            f"In {len(off)} attempts, the result is the mean time from the prompt on the screen to the key, within "
+            f"In {len(off)} attempts, the result is the mean time from the prompt on the screen "
+            "to the key, within "
             f"{CLOSE_MS:g} ms.",
             _listed(wrong),
         ),
-        Claim("Each attempt has an outcome that follows from its mean reaction time.", _listed(unmeasured)),
+        Claim(
+            "Each attempt has an outcome that follows from its mean reaction time.",
+            _listed(unmeasured),
+        ),
         adaptation.follows_results(rows),
         adaptation.ranks_users(rows),
     )
@@ -81,8 +92,16 @@ def _reached(row: Row) -> bool:
 
 
 def _feedback(evidence: Evidence) -> Sequence[Claim]:
-    rows = [row for (user, seed), done in evidence.sessions.items() for row in feedback.feedback_rows(done, user, seed)]
-    wrong = [f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}" for row in rows if not feedback.fits(row)]
+    rows = [
+        row
+        for (user, seed), done in evidence.sessions.items()
+        for row in feedback.feedback_rows(done, user, seed)
+    ]
+    wrong = [
+        f"{row['user']}, seed {row['seed']}, attempt {row['attempt']}"
+        for row in rows
+        if not feedback.fits(row)
+    ]
     rare = [
         f"seed {seed}, attempt {attempt['attempt']}"
         for seed, done in evidence.rare.items()
@@ -99,16 +118,25 @@ def _feedback(evidence: Evidence) -> Sequence[Claim]:
     for (form, _), done in evidence.worded.items():
         texts[form] += [each["final"]["text"] for each in done.feedback.values()]
     return (
-        Claim("Feedback is positive under the goal, negative over it, and neutral near it.", _listed(wrong)),
+        Claim(
+            "Feedback is positive under the goal, negative over it, and neutral near it.",
+            _listed(wrong),
+        ),
         *feedback.differs_by_user(rows),
-        Claim("With feedback after every three attempts, those have it, and no others.", _listed(rare)),
+        Claim(
+            "With feedback after every three attempts, those have it, and no others.", _listed(rare)
+        ),
         *feedback.has_its_form(texts),
         Claim(feedback.TRUE_FIGURES, _listed(untrue)),
     )
 
 
 def _embodiment(evidence: Evidence) -> Sequence[Claim]:
-    done = {(report.action, report.part) for report in evidence.embodied.reports if report.state == "done"}
+    done = {
+        (report.action, report.part)
+        for report in evidence.embodied.reports
+        if report.state == "done"
+    }
     performed = {part for _, part in done}
     lost = [part for part in PARTS if part in ("say", "show", "gesture") and part not in performed]
     bodies = {body.name for body in evidence.bodies if body.performed}
@@ -118,7 +146,10 @@ def _embodiment(evidence: Evidence) -> Sequence[Claim]:
         for one, other in zip(bare.attempts, embodied.attempts, strict=False)
         if any(one[name] != other[name] for name in ("level", "metric", "outcome", "feedback"))
     ]
-    said = [{key: row["final"]["text"] for key, row in done.feedback.items()} for done in (bare, embodied)]
+    said = [
+        {key: row["final"]["text"] for key, row in done.feedback.items()}
+        for done in (bare, embodied)
+    ]
     return (
         Claim("What the agent does is spoken, shown and gestured, by different bodies.",
               f"nothing performs: {', '.join(lost)}" if lost else "" if len(bodies) >= 2 else "there is one body"),
@@ -140,7 +171,10 @@ def _modularity(evidence: Evidence) -> Sequence[Claim]:
     counted = ", ".join(f"{task} {share:.0%}" for task, share in shares.items())
     short = [f"{task} {share:.0%}" for task, share in shares.items() if share < LEAST]
     return (
-        Claim(f"At least {LEAST:.0%} of the code that each task runs is shared ({counted}).", ", ".join(short)),
+        Claim(
+            f"At least {LEAST:.0%} of the code that each task runs is shared ({counted}).",
+            ", ".join(short),
+        ),
         *changed_parts(evidence.graphs, evidence.nodes).claims,
     )
 
@@ -163,7 +197,9 @@ REQUIREMENTS = (
         "simulated users do the keyboard task",
         _feedback,
     ),
-    Requirement("embodiment", "several media", "the same session with and without other bodies", _embodiment),
+    Requirement(
+        "embodiment", "several media", "the same session with and without other bodies", _embodiment
+    ),
     Requirement(
         "modular flexibility",
         "several tasks on one framework",
@@ -184,7 +220,9 @@ def _with_own_framework(loaded: Loaded) -> Code:
 
 CONTROLS = (
     Control(
-        "a rule that never adapts", "task-oriented training", System({"difficulty_policy": "fixed", "start_level": 5})
+        "a rule that never adapts",
+        "task-oriented training",
+        System({"difficulty_policy": "fixed", "start_level": 5}),
     ),
     Control(
         "a rule that ignores the result",
@@ -201,7 +239,9 @@ CONTROLS = (
         "augmented feedback",
         System(parts=Parts(event_handler=broken_parts.PraisingEventHandler)),
     ),
-    Control("a neutral word whatever the result", "augmented feedback", System({"neutral_band": 5000.0})),
+    Control(
+        "a neutral word whatever the result", "augmented feedback", System({"neutral_band": 5000.0})
+    ),
     Control(
         f"figures that are {broken_parts.WRONG_BY_MS:g} ms off",
         "augmented feedback",
@@ -217,13 +257,17 @@ CONTROLS = (
         "augmented feedback",
         System(worded={"feedback_form": "quantitative"}),
     ),
-    Control("an agent without a voice and without a body", "embodiment", System(bodies=tablet_alone)),
+    Control(
+        "an agent without a voice and without a body", "embodiment", System(bodies=tablet_alone)
+    ),
     Control(
         "a level that falls when a robot moves",
         "embodiment",
         System(parts=Parts(event_handler=broken_parts.DistractedEventHandler)),
     ),
-    Control("a task with a framework of its own", "modular flexibility", reaching=_with_own_framework),
+    Control(
+        "a task with a framework of its own", "modular flexibility", reaching=_with_own_framework
+    ),
     Control(
         "a task that needs a memory of its own",
         "modular flexibility",
@@ -241,7 +285,9 @@ def run(conditions: Conditions) -> Report:
     loaded = {task: load(task, conditions.catalogue) for task in TASKS}
     counted = {task: code(one) for task, one in loaded.items()}
     systems = [Control("the program as it is", ""), *CONTROLS]
-    steps = sessions(conditions) * sum(control.fails != "modular flexibility" for control in systems)
+    steps = sessions(conditions) * sum(
+        control.fails != "modular flexibility" for control in systems
+    )
     step = count()
     rows: list[Row] = []
     whole: Evidence | None = None
@@ -255,10 +301,16 @@ def run(conditions: Conditions) -> Report:
             whole = whole or evidence
         else:
             changed = {**counted, "reaching": control.reaching(loaded["reaching"])}
-            other = node_classes(conditions.catalogue.task("reaching"), theme, control.parts_of_reaching)
-            evidence = msgspec.structs.replace(whole, code=changed, nodes={**nodes, "reaching": other})
+            other = node_classes(
+                conditions.catalogue.task("reaching"), theme, control.parts_of_reaching
+            )
+            evidence = msgspec.structs.replace(
+                whole, code=changed, nodes={**nodes, "reaching": other}
+            )
         rows += [_row(control, requirement, evidence) for requirement in REQUIREMENTS]
-    return Report(rows, [_COLUMNS], [*_met(rows), *_failed(rows)], seen=[row for row in rows if _is_told(row)])
+    return Report(
+        rows, [_COLUMNS], [*_met(rows), *_failed(rows)], seen=[row for row in rows if _is_told(row)]
+    )
 
 
 def _row(control: Control, requirement: Requirement, evidence: Evidence) -> Row:
@@ -271,19 +323,26 @@ def _row(control: Control, requirement: Requirement, evidence: Evidence) -> Row:
         "validation": requirement.validation,
         "met": all(claim.holds for claim in claims),
         "reasons": " ".join(claim.sentence for claim in claims if claim.holds),
-        "against": " ".join(f"Not so: {claim.sentence} But {claim.against}." for claim in claims if not claim.holds),
+        "against": " ".join(
+            f"Not so: {claim.sentence} But {claim.against}." for claim in claims if not claim.holds
+        ),
     }
 
 
 def _is_told(row: Row) -> bool:
-    """Return True for the program, for what a control must fail, and for what is not as it must be."""
+    """Return True for the program, for what a control must fail, and for what is not as it must
+    be.
+    """
     return row["must_fail"] in ("", row["requirement"]) or not row["met"]
 
 
 def _met(rows: Sequence[Row]) -> list[Claim]:
     """Return a claim for each requirement: the program meets it."""
     return [
-        Claim(f"The program meets the requirement of {row['requirement']}. {row['reasons']}", row["against"])
+        Claim(
+            f"The program meets the requirement of {row['requirement']}. {row['reasons']}",
+            row["against"],
+        )
         for row in rows
         if not row["must_fail"]
     ]
@@ -295,8 +354,18 @@ def _failed(rows: Sequence[Row]) -> list[Claim]:
     for control in CONTROLS:
         own = {row["requirement"]: row["met"] for row in rows if row["system"] == control.name}
         others = [name for name, met in own.items() if not met and name != control.fails]
-        against = "it meets it" if own[control.fails] else f"it fails {', '.join(others)} as well" if others else ""
-        claims.append(Claim(f"Broken on purpose: {control.name} fails {control.fails}, and that alone.", against))
+        against = (
+            "it meets it"
+            if own[control.fails]
+            else f"it fails {', '.join(others)} as well"
+            if others
+            else ""
+        )
+        claims.append(
+            Claim(
+                f"Broken on purpose: {control.name} fails {control.fails}, and that alone.", against
+            )
+        )
     return claims
 
 

@@ -26,7 +26,9 @@ TASK, THEME = "keyboard", "calm"
 
 
 class Simulated(NamedTuple):
-    """A session: its attempts, the agent's actions and outputs, and when the participant requested feedback (ns)."""
+    """A session: its attempts, the agent's actions and outputs, and when the participant requested
+    feedback (ns).
+    """
 
     task: Task
     attempts: list[Row]
@@ -34,12 +36,18 @@ class Simulated(NamedTuple):
     asked: list[int]
     reports: list[OutputReport]
     timed: dict[int, float]
-    """Mean reaction time (ms) of each attempt with one, from when prompts were shown and keys pressed: the inputs."""
+    """Mean reaction time (ms) of each attempt with one, from when prompts were shown and keys
+    pressed: the inputs.
+    """
 
     @property
     def feedback(self) -> dict[int, Row]:
         """The feedback that was given, by the number of its attempt."""
-        return {row["final"]["attempt"]: row for row in self.actions if row["kind"] == "feedback" and row["final"]}
+        return {
+            row["final"]["attempt"]: row
+            for row in self.actions
+            if row["kind"] == "feedback" and row["final"]
+        }
 
 
 class SessionRunner:
@@ -51,7 +59,9 @@ class SessionRunner:
         known: sessions that are not run again.
     """
 
-    def __init__(self, catalogue: Catalogue, folder: Path, known: dict[object, Simulated] | None = None) -> None:
+    def __init__(
+        self, catalogue: Catalogue, folder: Path, known: dict[object, Simulated] | None = None
+    ) -> None:
         self._catalogue = catalogue
         self._folder = folder
         self._kind = catalogue.task(TASK)
@@ -83,11 +93,20 @@ class SessionRunner:
         return self._known[key]
 
     def _run(
-        self, user: str, seed: int, bodies: Sequence[Output], parts: Parts | None, parameters: Mapping[str, Any]
+        self,
+        user: str,
+        seed: int,
+        bodies: Sequence[Output],
+        parts: Parts | None,
+        parameters: Mapping[str, Any],
     ) -> Simulated:
         values = {"attempts": 20, **parameters}
-        plan = make_plan(self._catalogue, self._kind, ["SIM"], values, theme=THEME, seed=seed, mode="simulated")
-        name = simulate(plan, PEOPLE[user], self._folder, self._catalogue, bodies=bodies, parts=parts)
+        plan = make_plan(
+            self._catalogue, self._kind, ["SIM"], values, theme=THEME, seed=seed, mode="simulated"
+        )
+        name = simulate(
+            plan, PEOPLE[user], self._folder, self._catalogue, bodies=bodies, parts=parts
+        )
         database = connect(self._folder)
         with closing(database):
             messages = [record.message for record in sessions.history(database, name)]
@@ -95,17 +114,22 @@ class SessionRunner:
                 task=self._kind(plan.parameters),
                 attempts=sessions.rows(database, "attempts", name),
                 actions=sessions.rows(database, "actions", name),
-                asked=[each.at for each in messages if isinstance(each, KeyPressed) and each.key == REQUEST_KEY],
+                asked=[
+                    each.at
+                    for each in messages
+                    if isinstance(each, KeyPressed) and each.key == REQUEST_KEY
+                ],
                 reports=[each for each in messages if isinstance(each, OutputReport)],
                 timed=timed(messages),
             )
 
 
 def timed(messages: Sequence[Message]) -> dict[int, float]:
-    """Return the mean reaction time (ms) of each attempt that has one, from the inputs of a session alone.
+    """Return the mean reaction time (ms) of each attempt that has one, from the inputs of a session
+    alone.
 
-    Which responses count is the program's judgement; when the prompt was shown and which key came first after it is
-    not.
+    Which responses count is the program's judgement; when the prompt was shown and which key came
+    first after it is not.
     """
     keys = [each.at for each in messages if isinstance(each, KeyPressed)]
     shown = {(each.attempt, each.trial): each.at for each in messages if isinstance(each, Shown)}
@@ -113,12 +137,18 @@ def timed(messages: Sequence[Message]) -> dict[int, float]:
     for each in messages:
         if isinstance(each, TrialEnded) and each.correct and each.value is not None:
             onset = shown[each.attempt, each.trial]
-            times.setdefault(each.attempt, []).append((keys[bisect_right(keys, onset)] - onset) / MS)
+            times.setdefault(each.attempt, []).append(
+                (keys[bisect_right(keys, onset)] - onset) / MS
+            )
     return {attempt: fmean(found) for attempt, found in times.items()}
 
 
 @contextmanager
-def session_runner(catalogue: Catalogue, known: dict[object, Simulated] | None = None) -> Iterator[SessionRunner]:
-    """Provide a runner with a temporary database. ``known``: sessions to share with other runners, and to add to."""
+def session_runner(
+    catalogue: Catalogue, known: dict[object, Simulated] | None = None
+) -> Iterator[SessionRunner]:
+    """Provide a runner with a temporary database. ``known``: sessions to share with other runners,
+    and to add to.
+    """
     with tempfile.TemporaryDirectory(prefix="sar-tui-validate-") as folder:
         yield SessionRunner(catalogue, Path(folder), known)

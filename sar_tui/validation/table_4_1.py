@@ -1,4 +1,6 @@
-"""Table 4.1 of the thesis: its eight reaches, simulated and measured, and the definition that they were measured by."""
+"""Table 4.1 of the thesis: its eight reaches, simulated and measured, and the definition that they
+were measured by.
+"""
 
 from sar_tui.motion.detection import detect
 from sar_tui.motion.detector_names import STORED_NAMES, DetectorName
@@ -9,8 +11,14 @@ from sar_tui.validation.report import Claim, Column, Conditions, Report, Row
 
 RATE_HZ = 250.0
 """Sample rate of the thesis' PhidgetSpatial."""
-TIME_MS: dict[DetectorName, float] = {"fixed-threshold": 130.0, "single-axis": 40.0, "orientation": 40.0}
-"""Largest error of a reach time. The fixed threshold cuts off the slow beginning and end of every reach."""
+TIME_MS: dict[DetectorName, float] = {
+    "fixed-threshold": 130.0,
+    "single-axis": 40.0,
+    "orientation": 40.0,
+}
+"""Largest error of a reach time. The fixed threshold cuts off the slow beginning and end of every
+reach.
+"""
 PEAK_PERCENT = 3.0
 _HEADS: dict[DetectorName, str] = {
     "fixed-threshold": "fixed\nthr.",
@@ -19,8 +27,10 @@ _HEADS: dict[DetectorName, str] = {
 }
 PEAKS = ("peak_extension", "peak_return")
 NOTE = (
-    "The thesis measured the times of its table with the fixed-threshold detector, and these reaches are simulated\n"
-    "from them. So the table shows what that detector cuts off, not how long people reach. The first two claims test\n"
+    "The thesis measured the times of its table with the fixed-threshold detector, and these "
+    "reaches are simulated\n"
+    "from them. So the table shows what that detector cuts off, not how long people reach. The "
+    "first two claims test\n"
     "the detector itself, on movements whose crossings of its threshold are known."
 )
 
@@ -31,7 +41,8 @@ def run(_: Conditions) -> Report:
     found = {name: detect(simulation.recording, name) for name in TIME_MS}
     matched = {name: _matched(simulation, reaches) for name, reaches in found.items()}
     rows = [
-        _row(line, {name: reaches[index] for name, reaches in matched.items()}) for index, line in enumerate(TABLE_4_1)
+        _row(line, {name: reaches[index] for name, reaches in matched.items()})
+        for index, line in enumerate(TABLE_4_1)
     ]
     claims = [
         *threshold_definition.claims(),
@@ -61,35 +72,56 @@ def _row(line: TableRow, found: dict[DetectorName, Reach | None]) -> Row:
         name = STORED_NAMES[detector]
         time_s = None if reach is None else reach.reach_time_s
         row[f"{name}_reach_time_s"] = time_s
-        row[f"{name}_difference_ms"] = None if time_s is None else (time_s - line.reach_time_s) * 1000
+        row[f"{name}_difference_ms"] = (
+            None if time_s is None else (time_s - line.reach_time_s) * 1000
+        )
         for peak in PEAKS:
             value, table = getattr(reach, f"{peak}_rad_s", None), getattr(line, f"{peak}_rad_s")
             row[f"{name}_{peak}_rad_s"] = value
-            row[f"{name}_{peak}_difference_percent"] = None if value is None else (value / table - 1) * 100
+            row[f"{name}_{peak}_difference_percent"] = (
+                None if value is None else (value / table - 1) * 100
+            )
     return row
 
 
 def _finds_all(name: DetectorName, count: int, rows: list[Row]) -> Claim:
     column = f"{STORED_NAMES[name]}_reach_time_s"
     missed = [str(number) for number, row in enumerate(rows, 1) if row[column] is None]
-    against = f"it finds {count}" if count != len(rows) else f"it misses {', '.join(missed)}" if missed else ""
+    against = (
+        f"it finds {count}"
+        if count != len(rows)
+        else f"it misses {', '.join(missed)}"
+        if missed
+        else ""
+    )
     return Claim(f"The {name} detector finds eight reaches.", against)
 
 
 def _times(name: DetectorName, rows: list[Row]) -> Claim:
     sentence = f"The {name} detector's reach times are within {TIME_MS[name]:g} ms of the table's."
-    return Claim(sentence, _beyond(rows, f"{STORED_NAMES[name]}_difference_ms", TIME_MS[name], "ms"))
+    return Claim(
+        sentence, _beyond(rows, f"{STORED_NAMES[name]}_difference_ms", TIME_MS[name], "ms")
+    )
 
 
 def _peaks(name: DetectorName, rows: list[Row]) -> Claim:
-    against = [_beyond(rows, f"{STORED_NAMES[name]}_{peak}_difference_percent", PEAK_PERCENT, "%") for peak in PEAKS]
+    against = [
+        _beyond(rows, f"{STORED_NAMES[name]}_{peak}_difference_percent", PEAK_PERCENT, "%")
+        for peak in PEAKS
+    ]
     sentence = f"The {name} detector's peaks are within {PEAK_PERCENT:g} % of the table's."
     return Claim(sentence, ", ".join(filter(None, against)))
 
 
 def _beyond(rows: list[Row], name: str, limit: float, unit: str) -> str:
-    wrong = [(number, row[name]) for number, row in enumerate(rows, 1) if row[name] is None or abs(row[name]) > limit]
-    return ", ".join(f"reach {n}: {'none' if value is None else f'{value:+.1f} {unit}'}" for n, value in wrong)
+    wrong = [
+        (number, row[name])
+        for number, row in enumerate(rows, 1)
+        if row[name] is None or abs(row[name]) > limit
+    ]
+    return ", ".join(
+        f"reach {n}: {'none' if value is None else f'{value:+.1f} {unit}'}" for n, value in wrong
+    )
 
 
 def _column(head: str, name: str, form: str) -> Column:
@@ -114,6 +146,7 @@ def _peaks_table() -> list[Column]:
     for peak, head in zip(PEAKS, ("out, rad/s", "back, rad/s"), strict=True):
         columns.append(_column(head, f"table_{peak}_rad_s", ".4f"))
         columns += [
-            _column(f"{_HEADS[name]}, %", f"{STORED_NAMES[name]}_{peak}_difference_percent", "+.2f") for name in TIME_MS
+            _column(f"{_HEADS[name]}, %", f"{STORED_NAMES[name]}_{peak}_difference_percent", "+.2f")
+            for name in TIME_MS
         ]
     return columns

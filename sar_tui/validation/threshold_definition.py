@@ -1,7 +1,9 @@
-"""The fixed-threshold detector against its definition, on movements whose crossings of the threshold are known.
+"""The fixed-threshold detector against its definition, on movements whose crossings of the
+threshold are known.
 
-Their angular rate is a formula, peak · (4u(1 − u))² of the share u of each way's time (minimum jerk). It crosses a
-threshold at u = (1 − √(1 − √(threshold / peak))) / 2 and at 1 − u, which no detector is needed for.
+Their angular rate is a formula, peak · (4u(1 − u))² of the share u of each way's time (minimum
+jerk). It crosses a threshold at u = (1 − √(1 − √(threshold / peak))) / 2 and at 1 − u, which no
+detector is needed for.
 """
 
 import math
@@ -28,12 +30,14 @@ def claims() -> list[Claim]:
     """Return the claims that the detector does what its definition says."""
     return [
         Claim(
-            "The fixed-threshold detector's reaches begin and end with the first sample after the rate crosses "
+            "The fixed-threshold detector's reaches begin and end with the first sample after the "
+            "rate crosses "
             f"{DEFINED.threshold_rad_s:g} rad/s.",
             _against_crossings(),
         ),
         Claim(
-            f"It ends a reach where the rate stays below that for {DEFINED.still_ms:g} ms, and for no less.",
+            f"It ends a reach where the rate stays below that for {DEFINED.still_ms:g} ms, and "
+            "for no less.",
             _against_rests(),
         ),
     ]

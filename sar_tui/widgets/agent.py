@@ -26,12 +26,14 @@ _VALENCES = ("positive", "neutral", "negative")
 class Agent(Horizontal):
     """Shows the agent and its last words.
 
-    It moves on the session's clock, for gestures and to move its mouth with a voice; while held it is still.
+    It moves on the session's clock, for gestures and to move its mouth with a voice; while held it
+    is still.
 
     Args:
         theme: has the faces.
         clock: drives its motion.
-        picture: the widget that shows pictures, if the terminal can; an expression with a picture does not move.
+        picture: the widget that shows pictures, if the terminal can; an expression with a picture
+            does not move.
         folder: of the theme's pictures.
     """
 
@@ -93,9 +95,12 @@ class Agent(Horizontal):
     def on_unmount(self) -> None:
         self.hold()
 
-    # --- words and expression ------------------------------------------------------------------------------
+    # --- words and expression
+    # ------------------------------------------------------------------------------
 
-    def say(self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False) -> None:
+    def say(
+        self, text: str, face: str = "", valence: str | None = None, *, joins: bool = False
+    ) -> None:
         """Show words until the next ones; an empty text keeps those shown.
 
         Args:
@@ -144,7 +149,8 @@ class Agent(Horizontal):
             self._load_pictures()
             self.look(self.face)
 
-    # --- motion --------------------------------------------------------------------------------------------
+    # --- motion
+    # --------------------------------------------------------------------------------------------
 
     def gesture(self, gesture: Gesture) -> None:
         """Move through a gesture, from where the body is now."""
@@ -158,9 +164,11 @@ class Agent(Horizontal):
         self._go_on()
 
     def cue(self, gaze: str, gesture: Gesture | None = None) -> None:
-        """Look somewhere, or take the farthest pose of a gesture, in a single frame, also while held.
+        """Look somewhere, or take the farthest pose of a gesture, in a single frame, also while
+        held.
 
-        The pose stays until ``release``. A picture, which can neither look nor point, is replaced by the drawing.
+        The pose stays until ``release``. A picture, which can neither look nor point, is replaced
+        by the drawing.
         """
         self._gaze = gaze or "ahead"
         self._still = gesture.farthest if gesture else REST
@@ -242,7 +250,9 @@ class Agent(Horizontal):
 
     @property
     def _silent_face(self) -> str:
-        """The expression whose mouth it has without a voice: the face ``speaking`` has an open one."""
+        """The expression whose mouth it has without a voice: the face ``speaking`` has an open
+        one.
+        """
         return "neutral" if self.face == "speaking" else self.face
 
     def _show_picture(self) -> None:
@@ -258,7 +268,9 @@ class Agent(Horizontal):
     def _load_pictures(self) -> None:
         """Load all pictures at once, so that no file is read when a face changes."""
         if self._picture and self._folder:
-            self._pictures = load_pictures({name: self._folder / file for name, file in self._theme.images.items()})
+            self._pictures = load_pictures(
+                {name: self._folder / file for name, file in self._theme.images.items()}
+            )
 
     def _put(self, words: Static, text: str) -> None:
         words.display = bool(text)

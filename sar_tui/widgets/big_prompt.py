@@ -1,4 +1,6 @@
-"""Widget of the prompt: very large or as a picture, and as a plain line for screen readers and tests."""
+"""Widget of the prompt: very large or as a picture, and as a plain line for screen readers and
+tests.
+"""
 
 import functools
 import re
@@ -25,7 +27,8 @@ _FRAMES = re.compile("([─│┌┐└┘]+)")
 
 
 class BigPrompt(Widget):
-    """Shows one prompt or a fixation point. A change repaints its own region only, never the layout.
+    """Shows one prompt or a fixation point. A change repaints its own region only, never the
+    layout.
 
     Args:
         draw: draws the prompt (see `task_view.TaskView.prompt_lines`).
@@ -34,7 +37,12 @@ class BigPrompt(Widget):
 
     DEFAULT_CSS = "BigPrompt { height: 1fr; width: 1fr; }"
 
-    def __init__(self, id: str | None = None, draw: DrawPrompt = plain_lines, pictures: Pictures | None = None) -> None:
+    def __init__(
+        self,
+        id: str | None = None,
+        draw: DrawPrompt = plain_lines,
+        pictures: Pictures | None = None,
+    ) -> None:
         super().__init__(id=id)
         self._draw = draw
         self._pictures = pictures
@@ -55,7 +63,9 @@ class BigPrompt(Widget):
         return self._pictures.way_of(prompt.picture) if self._pictures else "none"
 
     def show_answer(self, text: str, halves: tuple[str, ...] = ()) -> None:
-        """Show the answer to a trial, in the same place; for two seats, in the halves of the screen."""
+        """Show the answer to a trial, in the same place; for two seats, in the halves of the
+        screen.
+        """
         self._change(None, lambda width, height: answer_lines(text, halves, width, height))
 
     def clear(self) -> None:
@@ -70,7 +80,9 @@ class BigPrompt(Widget):
             self.refresh(*regions, *self._regions())
 
     def prepare(self, pictures: Sequence[str]) -> None:
-        """Prepare pictures that a prompt will soon show, so that its frame takes no longer for them."""
+        """Prepare pictures that a prompt will soon show, so that its frame takes no longer for
+        them.
+        """
         self._to_come = pictures
         for name in pictures if self.size else ():
             if picture := self._drawn_picture(name):
@@ -80,17 +92,23 @@ class BigPrompt(Widget):
         """Prepare for the new size, also for the first one: nothing could be prepared before."""
         self.prepare(self._to_come)
 
-    def _change(self, prompt: Prompt | None, answer: Callable[[int, int], Sequence[Line]] | None = None) -> None:
+    def _change(
+        self, prompt: Prompt | None, answer: Callable[[int, int], Sequence[Line]] | None = None
+    ) -> None:
         before = self._regions()
         self._prompt, self._answer = prompt, answer
         self._draw_lines()
         self.refresh(*before, *self._regions())
 
     def _regions(self) -> list[Region]:
-        """Return the regions that hold something: a small frame reaches the terminal in one piece."""
+        """Return the regions that hold something: a small frame reaches the terminal in one
+        piece.
+        """
         rows = range(self._top, self._top + len(self._picture.rows)) if self._picture else range(0)
         return [
-            Region(0, y, self.size.width, 1) if y in rows else Region(_indent(line), y, cell_len(line.strip()), 1)
+            Region(0, y, self.size.width, 1)
+            if y in rows
+            else Region(_indent(line), y, cell_len(line.strip()), 1)
             for y, (line, _) in enumerate(self._lines)
             if line.strip() or y in rows
         ]
@@ -105,7 +123,9 @@ class BigPrompt(Widget):
             self._picture = self._drawn_picture(prompt.picture)
         if prompt and self._picture:
             self._top = self._top_of(self._picture)
-            self._lines = with_text(("",) * len(self._picture.rows), prompt.text, prompt.hint, *self.size)
+            self._lines = with_text(
+                ("",) * len(self._picture.rows), prompt.text, prompt.hint, *self.size
+            )
         else:
             draw = self._answer or functools.partial(self._draw, prompt)
             self._lines = draw(*self.size)
@@ -147,19 +167,24 @@ class BigPrompt(Widget):
     def _strips_of(self, picture: Drawn) -> list[Strip]:
         """Return the rows of a picture as lines of the present width, rendered for this terminal.
 
-        What is painted over the picture follows its last row. It must not pass the filters of lines, which would make
-        its escape sequences visible.
+        What is painted over the picture follows its last row. It must not pass the filters of
+        lines, which would make its escape sequences visible.
         """
         key = (id(picture), self.region)
         if key not in self._strips:
             style, background = self.rich_style, self.background_colors[1]
             left = (self.size.width - picture.columns) // 2
-            margins = Segment(" " * left, style), Segment(" " * (self.size.width - left - picture.columns), style)
+            margins = (
+                Segment(" " * left, style),
+                Segment(" " * (self.size.width - left - picture.columns), style),
+            )
             rows = [Strip([margins[0], *row, margins[1]], self.size.width) for row in picture.rows]
             for each in self.app.get_line_filters():
                 rows = [row.apply_filter(each, background) for row in rows]
             if picture.overlay:
-                painted = overlay(picture, self.region.x + left, self.region.y + self._top_of(picture))
+                painted = overlay(
+                    picture, self.region.x + left, self.region.y + self._top_of(picture)
+                )
                 rows[-1] = Strip([*rows[-1], painted], self.size.width)
             for row in rows:
                 row.render(self.app.console)  # the strip keeps it
@@ -177,14 +202,19 @@ class BigPrompt(Widget):
         if color is None or not style.bold or not self._prompt or self._prompt.text == text:
             return [Segment(text, style)]
         parts = (part for part in _FRAMES.split(text) if part)
-        return [Segment(part, style if _FRAMES.match(part) else style + Style(color=color)) for part in parts]
+        return [
+            Segment(part, style if _FRAMES.match(part) else style + Style(color=color))
+            for part in parts
+        ]
 
     @property
     def _color(self) -> Color | None:
         """The colour of the prompt; None for that of texts."""
         if not self._prompt or not self._prompt.colour:
             return None
-        return prompt_color(self._prompt.colour, _hex(self.background_colors[1].rgb), self.app.console.color_system)
+        return prompt_color(
+            self._prompt.colour, _hex(self.background_colors[1].rgb), self.app.console.color_system
+        )
 
 
 def _hex(rgb: tuple[int, int, int]) -> str:

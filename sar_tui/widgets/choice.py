@@ -17,7 +17,9 @@ from sar_tui.widgets.option_list import OptionList
 class ChoiceList(OptionList):
     """List of the values. It closes when it loses the focus."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "close", "Close the list", id="close-list")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "close", "Close the list", id="close-list")
+    ]
 
     def action_close(self) -> None:
         """Leave the value as it was."""
@@ -54,7 +56,9 @@ class Choice(Widget, can_focus=True):
         labels: values as they are shown; others are shown as they are.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter,space,down,up", "open", "Show", show=False, id="choices")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter,space,down,up", "open", "Show", show=False, id="choices")
+    ]
     ALLOW_SELECT = False
     DEFAULT_CSS = """
     Choice { height: 1; padding: 0 1 0 0; background: $surface; color: $foreground; pointer: pointer; }
@@ -83,7 +87,9 @@ class Choice(Widget, can_focus=True):
     def render(self) -> Content:
         """Draw the value, cut to fit, and the arrow."""
         arrow = "▲" if self.children else "▼"
-        words = Content(self._label(self.value)).truncate(self.content_size.width - 2, ellipsis=True, pad=True)
+        words = Content(self._label(self.value)).truncate(
+            self.content_size.width - 2, ellipsis=True, pad=True
+        )
         return Content.assemble(words, " ", (arrow, "$foreground 50%"))
 
     def _label(self, value: str) -> str:

@@ -35,7 +35,9 @@ class FieldPanel(VerticalScroll, can_focus=False, inherit_bindings=False):
 
     @property
     def summary(self) -> str:
-        """Number of fields that have problems ("! 2") or differ from their defaults ("● 3"); else empty."""
+        """Number of fields that have problems ("! 2") or differ from their defaults ("● 3"); else
+        empty.
+        """
         if wrong := sum(bool(field.problem) for field in self.fields):
             return f"! {wrong}"
         differing = sum(field.is_changed for field in self.fields)

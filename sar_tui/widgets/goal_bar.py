@@ -1,4 +1,6 @@
-"""A line from zero to a result, with its goal marked on it: readable without colour, and in no need of figures."""
+"""A line from zero to a result, with its goal marked on it: readable without colour, and in no need
+of figures.
+"""
 
 from typing import NamedTuple
 
@@ -12,12 +14,16 @@ from sar_tui.model.trial_types import Metric
 LONGEST, SHORTEST = 40, 12
 """Columns of the line, without the words beside it."""
 FARTHEST = 2.0
-"""The line ends in an arrow at this multiple of the goal: a longer one would tell nothing more, and discourage."""
+"""The line ends in an arrow at this multiple of the goal: a longer one would tell nothing more, and
+discourage.
+"""
 DONE, REST, GOAL, BEYOND, REACHED = "━", "─", "┊", "▶", "✓"
 
 
 class GoalBar(NamedTuple):
-    """A result beside its goal. ``who``: the participant's name if there are several, else empty."""
+    """A result beside its goal. ``who``: the participant's name if there are several, else
+    empty.
+    """
 
     metric: Metric
     value: float
@@ -26,12 +32,16 @@ class GoalBar(NamedTuple):
 
 
 def bar_of(feedback: Feedback, metric: Metric, who: str = "") -> GoalBar | None:
-    """Return the bar that goes with feedback in figures; None where a bar would say more than the words, or mislead.
+    """Return the bar that goes with feedback in figures; None where a bar would say more than the
+    words, or mislead.
 
-    It would after a race, for several attempts together, and if too few responses were right or none was timed.
+    It would after a race, for several attempts together, and if too few responses were right or
+    none was timed.
     """
     choice, value = feedback.choice, feedback.metric
-    says_result = choice.form != "qualitative" and choice.content != "performance" and choice.attempts == 1
+    says_result = (
+        choice.form != "qualitative" and choice.content != "performance" and choice.attempts == 1
+    )
     if not says_result or feedback.reason not in ("goal", "missed", "band"):
         return None
     if value is None or value < 0 or feedback.goal <= 0:
@@ -40,7 +50,8 @@ def bar_of(feedback: Feedback, metric: Metric, who: str = "") -> GoalBar | None:
 
 
 def draw_bars(bars: list[GoalBar], width: int, tr: Language) -> Content:
-    """Return a row for each bar: "you ━━━━━━────────────┊ goal: less than 1 second ✓". Empty if there is no room.
+    """Return a row for each bar: "you ━━━━━━────────────┊ goal: less than 1 second ✓". Empty if
+    there is no room.
 
     The mark is there if the goal is reached: a short bar is good for a time, and bad for a count.
     """
@@ -53,13 +64,19 @@ def draw_bars(bars: list[GoalBar], width: int, tr: Language) -> Content:
     rows = []
     for name, bar, goal in zip(names, bars, goals, strict=True):
         done, rest = line(bar, columns)
-        row = ((f"{name:>{left}} ", "$text-muted"), (done, "$accent"), (rest, "$text-muted"), f" {goal:<{right}}")
+        row = (
+            (f"{name:>{left}} ", "$text-muted"),
+            (done, "$accent"),
+            (rest, "$text-muted"),
+            f" {goal:<{right}}",
+        )
         rows.append(Content.assemble(*row))
     return Content("\n").join(rows)
 
 
 def line(bar: GoalBar, columns: int) -> tuple[str, str]:
-    """Return the part of the line up to the result, with the goal if that is farther, and the part beyond.
+    """Return the part of the line up to the result, with the goal if that is farther, and the part
+    beyond.
 
     The goal is at the right end if the result has not passed it; else the result is there.
     """

@@ -9,7 +9,8 @@ from textual.widgets._footer import FooterKey
 class KeyFooter(Footer):
     """Textual's footer, composed anew only when its keys change.
 
-    Textual composes it whenever the focus moves, which takes longer than everything else that a key press does.
+    Textual composes it whenever the focus moves, which takes longer than everything else that a key
+    press does.
     """
 
     _keys: tuple[tuple[object, ...], ...] | None = None

@@ -1,7 +1,8 @@
 """Very large characters: bitmaps of about 8 by 8, drawn in blocks at the largest size that fits.
 
-Letters without accents, digits and punctuation come from a font; `letter_shapes` has the rest. Characters that have no
-large shape, such as Han or emoji, are drawn at the terminal's own size, in a frame.
+Letters without accents, digits and punctuation come from a font; `letter_shapes` has the rest.
+Characters that have no large shape, such as Han or emoji, are drawn at the terminal's own size, in
+a frame.
 """
 
 import unicodedata
@@ -27,7 +28,9 @@ def _figlet() -> Figlet:
 
 @cache
 def bitmap(text: str) -> tuple[str, ...]:
-    """Return the rows of a text, ``#`` for a dot; empty if one of its characters has no large shape."""
+    """Return the rows of a text, ``#`` for a dot; empty if one of its characters has no large
+    shape.
+    """
     if unknown(text):
         return ()
     return _cropped(tuple(row for line in text.splitlines() for row in _line(line)))
@@ -35,7 +38,9 @@ def bitmap(text: str) -> tuple[str, ...]:
 
 def unknown(text: str) -> list[str]:
     """Return the characters of a text that have no large shape, each once."""
-    found = (letter for line in text.splitlines() for letter in letters(line) if not _shape(letter)[0])
+    found = (
+        letter for line in text.splitlines() for letter in letters(line) if not _shape(letter)[0]
+    )
     return list(dict.fromkeys(found))
 
 
@@ -46,7 +51,8 @@ def _line(text: str) -> Shape:
     placed = [(*(" " * len(rows[0]),) * (above - up), *rows) for rows, up in shapes]
     height = max(map(len, placed), default=0)
     return tuple(
-        "".join(shape[y] if y < len(shape) else " " * len(shape[0]) for shape in placed) for y in range(height)
+        "".join(shape[y] if y < len(shape) else " " * len(shape[0]) for shape in placed)
+        for y in range(height)
     )
 
 
@@ -63,7 +69,9 @@ def letters(text: str) -> list[str]:
 
 @cache
 def _shape(letter: str) -> tuple[Shape, int]:
-    """Return the rows of a character, a gap included, and how many of them are above row 0; no rows if unknown."""
+    """Return the rows of a character, a gap included, and how many of them are above row 0; no rows
+    if unknown.
+    """
     if letter == " ":
         return _SPACE, 0
     base, *marks = list(unicodedata.normalize("NFD", letter))
@@ -90,7 +98,9 @@ def _base(letter: str) -> Shape:
 
 
 def _marked_above(rows: Shape, mark: Shape) -> tuple[Shape, int]:
-    """Put a mark a row above a character's topmost dot. Returns the number of rows that it adds on top, too."""
+    """Put a mark a row above a character's topmost dot. Returns the number of rows that it adds on
+    top, too.
+    """
     top = next(y for y, row in enumerate(rows) if "#" in row)
     marked = (*_under_or_over(rows, mark), " " * len(rows[0]))
     more = max(0, len(marked) - top)
@@ -112,7 +122,9 @@ def _under_or_over(rows: Shape, mark: Shape) -> Shape:
 
 
 def _cropped(rows: tuple[str, ...]) -> tuple[str, ...]:
-    """Return rows of equal length without the blank columns at their sides; none if no dot is in them."""
+    """Return rows of equal length without the blank columns at their sides; none if no dot is in
+    them.
+    """
     inked = [row for row in rows if row.strip()]
     if not inked:
         return ()
@@ -123,7 +135,8 @@ def _cropped(rows: tuple[str, ...]) -> tuple[str, ...]:
 
 @cache
 def draw(text: str, columns: int, rows: int) -> tuple[str, ...]:
-    """Draw a text as large as fits into ``columns`` by ``rows`` cells; in a frame if it cannot be drawn large.
+    """Draw a text as large as fits into ``columns`` by ``rows`` cells; in a frame if it cannot be
+    drawn large.
 
     A terminal's cell is about twice as high as wide, so a dot is two columns wide for each row.
     """
@@ -132,7 +145,10 @@ def draw(text: str, columns: int, rows: int) -> tuple[str, ...]:
         return small(text, columns, rows)
     scale = min(columns // (2 * len(dots[0])), rows // len(dots), 3)
     if scale:
-        lines = ["".join("█" * (2 * scale) if dot == "#" else " " * (2 * scale) for dot in row) for row in dots]
+        lines = [
+            "".join("█" * (2 * scale) if dot == "#" else " " * (2 * scale) for dot in row)
+            for row in dots
+        ]
         return tuple(line for line in lines for _ in range(scale))
     if len(dots[0]) <= columns and len(dots) <= 2 * rows:
         return _half_blocks(dots)
@@ -155,7 +171,9 @@ def small(text: str, columns: int, rows: int) -> tuple[str, ...]:
 
 
 def cut(text: str, columns: int) -> str:
-    """Return as much of a text as fits into a number of columns, of which a wide character takes two."""
+    """Return as much of a text as fits into a number of columns, of which a wide character takes
+    two.
+    """
     return text if cell_len(text) <= columns else set_cell_size(text, columns)
 
 
@@ -165,6 +183,8 @@ def _half_blocks(dots: tuple[str, ...]) -> tuple[str, ...]:
     padded = (*dots, blank) if len(dots) % 2 else dots
     shapes = {"##": "█", "# ": "▀", " #": "▄", "  ": " "}
     return tuple(
-        "".join(shapes[upper + lower] for upper, lower in zip(padded[i], padded[i + 1], strict=True))
+        "".join(
+            shapes[upper + lower] for upper, lower in zip(padded[i], padded[i + 1], strict=True)
+        )
         for i in range(0, len(padded), 2)
     )

@@ -1,7 +1,8 @@
-"""Shapes of large characters that the font lacks: marks above and below letters, other letters, arrows, symbols.
+"""Shapes of large characters that the font lacks: marks above and below letters, other letters,
+arrows, symbols.
 
-A shape has a text for each row, ``#`` for a dot. As in the font, capitals take the rows 0 to 6, small letters without a
-stem the rows 2 to 6, and row 7 is for descenders.
+A shape has a text for each row, ``#`` for a dot. As in the font, capitals take the rows 0 to 6,
+small letters without a stem the rows 2 to 6, and row 7 is for descenders.
 """
 
 Shape = tuple[str, ...]

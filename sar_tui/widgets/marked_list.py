@@ -11,7 +11,9 @@ _MARK = "▌"
 
 
 class MarkedList(OptionList):
-    """A list that marks its chosen line with a bar at the left. Escape chooses what was chosen on entering it."""
+    """A list that marks its chosen line with a bar at the left. Escape chooses what was chosen on
+    entering it.
+    """
 
     _before: str | None = None
 
@@ -42,7 +44,9 @@ class MarkedList(OptionList):
         self._before = self.chosen
 
     def on_key(self, event: Key) -> None:
-        """Take back what was chosen since the list was entered. What else Escape does is up to the screen."""
+        """Take back what was chosen since the list was entered. What else Escape does is up to the
+        screen.
+        """
         if event.key == "escape" and self._before is not None and self.chosen != self._before:
             self.choose(self._before)
 
@@ -50,7 +54,11 @@ class MarkedList(OptionList):
         """Draw a line, with the bar if it is the chosen one."""
         strip = super().render_line(y)
         line = self.scroll_offset.y + y
-        if line < len(self._lines) and self._lines[line][0] == self.highlighted and strip.cell_length > 1:
+        if (
+            line < len(self._lines)
+            and self._lines[line][0] == self.highlighted
+            and strip.cell_length > 1
+        ):
             style = self.get_visual_style("option-list--option", "option-list--option-highlighted")
             return Strip.join([Strip([Segment(_MARK, style.rich_style)], 1), strip.crop(1)])
         return strip

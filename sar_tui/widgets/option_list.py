@@ -9,8 +9,8 @@ from textual.widgets import OptionList as TextualOptionList
 class OptionList(TextualOptionList):
     """Textual's list, without two of its failures.
 
-    It fails on Page Up and Page Down before it is laid out, or without a column to stand in; and on a click at an
-    option that has been taken away and still stands on the screen.
+    It fails on Page Up and Page Down before it is laid out, or without a column to stand in; and on
+    a click at an option that has been taken away and still stands on the screen.
     """
 
     async def _on_click(self, event: events.Click) -> None:

@@ -35,8 +35,8 @@ class _NumberInput(Input):
 class ParameterField(Widget):
     """Title, value and unit in a line. The screen shows the note of the focused field.
 
-    It has its value and problem even while it is not mounted. It draws everything except the value itself, because
-    a form of many fields would be slow with a widget for each text.
+    It has its value and problem even while it is not mounted. It draws everything except the value
+    itself, because a form of many fields would be slow with a widget for each text.
 
     Args:
         field: the declaration.
@@ -58,7 +58,9 @@ class ParameterField(Widget):
     class Focused(Message):
         """The field is edited now."""
 
-    def __init__(self, field: Field, value: object, known: Sequence[str] = (), tr: Language | None = None) -> None:
+    def __init__(
+        self, field: Field, value: object, known: Sequence[str] = (), tr: Language | None = None
+    ) -> None:
         super().__init__(id=f"parameter-{field.name}")
         self.field = field
         self.tr = tr or Language()
@@ -77,7 +79,9 @@ class ParameterField(Widget):
             case "choice":
                 yield Choice(self.field.choices, str(self.value), self.field.labels)
             case "bool":
-                yield Choice(_YES_NO, show(bool(self.value)), {"yes": self.tr("yes"), "no": self.tr("no")})
+                yield Choice(
+                    _YES_NO, show(bool(self.value)), {"yes": self.tr("yes"), "no": self.tr("no")}
+                )
             case "text" if self.known:
                 yield Choice([*self.known, *([] if value in self.known else [value])], value)
             case "list" if self.known:
@@ -113,17 +117,31 @@ class ParameterField(Widget):
         return " ".join(filter(None, said))
 
     def _limits(self) -> str:
-        """Return the bounds of a number, or what a list may hold, as a sentence; empty where there is a choice."""
+        """Return the bounds of a number, or what a list may hold, as a sentence; empty where there
+        is a choice.
+        """
         field, tr = self.field, self.tr
         if field.kind in ("choice", "bool", "text") or self.known:
             return ""
-        low, high = (f"{field.ge:g}", f"{field.le:g}") if field.ge is not None and field.le is not None else ("", "")
+        low, high = (
+            (f"{field.ge:g}", f"{field.le:g}")
+            if field.ge is not None and field.le is not None
+            else ("", "")
+        )
         if field.kind == "list":
-            of_numbers = tr("Numbers {low} to {high}, spaced.", low=low, high=high) if low else tr("Numbers, spaced.")
+            of_numbers = (
+                tr("Numbers {low} to {high}, spaced.", low=low, high=high)
+                if low
+                else tr("Numbers, spaced.")
+            )
             return of_numbers if field.items == "numbers" else tr("Words, spaced.")
         if not low:
             return ""
-        said = tr("{low} to {high}", low=low, high=high) if (field.le or 0) < ENDLESS else tr("{low} or more", low=low)
+        said = (
+            tr("{low} to {high}", low=low, high=high)
+            if (field.le or 0) < ENDLESS
+            else tr("{low} or more", low=low)
+        )
         return f"{said} {field.unit}".strip() + "."
 
     @property
@@ -136,7 +154,9 @@ class ParameterField(Widget):
         self.query_exactly_one("Input, Choice").focus()
 
     def reset(self) -> None:
-        """Put the default back, selected if it is being edited, so that what is typed next replaces it."""
+        """Put the default back, selected if it is being edited, so that what is typed next replaces
+        it.
+        """
         self.set_value(self.field.default)
 
     def set_value(self, value: object) -> None:
@@ -157,7 +177,9 @@ class ParameterField(Widget):
             self.post_message(self.Changed())
 
     def on_descendant_focus(self) -> None:
-        """Highlight the title, and scroll into view; after the next refresh too, as the panel may just have opened."""
+        """Highlight the title, and scroll into view; after the next refresh too, as the panel may
+        just have opened.
+        """
         self.refresh()
         self.post_message(self.Focused())
         self.scroll_visible(animate=False, immediate=True)
@@ -168,7 +190,9 @@ class ParameterField(Widget):
         self.refresh()
 
     def show_problem(self, problem: str, used_by: str = "") -> None:
-        """Mark a problem, that it has no effect without the policies in ``used_by``, or that its value is another."""
+        """Mark a problem, that it has no effect without the policies in ``used_by``, or that its
+        value is another.
+        """
         self.problem, self.used_by = problem, used_by
         drawn = self.is_changed, self.problem, self.used_by
         if drawn != self._drawn:

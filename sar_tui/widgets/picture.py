@@ -13,7 +13,8 @@ _PIXELS = (20 * WIDTH, 40 * HEIGHT)
 
 
 def find_pictures() -> type[Widget] | None:
-    """Return the widget that shows pictures in this terminal; None if it cannot, or the extra ``images`` is missing.
+    """Return the widget that shows pictures in this terminal; None if it cannot, or the extra
+    ``images`` is missing.
 
     Asks the terminal for its protocols (kitty, sixel), so it must be called before an app runs.
     """

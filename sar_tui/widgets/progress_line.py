@@ -22,9 +22,14 @@ class ProgressLine(Widget):
 
     def render(self) -> Content:
         tr = language_of(self.app)
-        words = tr("{what} {done} of {total}", what=self._what, done=self._done, total=self._total) + " "
+        words = (
+            tr("{what} {done} of {total}", what=self._what, done=self._done, total=self._total)
+            + " "
+        )
         room = max(0, self.size.width - len(words))
         done = room * min(self._done, self._total) // max(1, self._total)
         return Content.assemble(
-            (words, "$text-muted"), ("━" * done, "$accent"), ("─" * (room - done), "$text-muted 50%")
+            (words, "$text-muted"),
+            ("━" * done, "$accent"),
+            ("─" * (room - done), "$text-muted 50%"),
         )

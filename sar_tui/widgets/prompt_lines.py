@@ -14,7 +14,9 @@ Line = tuple[str, bool]
 
 
 def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
-    """Draw a prompt in the middle of ``width`` by ``height`` cells; without a prompt, the fixation point."""
+    """Draw a prompt in the middle of ``width`` by ``height`` cells; without a prompt, the fixation
+    point.
+    """
     if prompt and prompt.halves:
         return halves(prompt.halves, prompt.text, width, height)
     if prompt is None:
@@ -24,14 +26,18 @@ def plain_lines(prompt: Prompt | None, width: int, height: int) -> list[Line]:
 
 
 def answer_lines(text: str, sides: Sequence[str], width: int, height: int) -> list[Line]:
-    """Draw the answer to a trial in the place of its prompt; ``sides``: those of two seats, if they differ."""
+    """Draw the answer to a trial in the place of its prompt; ``sides``: those of two seats, if they
+    differ.
+    """
     if sides:
         return halves(sides, text, width, height)
     return with_text(draw(text, *room(width, height)), text, "", width, height)
 
 
 def room(width: int, height: int) -> tuple[int, int]:
-    """Return the columns and rows that a prompt's drawing has on a stage of ``width`` by ``height`` cells."""
+    """Return the columns and rows that a prompt's drawing has on a stage of ``width`` by ``height``
+    cells.
+    """
     return width - 2, height - 3
 
 
@@ -47,8 +53,12 @@ def centred(line: str, width: int) -> str:
     return " " * max(0, (width - cell_len(line)) // 2) + line
 
 
-def halves(glyphs: Sequence[str], text: str, width: int, height: int, names: Sequence[str] = ("", "")) -> list[Line]:
-    """Draw two halves below their names, with a wall between them, and without glyphs the fixation point on it."""
+def halves(
+    glyphs: Sequence[str], text: str, width: int, height: int, names: Sequence[str] = ("", "")
+) -> list[Line]:
+    """Draw two halves below their names, with a wall between them, and without glyphs the fixation
+    point on it.
+    """
     half = max(0, (width - 1) // 2)
     room = max(1, height - 4)
     bodies = [draw(glyph, max(1, half - 2), room) if glyph else () for glyph in glyphs or ("", "")]
@@ -58,7 +68,13 @@ def halves(glyphs: Sequence[str], text: str, width: int, height: int, names: Seq
         wall = FIXATION if row == room // 2 and not glyphs else _WALL
         body.append((_beside(left, wall, right, half), True))
     named = (_beside(names[0], _WALL, names[1], half), True)
-    return [named, (_beside("", _WALL, "", half), False), *body, ("", False), (centred(text, width), True)]
+    return [
+        named,
+        (_beside("", _WALL, "", half), False),
+        *body,
+        ("", False),
+        (centred(text, width), True),
+    ]
 
 
 def _row(lines: Sequence[str], row: int, room: int) -> str:

@@ -1,7 +1,9 @@
-"""Pictures of prompts, prepared for a terminal before they are shown, so that a prompt's frame takes no longer.
+"""Pictures of prompts, prepared for a terminal before they are shown, so that a prompt's frame
+takes no longer.
 
-Kitty's graphics are sent to the terminal beforehand; the frame only says where. Sixel graphics are in the frame. In
-other terminals, a picture is made of half blocks, a colour for each half of a cell.
+Kitty's graphics are sent to the terminal beforehand; the frame only says where. Sixel graphics are
+in the frame. In other terminals, a picture is made of half blocks, a colour for each half of a
+cell.
 """
 
 import base64
@@ -23,7 +25,9 @@ from sar_tui.drivers.installation import pip_install_extra
 from sar_tui.loop.task_pictures import picture_file
 
 Way = Literal["kitty", "sixel", "half blocks", "blocks"]
-"""Ways to draw pictures. ``blocks``: whole cells, for the Linux console, whose font has no half blocks."""
+"""Ways to draw pictures. ``blocks``: whole cells, for the Linux console, whose font has no half
+blocks.
+"""
 Pixel = tuple[int, int, int]
 _CHUNK = 4096
 """Longest part of a picture in one of kitty's commands."""
@@ -34,7 +38,8 @@ _IDS = count(0x5A5201)
 class Drawn(NamedTuple):
     """A picture as it is drawn: the segments of each of its rows, and the columns that it takes.
 
-    ``overlay``: what follows the last row, to be painted over all of them, from the top left corner; else empty.
+    ``overlay``: what follows the last row, to be painted over all of them, from the top left
+    corner; else empty.
     """
 
     rows: tuple[tuple[Segment, ...], ...]
@@ -71,7 +76,9 @@ class Pictures:
         key = (name, columns, rows, background)
         if key not in self._drawn:
             try:
-                self._drawn[key] = self._prepared(picture_file(self._folder, name), columns, rows, background)
+                self._drawn[key] = self._prepared(
+                    picture_file(self._folder, name), columns, rows, background
+                )
             except Exception:  # a decoder may raise anything for a broken file
                 self._drawn[key] = None
         return self._drawn[key]
@@ -80,7 +87,9 @@ class Pictures:
         """Return how a picture is drawn, for the record; ``none`` if it cannot be read."""
         known = [drawn for (known, *_), drawn in self._drawn.items() if known == name]
         try:
-            is_read = bool(known[-1]) if known else not decode_problem(picture_file(self._folder, name))
+            is_read = (
+                bool(known[-1]) if known else not decode_problem(picture_file(self._folder, name))
+            )
         except ValueError:
             is_read = False
         return self.way if is_read else "none"
@@ -96,14 +105,18 @@ class Pictures:
 
         cell = _cell_size() if self.way in ("kitty", "sixel") else (10, 20)
         with Image.open(file) as opened:
-            opened.draft("RGB", (columns * cell[0], rows * cell[1]))  # a JPEG is decoded at about this size
-            picture = ImageOps.exif_transpose(opened).convert("RGBA")  # upright, as the camera was held
+            # a JPEG is decoded at about this size
+            opened.draft("RGB", (columns * cell[0], rows * cell[1]))
+            # upright, as the camera was held
+            picture = ImageOps.exif_transpose(opened).convert("RGBA")
         width, height = _fitting(picture.size, (columns, rows), cell)
         ground = Image.new("RGBA", picture.size, background)
         picture = Image.alpha_composite(ground, picture).convert("RGB")
         match self.way:
             case "kitty":
-                return self._sent_to_kitty(picture.resize((width * cell[0], height * cell[1])), width, height)
+                return self._sent_to_kitty(
+                    picture.resize((width * cell[0], height * cell[1])), width, height
+                )
             case "sixel":
                 return _sixel(picture.resize((width * cell[0], height * cell[1])), width, height)
             case "half blocks":
@@ -130,7 +143,11 @@ class Pictures:
         shown = Placeholders(picture, width, height)
         shown.terminal_image_id = number  # so that it does not send it
         console = Console(width=width, height=height, file=io.StringIO())
-        lines = [part for part in shown.__rich_console__(console, console.options) if isinstance(part, Segment)]
+        lines = [
+            part
+            for part in shown.__rich_console__(console, console.options)
+            if isinstance(part, Segment)
+        ]
         return Drawn(tuple((Segment(part.text.rstrip("\n"), part.style),) for part in lines), width)
 
 
@@ -140,8 +157,12 @@ def _command(payload: str = "", **keys: str | int) -> str:
     return f"\x1b_G{named}{';' * bool(payload)}{payload}\x1b\\"
 
 
-def _fitting(size: tuple[int, int], room: tuple[int, int], cell: tuple[int, int]) -> tuple[int, int]:
-    """Return the columns and rows of a picture that fills the room in one direction, and keeps its proportions."""
+def _fitting(
+    size: tuple[int, int], room: tuple[int, int], cell: tuple[int, int]
+) -> tuple[int, int]:
+    """Return the columns and rows of a picture that fills the room in one direction, and keeps its
+    proportions.
+    """
     scale = min(room[0] * cell[0] / size[0], room[1] * cell[1] / size[1])
     return (
         max(1, min(room[0], round(size[0] * scale / cell[0]))),
@@ -162,7 +183,9 @@ def _sixel(picture: Any, width: int, height: int) -> Drawn:
 
     console = Console(width=width, height=height, file=io.StringIO())
     parts = Sixels(picture, width, height).__rich_console__(console, console.options)
-    data = next(part.text for part in parts if isinstance(part, Segment) and part.text.startswith("\x1bP"))
+    data = next(
+        part.text for part in parts if isinstance(part, Segment) and part.text.startswith("\x1bP")
+    )
     return Drawn(((Segment(" " * width),),) * height, width, data)
 
 
@@ -170,7 +193,9 @@ def _half_blocks(picture: Any) -> Drawn:
     """Draw two rows of pixels in a row of cells."""
     width, height = picture.size
     pixels = picture.load()
-    rows = ([("▀", pixels[x, y], pixels[x, y + 1]) for x in range(width)] for y in range(0, height, 2))
+    rows = (
+        [("▀", pixels[x, y], pixels[x, y + 1]) for x in range(width)] for y in range(0, height, 2)
+    )
     return Drawn(tuple(tuple(_runs(row)) for row in rows), width)
 
 
@@ -184,7 +209,10 @@ def _blocks(picture: Any) -> Drawn:
 
 def _runs(cells: Sequence[tuple[str, Pixel, Pixel]]) -> list[Segment]:
     """Join neighbouring cells that look the same."""
-    return [Segment(sign * len(list(alike)), _style(upper, lower)) for (sign, upper, lower), alike in groupby(cells)]
+    return [
+        Segment(sign * len(list(alike)), _style(upper, lower))
+        for (sign, upper, lower), alike in groupby(cells)
+    ]
 
 
 def _style(color: Pixel, background: Pixel) -> Style:
@@ -206,7 +234,9 @@ def decode_problem(file: Path) -> str:
 
 
 def overlay(drawn: Drawn, x: int, y: int) -> Segment:
-    """Return the segment that paints a picture's overlay with its top left corner in a cell of the screen."""
+    """Return the segment that paints a picture's overlay with its top left corner in a cell of the
+    screen.
+    """
     place = Control.move_to(x, y).segment.text
     return Segment(f"\x1b7{place}{drawn.overlay}\x1b8", None, [(ControlType.CURSOR_FORWARD, 0)])
 
@@ -224,7 +254,8 @@ def find_way(environ: Mapping[str, str] = os.environ) -> Way | None:
         return "blocks"
     if "NO_COLOR" in environ:
         return "half blocks"  # in shades of grey
-    if Image is TGPImage and Console(force_terminal=True).color_system == "truecolor":  # its ids are colours
+    # its ids are colours
+    if Image is TGPImage and Console(force_terminal=True).color_system == "truecolor":
         way: Way = "kitty"
     elif Image is SixelImage:
         way = "sixel"

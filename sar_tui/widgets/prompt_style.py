@@ -1,4 +1,6 @@
-"""The colour of a prompt in Rich's terms: exact if the terminal can show it, else a different one for each name."""
+"""The colour of a prompt in Rich's terms: exact if the terminal can show it, else a different one
+for each name.
+"""
 
 from functools import cache
 
@@ -25,7 +27,8 @@ The nearest by Rich's measure are alike for some names: red and orange, green an
 
 @cache
 def prompt_color(name: str, background: str, color_system: str | None) -> Color | None:
-    """Return the colour for a prompt; None for the colour of texts, as for a name that is not in the set.
+    """Return the colour for a prompt; None for the colour of texts, as for a name that is not in
+    the set.
 
     Args:
         name: of the colour; empty for none.

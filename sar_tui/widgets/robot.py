@@ -30,7 +30,13 @@ def posed(pose: Pose, gaze: str = "ahead") -> Pose:
     look = GAZES.get(gaze)
     if look is None:
         return pose
-    return Pose(_add(pose.nod, look.nod), _add(pose.turn, look.turn), pose.left_arm, pose.right_arm, pose.lean)
+    return Pose(
+        _add(pose.nod, look.nod),
+        _add(pose.turn, look.turn),
+        pose.left_arm,
+        pose.right_arm,
+        pose.lean,
+    )
 
 
 def draw(face: Sequence[str], pose: Pose) -> list[str]:
@@ -63,7 +69,9 @@ def with_mouth(face: Sequence[str], mouth_line: int, mouth: Sequence[str]) -> li
 
 
 def _put_head(cells: Cells, face: Sequence[str], pose: Pose, *, leans: bool) -> None:
-    """Draw the head over the body: turned, its features move; leaning in, it covers the shoulders."""
+    """Draw the head over the body: turned, its features move; leaning in, it covers the
+    shoulders.
+    """
     lines = _turned(face, _step(pose.turn))
     top = _HEAD_TOP + (4 - len(lines)) + max(-1, min(1, _step(pose.nod) + leans))
     left = (WIDTH - len(lines[0])) // 2
@@ -71,7 +79,12 @@ def _put_head(cells: Cells, face: Sequence[str], pose: Pose, *, leans: bool) -> 
         left += _step(pose.turn)
     bottom = top + len(lines)
     if bottom < _SHOULDERS:
-        _put(cells, WIDTH // 2 - 1, bottom, "│ │" if any(not line.isascii() for line in face) else "| |")
+        _put(
+            cells,
+            WIDTH // 2 - 1,
+            bottom,
+            "│ │" if any(not line.isascii() for line in face) else "| |",
+        )
     for row, line in enumerate(lines):
         for column, character in enumerate(line):
             is_outside = not line[:column].strip() or not line[column:].strip()

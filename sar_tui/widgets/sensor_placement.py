@@ -1,4 +1,6 @@
-"""Drawing of the sensor on the back of the hand (Figure 4.7 of the thesis), and bars for its axes."""
+"""Drawing of the sensor on the back of the hand (Figure 4.7 of the thesis), and bars for its
+axes.
+"""
 
 import math
 
@@ -43,7 +45,9 @@ _TRUNK = """\
   │ ╰╮     ╭╯ │
   ╰──┤     ├──╯"""
 DRAWN: dict[Hand, str] = {"right": _RIGHT, "left": _LEFT}
-"""Hands from above, palm down: y along the fingers, z out of the back of the hand, towards the viewer."""
+"""Hands from above, palm down: y along the fingers, z out of the back of the hand, towards the
+viewer.
+"""
 
 
 def draw_hand(hand: Hand) -> Content:
@@ -52,12 +56,16 @@ def draw_hand(hand: Hand) -> Content:
 
 
 def draw_trunk() -> Content:
-    """Draw a trunk from the front with the sensor on the breastbone, in the theme's accent colour."""
+    """Draw a trunk from the front with the sensor on the breastbone, in the theme's accent
+    colour.
+    """
     return Content(_TRUNK).highlight_regex("⊙", style="bold $accent")
 
 
 def bar(value: float, half: int) -> str:
-    """Draw a signed value as a bar from the middle, ``half`` cells on either side, in steps of half a cell."""
+    """Draw a signed value as a bar from the middle, ``half`` cells on either side, in steps of half
+    a cell.
+    """
     steps = min(2 * half, round(abs(value) / FULL_RAD_S * 2 * half)) if math.isfinite(value) else 0
     whole, rest = divmod(steps, 2)
     empty = "─" * (half - whole - rest)

@@ -18,7 +18,9 @@ SMALLEST = (40, 6)
 """Smallest size of a plot, columns and rows."""
 
 PARTS = ("out", "dwell", "back", "rest", "earlier", "axis")
-"""Parts of a plot with a style: the newest reach's phases, its rest, earlier reaches, and everything else."""
+"""Parts of a plot with a style: the newest reach's phases, its rest, earlier reaches, and
+everything else.
+"""
 Styles = Mapping[str, str | Style]
 
 _ENGLISH = Language()
@@ -58,18 +60,27 @@ class SpeedTrace(Widget):
         width, height = self.content_size
         if not self._traces or not width or not height:
             return Text("")
-        styles = {part: self.get_component_rich_style(f"speed-trace--{part}", partial=True) for part in PARTS}
+        styles = {
+            part: self.get_component_rich_style(f"speed-trace--{part}", partial=True)
+            for part in PARTS
+        }
         return draw_traces(self._traces, width, height, styles, language_of(self.app))
 
 
 def draw_traces(
-    traces: Sequence[Trace], width: int, height: int, styles: Styles | None = None, tr: Language = _ENGLISH
+    traces: Sequence[Trace],
+    width: int,
+    height: int,
+    styles: Styles | None = None,
+    tr: Language = _ENGLISH,
 ) -> Text:
-    """Draw reaches as text, all beginning at 0 s: names of the newest one's phases, curves, zero line, time axis.
+    """Draw reaches as text, all beginning at 0 s: names of the newest one's phases, curves, zero
+    line, time axis.
 
     Args:
         traces: the newest last, at least one.
-        width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a legend.
+        width, height: in characters, at least 40 by 6; from 9 rows on, several reaches have a
+            legend.
         styles: of the ``PARTS``; the plot can be read without any.
         tr: the language of the phases' names and of the figures.
     """
@@ -83,7 +94,10 @@ def draw_traces(
 
 
 def _legend(traces: Sequence[Trace], width: int, style: str | Style, tr: Language) -> Text:
-    labels = [trace.label or tr("reach {number}", number=number) for number, trace in enumerate(traces, start=1)]
+    labels = [
+        trace.label or tr("reach {number}", number=number)
+        for number, trace in enumerate(traces, start=1)
+    ]
     *earlier, newest = labels
     return Text(f"{' ' * _MARGIN}⠒⠒ {newest}   ⠂⠂ {', '.join(earlier)}"[:width].ljust(width), style)
 
@@ -102,9 +116,14 @@ class _Plot:
         low = _ROOM * min(-_FLATTEST / 2, *(min(trace.rate, default=0.0) for trace in traces))
         self.zero_row = min(rows - 1, round(high / (high - low) * rows - 0.5))
         self._zero_dot = 4 * self.zero_row + 2
-        self._unit = max(high / max(1, self._zero_dot), -low / max(1, 4 * rows - 1 - self._zero_dot))
+        self._unit = max(
+            high / max(1, self._zero_dot), -low / max(1, 4 * rows - 1 - self._zero_dot)
+        )
         newest = self.newest
-        times = [t - newest.onset_s for t in (newest.onset_s, newest.arrival_s, newest.departure_s, newest.end_s)]
+        times = [
+            t - newest.onset_s
+            for t in (newest.onset_s, newest.arrival_s, newest.departure_s, newest.end_s)
+        ]
         self.bounds = [self._column(t) for t in times]
 
     def phase_names(self, styles: Styles) -> Text:
@@ -160,12 +179,20 @@ class _Plot:
         return "out" if column < arrival else "dwell" if column < departure else "back"
 
     def _dots(self, traces: Sequence[Trace], every: int = 1) -> npt.NDArray[np.uint8]:
-        """Return the Braille dots of curves, shape (rows, columns), drawn in every ``every``-th column of dots."""
+        """Return the Braille dots of curves, shape (rows, columns), drawn in every ``every``-th
+        column of dots.
+        """
         cells = np.zeros((self.rows, self.columns), dtype=np.uint8)
-        time = self.from_s + (np.arange(2 * self.columns) + 0.5) / (2 * self.columns) * (self.to_s - self.from_s)
+        time = self.from_s + (np.arange(2 * self.columns) + 0.5) / (2 * self.columns) * (
+            self.to_s - self.from_s
+        )
         for trace in traces:
             own = np.arange(len(trace.rate)) / trace.rate_hz - trace.onset_s
-            heights = np.interp(time, own, trace.rate, left=np.nan, right=np.nan) if len(own) else time * np.nan
+            heights = (
+                np.interp(time, own, trace.rate, left=np.nan, right=np.nan)
+                if len(own)
+                else time * np.nan
+            )
             before = None
             for column, height in enumerate(heights.tolist()):
                 if math.isnan(height):  # the curve has not begun, or is over
@@ -174,7 +201,11 @@ class _Plot:
                 dot = min(4 * self.rows - 1, max(0, self._zero_dot - round(height / self._unit)))
                 if column % every == 0:
                     step = 0 if before is None else (before < dot) - (before > dot)
-                    for y in range(dot if before is None or not step else before + step, dot + (step or 1), step or 1):
+                    for y in range(
+                        dot if before is None or not step else before + step,
+                        dot + (step or 1),
+                        step or 1,
+                    ):
                         cells[y // 4, column // 2] |= _DOTS[y % 4][column % 2]
                 before = dot
         return cells

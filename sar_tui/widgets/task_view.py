@@ -1,11 +1,13 @@
-"""The contract of a task's view: what a task draws by itself during a session, in ``tasks/NAME/view.py``.
+"""The contract of a task's view: what a task draws by itself during a session, in
+``tasks/NAME/view.py``.
 
-A view is optional. It is loaded with the session's screen, before the session begins, and its module defines one
-`TaskView`. Nothing of it is a widget: the app owns the widgets, calls these functions and shows what they return, so
-that a view can neither change the layout during a trial nor disturb the onset's time stamp.
+A view is optional. It is loaded with the session's screen, before the session begins, and its
+module defines one `TaskView`. Nothing of it is a widget: the app owns the widgets, calls these
+functions and shows what they return, so that a view can neither change the layout during a trial
+nor disturb the onset's time stamp.
 
-A view that raises does not disturb the session. The app shows the plain prompt, or no drawing, and a `Fault` is
-recorded.
+A view that raises does not disturb the session. The app shows the plain prompt, or no drawing, and
+a `Fault` is recorded.
 """
 
 import inspect
@@ -24,7 +26,9 @@ from sar_tui.plugins import PluginError, module_beside
 from sar_tui.widgets.prompt_lines import Line, plain_lines
 
 Colors = Mapping[str, str]
-"""The theme's colours by Textual's names: ``accent``, ``foreground``, ``text-muted``, ``success``, ``warning`` …"""
+"""The theme's colours by Textual's names: ``accent``, ``foreground``, ``text-muted``, ``success``,
+``warning`` …
+"""
 Drawing = Callable[[int, int, Colors], Text]
 """Draws something in a number of columns and rows."""
 
@@ -32,8 +36,8 @@ Drawing = Callable[[int, int, Colors], Text]
 class TaskView(Node):
     """The plain view, and the base of a task's own.
 
-    It is a node that only listens: a method marked with ``@on(TOPIC)`` receives the session's messages before the
-    screen does, so that the view can keep what it wants to draw.
+    It is a node that only listens: a method marked with ``@on(TOPIC)`` receives the session's
+    messages before the screen does, so that the view can keep what it wants to draw.
 
     Args:
         task: the session's task.
@@ -50,15 +54,18 @@ class TaskView(Node):
         self.tr = task.tr
 
     def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> Sequence[Line]:
-        """Draw a prompt, or the fixation point where it is None, as at most ``height`` lines of ``width`` cells.
+        """Draw a prompt, or the fixation point where it is None, as at most ``height`` lines of
+        ``width`` cells.
 
-        One of the lines has to hold ``prompt.text`` unbroken: the prompt's onset is the moment at which the terminal
-        has received it.
+        One of the lines has to hold ``prompt.text`` unbroken: the prompt's onset is the moment at
+        which the terminal has received it.
         """
         return plain_lines(prompt, width, height)
 
     def between_attempts(self) -> Drawing | None:
-        """Return what to draw below the text between two attempts and after the last one; None for nothing."""
+        """Return what to draw below the text between two attempts and after the last one; None for
+        nothing.
+        """
         return None
 
     @classmethod
@@ -79,14 +86,23 @@ class TaskView(Node):
 
 
 def view_of(task: type[Task]) -> type[TaskView]:
-    """Return a task's own view, or the plain one. Raises PluginError if its view cannot be loaded."""
+    """Return a task's own view, or the plain one. Raises PluginError if its view cannot be
+    loaded.
+    """
     module = module_beside(task, "view")
     if module is None:
         return TaskView
-    own = [value for value in vars(module).values() if getattr(value, "__module__", None) == module.__name__]
+    own = [
+        value
+        for value in vars(module).values()
+        if getattr(value, "__module__", None) == module.__name__
+    ]
     views = [value for value in own if inspect.isclass(value) and issubclass(value, TaskView)]
     if len(views) != 1:
-        raise PluginError(f"The view.py of the task {task.name} must define one TaskView; it defines {len(views)}.")
+        raise PluginError(
+            f"The view.py of the task {task.name} must define one TaskView; it defines "
+            f"{len(views)}."
+        )
     return views[0]
 
 
@@ -98,12 +114,20 @@ def sentences(value: object) -> list[str]:
 
 
 def measured(task: type[Task], attempts: Sequence[AttemptEnded], tr: Language) -> list[str]:
-    """Return a sentence for each measure that a task declares, with its mean over the attempts that have it."""
-    return mean_texts(task.measured, [attempt.qualities for attempt in attempts if not attempt.practice], tr)
+    """Return a sentence for each measure that a task declares, with its mean over the attempts that
+    have it.
+    """
+    return mean_texts(
+        task.measured, [attempt.qualities for attempt in attempts if not attempt.practice], tr
+    )
 
 
-def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
-    """Return the declared measures and a view's facts about a session in the database; none of these if it fails."""
+def stored_facts(
+    task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric, tr: Language
+) -> list[str]:
+    """Return the declared measures and a view's facts about a session in the database; none of
+    these if it fails.
+    """
     found = measured(task, attempts, tr)
     try:
         return found + sentences(view_of(task).facts(attempts, metric, tr))
@@ -111,8 +135,12 @@ def stored_facts(task: type[Task], attempts: Sequence[AttemptEnded], metric: Met
         return found
 
 
-def stored_findings(task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric) -> list[str]:
-    """Return the declared measures and a view's findings about a session in the database; none of these if it fails."""
+def stored_findings(
+    task: type[Task], attempts: Sequence[AttemptEnded], metric: Metric
+) -> list[str]:
+    """Return the declared measures and a view's findings about a session in the database; none of
+    these if it fails.
+    """
     found = measured(task, attempts, Language())
     try:
         return found + sentences(view_of(task).findings(attempts, metric))

@@ -13,7 +13,8 @@ from sar_tui.widgets.option_list import OptionList
 
 
 class WordPicker(Widget):
-    """A line to type words into. Enter opens a list of the known ones, where Enter adds a word or removes it.
+    """A line to type words into. Enter opens a list of the known ones, where Enter adds a word or
+    removes it.
 
     Args:
         known: the words to pick from.

@@ -13,14 +13,19 @@ from .task import OTHER, FlankerTask
 class WithoutConflict(FlankerTask):
     """The same task for people whom the arrows beside the middle one do not slow down."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
         return [(performance.reaction_ms, key)]
 
 
 def conflict_ms(trials: Sequence[TrialEnded]) -> float | None:
     """Return the mean reaction time to incongruent rows minus that to congruent ones, ms."""
-    same, other = (mean_time([trial for trial in trials if trial.data["congruent"] is kind]) for kind in (True, False))
+    same, other = (
+        mean_time([trial for trial in trials if trial.data["congruent"] is kind])
+        for kind in (True, False)
+    )
     return None if same is None or other is None else other - same
 
 

@@ -1,7 +1,8 @@
 """The flanker task: the middle arrow counts, and those beside it agree with it or not.
 
-After Eriksen & Eriksen (1974, Percept Psychophys 16:143-149), with the arrows of the Attention Network Test (Fan et al.
-2002, J Cogn Neurosci 14:340-347). Responses to incongruent rows are slower and less accurate: the conflict effect.
+After Eriksen & Eriksen (1974, Percept Psychophys 16:143-149), with the arrows of the Attention
+Network Test (Fan et al. 2002, J Cogn Neurosci 14:340-347). Responses to incongruent rows are slower
+and less accurate: the conflict effect.
 """
 
 from collections.abc import Sequence
@@ -10,14 +11,25 @@ from typing import Annotated, Any
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
 ARROWS = {"left": "←", "right": "→"}
 OTHER = {"left": "right", "right": "left"}
 CONFLICT_MS = 84.0
-"""By how much simulated people are slower if the arrows disagree: the mean of the 40 adults of Fan et al. (2002)."""
+"""By how much simulated people are slower if the arrows disagree: the mean of the 40 adults of Fan
+et al. (2002).
+"""
 CONFLICT_SD_MS = 25.0
 """Standard deviation of it between them."""
 
@@ -31,11 +43,15 @@ class FlankerParameters(TaskParameters, frozen=True, kw_only=True):
     incongruent: Annotated[
         float, meta("Incongruent", help="Share of rows whose arrows disagree, 0 to 1.", ge=0, le=1)
     ] = 0.5
-    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 6
-    threshold: Annotated[float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)] = (
-        800.0
-    )
-    max_level: Annotated[int, meta("Highest level", help="All rows are equally hard.", ge=1, le=1)] = 1
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 6
+    threshold: Annotated[
+        float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)
+    ] = 800.0
+    max_level: Annotated[
+        int, meta("Highest level", help="All rows are equally hard.", ge=1, le=1)
+    ] = 1
 
 
 class FlankerDetails(Details, frozen=True):
@@ -49,10 +65,14 @@ class FlankerTask(Task):
 
     name = "flanker"
     title = "Arrow in the middle"
-    summary = "Press the arrow key of the arrow in the middle; those beside it may point the other way."
+    summary = (
+        "Press the arrow key of the arrow in the middle; those beside it may point the other way."
+    )
     trains = "Attention"
     trials = "Rows"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     measured = (Measure("conflict_ms", "slower with arrows that disagree", unit="ms", decimals=0),)
     Parameters = FlankerParameters
     Details = FlankerDetails
@@ -68,7 +88,8 @@ class FlankerTask(Task):
 
     def instructions(self) -> str:
         return self.tr(
-            "Look at the arrow in the middle.\nPress the left or the right arrow key, as it points.\n"
+            "Look at the arrow in the middle.\nPress the left or the right arrow key, as it "
+            "points.\n"
             "The arrows beside it may point the other way."
         )
 
@@ -95,7 +116,9 @@ class FlankerTask(Task):
         return Result(correct=False, details={"congruent": trial.stimulus.data["congruent"]})
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
-        """Return by how much responses were slower to incongruent rows than to congruent ones, ms."""
+        """Return by how much responses were slower to incongruent rows than to congruent ones,
+        ms.
+        """
         times: dict[bool, list[float]] = {True: [], False: []}
         for result in results:
             if result.counts and result.value is not None:
@@ -105,7 +128,9 @@ class FlankerTask(Task):
         same, other = (sum(found) / len(found) for found in (times[True], times[False]))
         return {"conflict_ms": other - same}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Press the key, later if the arrows disagree."""
         varied = streams.generator("conflict").gauss(CONFLICT_MS, CONFLICT_SD_MS)
         late = 0.0 if stimulus.data["congruent"] else max(0.0, varied)

@@ -13,7 +13,9 @@ from .task import GoNoGoTask
 class WithoutHaste(GoNoGoTask):
     """The same task for people who never press at a square."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         return super().rehearse(stimulus, performance, streams) if stimulus.data["go"] else []
 
 

@@ -1,9 +1,10 @@
 """The Go/No-Go task: a circle asks for a key, a square for none.
 
-After Donders' c-reaction (1868, translated in Acta Psychol 30:412-431). Squares are rare and circles come fast, so that
-a press is ready before it is known that none is wanted (Wessel 2018, Psychophysiology 55:e12871); a key at a square is
-a commission error. Sensitivity d' is that of signal detection, with rates corrected as by Hautus (1995, Behav Res
-Methods Instrum Comput 27:46-51).
+After Donders' c-reaction (1868, translated in Acta Psychol 30:412-431). Squares are rare and
+circles come fast, so that a press is ready before it is known that none is wanted (Wessel 2018,
+Psychophysiology 55:e12871); a key at a square is a commission error. Sensitivity d' is that of
+signal detection, with rates corrected as by Hautus (1995, Behav Res Methods Instrum Comput
+27:46-51).
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,16 @@ from typing import Annotated, Any
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
@@ -30,15 +40,21 @@ class GoNoGoParameters(TaskParameters, frozen=True, kw_only=True):
     prompts_per_attempt: Annotated[
         int, meta("Shapes per attempt", help="Number of shapes in an attempt.", ge=4, le=200)
     ] = 20
-    squares: Annotated[float, meta("Squares", help="Share of shapes that are squares, 0.1 to 0.5.", ge=0.1, le=0.5)] = (
-        0.25
-    )
-    time_ms: Annotated[int, meta("Time for a shape", "ms", "How long each shape stands.", ge=300, le=5000)] = 1200
-    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 6
-    threshold: Annotated[float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)] = (
-        700.0
-    )
-    max_level: Annotated[int, meta("Highest level", help="All shapes are equally hard.", ge=1, le=1)] = 1
+    squares: Annotated[
+        float, meta("Squares", help="Share of shapes that are squares, 0.1 to 0.5.", ge=0.1, le=0.5)
+    ] = 0.25
+    time_ms: Annotated[
+        int, meta("Time for a shape", "ms", "How long each shape stands.", ge=300, le=5000)
+    ] = 1200
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 6
+    threshold: Annotated[
+        float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)
+    ] = 700.0
+    max_level: Annotated[
+        int, meta("Highest level", help="All shapes are equally hard.", ge=1, le=1)
+    ] = 1
 
 
 class GoNoGoDetails(Details, frozen=True):
@@ -48,14 +64,18 @@ class GoNoGoDetails(Details, frozen=True):
 
 
 class GoNoGoTask(Task):
-    """Press the key for a circle and not for a square. The metric is the mean reaction time to circles."""
+    """Press the key for a circle and not for a square. The metric is the mean reaction time to
+    circles.
+    """
 
     name = "gonogo"
     title = "Press or wait"
     summary = "Press the space bar for a circle; do not press it for a square."
     trains = "Inhibition"
     trials = "Shapes"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     measured = (
         Measure("commissions", "squares at which the key was pressed", unit="%", decimals=0),
         Measure("d_prime", "circles told from squares (d')", decimals=2),
@@ -73,7 +93,10 @@ class GoNoGoTask(Task):
         return self.parameters.prompts_per_attempt
 
     def instructions(self) -> str:
-        return self.tr("Press the space bar when you see a circle.\nWhen you see a square, wait: press nothing.")
+        return self.tr(
+            "Press the space bar when you see a circle.\nWhen you see a square, wait: press "
+            "nothing."
+        )
 
     def stimulus(self, situation: Situation) -> Stimulus:
         go = situation.streams.uniform("go") >= self.parameters.squares
@@ -117,8 +140,12 @@ class GoNoGoTask(Task):
         z = NormalDist().inv_cdf
         return {"commissions": 100 * sum(squares) / len(squares), "d_prime": z(hits) - z(alarms)}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """Press at circles, and at some squares: quickly, before it is known that none is wanted."""
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
+        """Press at circles, and at some squares: quickly, before it is known that none is
+        wanted.
+        """
         if stimulus.data["go"]:
             return [] if performance.slips else [(performance.reaction_ms, KEY)]
         if streams.uniform("commission") < COMMISSIONS:

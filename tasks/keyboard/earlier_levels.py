@@ -1,4 +1,6 @@
-"""The levels of sessions under earlier rules, some of them far apart: from eight keys to nineteen."""
+"""The levels of sessions under earlier rules, some of them far apart: from eight keys to
+nineteen.
+"""
 
 from .layouts import (
     ARROWS,
@@ -45,7 +47,9 @@ def _both_hands(layout: str) -> tuple[Level, ...]:
 
 def _one_hand(layout: str, *, mirrored: bool) -> tuple[Level, ...]:
     home, top, bottom = (hand_keys(layout, row, "3210", mirrored=mirrored) for row in (2, 1, 3))
-    inner = tuple(key for row in (2, 1, 3) for key in hand_keys(layout, row, "4", mirrored=mirrored))
+    inner = tuple(
+        key for row in (2, 1, 3) for key in hand_keys(layout, row, "4", mirrored=mirrored)
+    )
     if len(home) < 4:
         home += inner[:1]
     last = hand_keys(layout, 0, "3210", mirrored=mirrored) if PLAIN[layout][0].isdigit() else inner

@@ -1,7 +1,7 @@
 """Keyboard layouts by physical place, and the choice sets made from them.
 
-A level asks for places, so that it trains the same fingers on every layout; the layout gives their characters. Places
-are named by row (0 digits, 1 top, 2 home, 3 bottom) and column from the left.
+A level asks for places, so that it trains the same fingers on every layout; the layout gives their
+characters. Places are named by row (0 digits, 1 top, 2 home, 3 bottom) and column from the left.
 """
 
 import msgspec
@@ -23,7 +23,9 @@ SHIFTED: dict[str, tuple[str, str, str, str]] = {
 """Character of each place with Shift."""
 
 LOOK_ALIKE = frozenset("loiLOI01")
-"""Characters left out of mixed cases, or of letters mixed with digits: they are hard to tell apart quickly."""
+"""Characters left out of mixed cases, or of letters mixed with digits: they are hard to tell apart
+quickly.
+"""
 
 FINGERS = "3627180549"
 """Columns of both hands, from the index fingers outwards, then the two in the middle."""
@@ -45,8 +47,8 @@ class Level(msgspec.Struct, frozen=True):
 def levels(choice_set: str, layout: str) -> tuple[Level, ...]:
     """Return the levels of a choice set, easiest first.
 
-    Each has few keys more than the one before. A reaction time grows with the logarithm of their number (Hick 1952), so
-    from the eighth key on a level adds about a sixth.
+    Each has few keys more than the one before. A reaction time grows with the logarithm of their
+    number (Hick 1952), so from the eighth key on a level adds about a sixth.
 
     Args:
         choice_set: ``both hands``, ``left hand``, ``right hand`` or ``arrow keys``.
@@ -65,7 +67,9 @@ def row_keys(layout: str, row: int, columns: str) -> tuple[str, ...]:
 
 
 def _both_hands(layout: str) -> tuple[Level, ...]:
-    """Return levels from two home-row keys, through letters and digits, to capitals and punctuation."""
+    """Return levels from two home-row keys, through letters and digits, to capitals and
+    punctuation.
+    """
     home, top, bottom = (row_keys(layout, row, FINGERS) for row in (2, 1, 3))
     letters = tuple(key for key in (*home, *top, *bottom) if is_letter(key))
     clear, digits, signs = clear_letters(letters), clear_digits(), all_signs(layout)
@@ -99,12 +103,18 @@ def clear_digits() -> tuple[str, ...]:
 
 def all_signs(layout: str) -> tuple[str, ...]:
     """Return the punctuation marks of a layout."""
-    return tuple(dict.fromkeys(key for row in (*PLAIN[layout], *SHIFTED[layout]) for key in row if _is_sign(key)))
+    return tuple(
+        dict.fromkeys(
+            key for row in (*PLAIN[layout], *SHIFTED[layout]) for key in row if _is_sign(key)
+        )
+    )
 
 
 def needs_shift(key: str, layout: str) -> bool:
     """Return True if a key is typed with Shift on a layout."""
-    return any(key in row for row in SHIFTED[layout]) and not any(key in row for row in PLAIN[layout])
+    return any(key in row for row in SHIFTED[layout]) and not any(
+        key in row for row in PLAIN[layout]
+    )
 
 
 def _is_sign(key: str) -> bool:
@@ -119,8 +129,9 @@ def _one_hand(layout: str, *, mirrored: bool) -> tuple[Level, ...]:
 
 
 def one_handed_keys(layout: str, *, mirrored: bool) -> tuple[str, ...]:
-    """Return all keys of one hand: the home row, the top, the bottom, the inner columns, and the digits if they need
-    no Shift. The left hand has columns 0-4 of each row, the right 9-5."""
+    """Return all keys of one hand: the home row, the top, the bottom, the inner columns, and the
+    digits if they need no Shift. The left hand has columns 0-4 of each row, the right 9-5.
+    """
     rows = [hand_keys(layout, row, "3210", mirrored=mirrored) for row in (2, 1, 3)]
     rows += [hand_keys(layout, row, "4", mirrored=mirrored) for row in (2, 1, 3)]
     if PLAIN[layout][0].isdigit():

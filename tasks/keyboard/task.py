@@ -8,7 +8,17 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.results_for_people import goal_text
-from sar_tui.model.trial_types import Act, Axis, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Axis,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 from sar_tui.rules.version import RULES
@@ -33,29 +43,49 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
     neutral_band: Annotated[
         float,
         meta(
-            "Neutral band", "ms", "Feedback is neutral within this distance of the goal, on either side.", ge=0, le=5000
+            "Neutral band",
+            "ms",
+            "Feedback is neutral within this distance of the goal, on either side.",
+            ge=0,
+            le=5000,
         ),
     ] = 10.0
     choice_set: Annotated[
         Literal["both hands", "left hand", "right hand", "arrow keys"],
-        meta("Keys", help="The keys that prompts are drawn from. One hand never needs Shift.", personal=True),
+        meta(
+            "Keys",
+            help="The keys that prompts are drawn from. One hand never needs Shift.",
+            personal=True,
+        ),
     ] = "both hands"
     layout: Annotated[
         Literal["qwerty", "azerty", "qwertz"],
-        meta("Keyboard layout", help="The six letters at the top left of the keyboard.", personal=True),
+        meta(
+            "Keyboard layout",
+            help="The six letters at the top left of the keyboard.",
+            personal=True,
+        ),
     ] = "qwerty"
     levels: Annotated[
         tuple[str, ...],
         meta(
             "Own levels",
-            help="Your own sets of keys, easiest first, one word each (fj dfjk asdfjkl). Empty: those of Keys.",
+            help="Your own sets of keys, easiest first, one word each (fj dfjk asdfjkl). Empty: "
+            "those of Keys.",
         ),
     ] = ()
     max_level: Annotated[
-        int, meta("Highest level", help="The level never rises above this or the last set of keys.", ge=1, le=100)
+        int,
+        meta(
+            "Highest level",
+            help="The level never rises above this or the last set of keys.",
+            ge=1,
+            le=100,
+        ),
     ] = 20
     sequence: Annotated[
-        Literal["random", "repeating"], meta("Sequence", help="Random prompts, or the same sequence again and again.")
+        Literal["random", "repeating"],
+        meta("Sequence", help="Random prompts, or the same sequence again and again."),
     ] = "random"
     sequence_length: Annotated[
         int, meta("Sequence length", "prompts", "Length of a repeating sequence.", ge=2, le=100)
@@ -65,27 +95,38 @@ class KeyboardParameters(TaskParameters, frozen=True, kw_only=True):
         problems = super().problems()
         for word in self.levels:
             if not word or len(set(word)) != len(word) or not word.isprintable():
-                problems["levels"] = f"Own level {word!r} names no key, a key twice, or one that cannot be typed."
+                problems["levels"] = (
+                    f"Own level {word!r} names no key, a key twice, or one that cannot be typed."
+                )
         count = len(self.chosen_levels())
         if self.start_level > count or self.min_level > count:
             name = "start_level" if self.start_level > count else "min_level"
             problems[name] = (
-                f"There are only {count} levels in this choice of keys, so there is no level {getattr(self, name)}."
+                f"There are only {count} levels in this choice of keys, so there is no level "
+                f"{getattr(self, name)}."
             )
         return problems
 
     def chosen_levels(self, rules: int = RULES) -> tuple[Level, ...]:
-        """Return the levels: custom ones, else those of the choice set and layout under a version of the rules."""
+        """Return the levels: custom ones, else those of the choice set and layout under a version
+        of the rules.
+        """
         if self.levels:
-            return tuple(Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels)
+            return tuple(
+                Level(tuple(word), any(key.isupper() for key in word)) for word in self.levels
+            )
         return (earlier_levels if rules <= LAST_RULES else levels)(self.choice_set, self.layout)
 
 
 class KeyboardDetails(Details, frozen=True):
     """Details stored with a keyboard trial."""
 
-    choices: Annotated[int, msgspec.Meta(description="Number of keys that the prompt was drawn from.")]
-    key_gap_ms: Annotated[float | None, msgspec.Meta(description="Time since the key before this response, in ms.")]
+    choices: Annotated[
+        int, msgspec.Meta(description="Number of keys that the prompt was drawn from.")
+    ]
+    key_gap_ms: Annotated[
+        float | None, msgspec.Meta(description="Time since the key before this response, in ms.")
+    ]
 
 
 class KeyboardTask(Task):
@@ -97,7 +138,9 @@ class KeyboardTask(Task):
     summary = "Press the key that appears, as fast as you can."
     trains = "Reaction"
     trials = "Keys"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     Parameters = KeyboardParameters
     Details = KeyboardDetails
     parameters: KeyboardParameters
@@ -151,13 +194,15 @@ class KeyboardTask(Task):
             return tr("Your goal: press the right key in less than {time} on average.", time=time)
         if enough == prompts:
             return tr(
-                "Your goal: press the right key in less than {time} on average, with {enough} of {prompts} right.",
+                "Your goal: press the right key in less than {time} on average, with {enough} of "
+                "{prompts} right.",
                 time=time,
                 enough=enough,
                 prompts=prompts,
             )
         return tr(
-            "Your goal: press the right key in less than {time} on average, with at least {enough} of {prompts} right.",
+            "Your goal: press the right key in less than {time} on average, with at least "
+            "{enough} of {prompts} right.",
             time=time,
             enough=enough,
             prompts=prompts,
@@ -176,7 +221,9 @@ class KeyboardTask(Task):
             -2: self.tr("two keys fewer"),
         }.get(more)
         if how is None:
-            how = self.tr("{count} more keys" if more > 0 else "{count} keys fewer", count=abs(more))
+            how = self.tr(
+                "{count} more keys" if more > 0 else "{count} keys fewer", count=abs(more)
+            )
         return self.tr("Now level {level}: {how}.", level=level, how=how)
 
     def when_to_respond(self) -> str:
@@ -201,12 +248,18 @@ class KeyboardTask(Task):
     def _key_name(self, key: str) -> str:
         """Return the name of a key: the character it types, if any."""
         tr = self.tr
-        return {"left": tr("left"), "right": tr("right"), "up": tr("up"), "down": tr("down")}.get(key, key)
+        return {"left": tr("left"), "right": tr("right"), "up": tr("up"), "down": tr("down")}.get(
+            key, key
+        )
 
     def _hint(self, level: Level, key: str) -> str:
         if key in ARROWS:
             return self.tr("arrow key")
-        return self.tr("with Shift") if level.needs_shift and needs_shift(key, self.parameters.layout) else ""
+        return (
+            self.tr("with Shift")
+            if level.needs_shift and needs_shift(key, self.parameters.layout)
+            else ""
+        )
 
     def perceived(self, trial: Trial, percept: Any) -> Result:
         level = self._levels[trial.situation.level - 1]
@@ -222,14 +275,20 @@ class KeyboardTask(Task):
         )
 
     def timed_out(self, trial: Trial) -> Result:
-        return Result(correct=False, details={"choices": trial.stimulus.choices, "key_gap_ms": None})
+        return Result(
+            correct=False, details={"choices": trial.stimulus.choices, "key_gap_ms": None}
+        )
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Press the key, or after a slip another letter or arrow."""
         if not performance.slips:
             return [(performance.reaction_ms, stimulus.expected)]
         others = [
-            key for key in (ARROWS if stimulus.expected in ARROWS else "asdfjkl") if key != stimulus.expected.lower()
+            key
+            for key in (ARROWS if stimulus.expected in ARROWS else "asdfjkl")
+            if key != stimulus.expected.lower()
         ]
         return [(performance.reaction_ms, streams.choice(others, "slip"))]
 

@@ -13,8 +13,14 @@ from .task import KEY, NbackTask
 class WithoutLoad(NbackTask):
     """The same task for people who remember two letters as well as one."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        return [(performance.reaction_ms, KEY)] if stimulus.data["target"] is not performance.slips else []
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
+        return (
+            [(performance.reaction_ms, KEY)]
+            if stimulus.data["target"] is not performance.slips
+            else []
+        )
 
 
 def load_effect(trials: Sequence[TrialEnded]) -> float | None:

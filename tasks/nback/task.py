@@ -1,9 +1,10 @@
 """The n-back task: press the space bar if a letter is the same as n letters ago. The level is n.
 
-After Owen et al. (2005, Hum Brain Mapp 25:46-59); half a second for a letter and 2.5 s from one to the next, and hits
-minus false alarms as the score, after Jaeggi et al. (2010, Memory 18:394-412). The more letters have to be kept in
-mind, the less is found and the longer it takes: hardly anything is missed at n = 1, outside the focus of attention more
-is (Bopp & Verhaeghen 2020, J Gerontol B 75:229-240).
+After Owen et al. (2005, Hum Brain Mapp 25:46-59); half a second for a letter and 2.5 s from one to
+the next, and hits minus false alarms as the score, after Jaeggi et al. (2010, Memory 18:394-412).
+The more letters have to be kept in mind, the less is found and the longer it takes: hardly anything
+is missed at n = 1, outside the focus of attention more is (Bopp & Verhaeghen 2020, J Gerontol B
+75:229-240).
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,17 @@ from msgspec.structs import replace
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Frame, Metric, Performance, Result, Score, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Frame,
+    Metric,
+    Performance,
+    Result,
+    Score,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
@@ -34,20 +45,45 @@ class NbackParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the n-back task."""
 
     letters: Annotated[
-        int, meta("Letters per attempt", help="Besides the first ones, which nothing comes before.", ge=10, le=200)
+        int,
+        meta(
+            "Letters per attempt",
+            help="Besides the first ones, which nothing comes before.",
+            ge=10,
+            le=200,
+        ),
     ] = 20
-    targets: Annotated[float, meta("Same letters", help="Share of letters that are the same.", ge=0.1, le=0.5)] = 0.3
-    interval_ms: Annotated[int, meta("Interval", "ms", "From one letter to the next.", ge=1000, le=10_000)] = 2500
-    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 8
-    threshold: Annotated[float, meta("Goal", "%", "Hits minus false alarms must be above this.", ge=0, le=99)] = 70.0
+    targets: Annotated[
+        float, meta("Same letters", help="Share of letters that are the same.", ge=0.1, le=0.5)
+    ] = 0.3
+    interval_ms: Annotated[
+        int, meta("Interval", "ms", "From one letter to the next.", ge=1000, le=10_000)
+    ] = 2500
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 8
+    threshold: Annotated[
+        float, meta("Goal", "%", "Hits minus false alarms must be above this.", ge=0, le=99)
+    ] = 70.0
     neutral_band: Annotated[
-        float, meta("Neutral band", "%", "Feedback is neutral within this distance of the goal.", ge=0, le=50)
+        float,
+        meta(
+            "Neutral band",
+            "%",
+            "Feedback is neutral within this distance of the goal.",
+            ge=0,
+            le=50,
+        ),
     ] = 5.0
-    max_level: Annotated[int, meta("Highest level", help="The most letters to keep in mind.", ge=1, le=4)] = 3
+    max_level: Annotated[
+        int, meta("Highest level", help="The most letters to keep in mind.", ge=1, le=4)
+    ] = 3
 
 
 class NbackTask(Task):
-    """Press if the letter is the same as n letters ago. The metric is the share found, minus that of false alarms."""
+    """Press if the letter is the same as n letters ago. The metric is the share found, minus that
+    of false alarms.
+    """
 
     name = "nback"
     title = "Letters again"
@@ -79,7 +115,8 @@ class NbackTask(Task):
 
     def instructions(self) -> str:
         return self.tr(
-            "Letters appear one after the other.\nPress the space bar if the letter is the same as before.\n"
+            "Letters appear one after the other.\nPress the space bar if the letter is the same "
+            "as before.\n"
             "How far back counts is written under it. Otherwise, just wait."
         )
 
@@ -87,7 +124,9 @@ class NbackTask(Task):
         return self._rule(level) if before else ""
 
     def _rule(self, level: int) -> str:
-        return self.tr("Same as {count} letters ago?" if level > 1 else "Same as the last letter?", count=level)
+        return self.tr(
+            "Same as {count} letters ago?" if level > 1 else "Same as the last letter?", count=level
+        )
 
     def stimulus(self, situation: Situation) -> Stimulus:
         letter, is_target = self._letters(situation)[situation.trial - 1]
@@ -133,7 +172,9 @@ class NbackTask(Task):
         z = NormalDist().inv_cdf
         return {"d_prime": z((hits + 0.5) / (targets + 1)) - z((alarms + 0.5) / (others + 1))}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Press for the same letters, less often and later the more have to be kept in mind."""
         n, is_target = stimulus.data["n"], stimulus.data["target"]
         wrong = FORGOTTEN[n - 1] * (1.0 if is_target else FALSE_ALARMS)
@@ -144,5 +185,9 @@ class NbackTask(Task):
 def _pressed(results: Sequence[Result], is_target: bool) -> tuple[int, int]:
     """Return how often the key was pressed at same or at other letters, and how many there were."""
     pressed = [result.response is not None for result in results]
-    asked = [press for press, result in zip(pressed, results, strict=True) if (press is result.correct) is is_target]
+    asked = [
+        press
+        for press, result in zip(pressed, results, strict=True)
+        if (press is result.correct) is is_target
+    ]
     return sum(asked), len(asked)

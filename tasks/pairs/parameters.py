@@ -5,7 +5,11 @@ from typing import Annotated, Literal
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
-_WITHOUT_CUE = {"gaze": {"speech", "tones", "servo"}, "gesture": {"speech", "tones"}, "both": {"speech", "tones"}}
+_WITHOUT_CUE = {
+    "gaze": {"speech", "tones", "servo"},
+    "gesture": {"speech", "tones"},
+    "both": {"speech", "tones"},
+}
 """Outputs that cannot give a cue, by its kind."""
 
 Policy = Literal["alternate", "race", "cooperative", "joint attention"]
@@ -23,12 +27,19 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         Literal["keys", "reaches"],
         meta(
             "Respond with",
-            help="keys: a half of the keyboard each. reaches: out and back, a sensor on a hand each.",
+            help="keys: a half of the keyboard each. reaches: out and back, a sensor on a hand "
+            "each.",
             personal=True,
         ),
     ] = "keys"
     prompts_per_attempt: Annotated[
-        int, meta("Prompts per attempt", help="Number of prompts in an attempt, for both together.", ge=2, le=200)
+        int,
+        meta(
+            "Prompts per attempt",
+            help="Number of prompts in an attempt, for both together.",
+            ge=2,
+            le=200,
+        ),
     ] = 12
     threshold: Annotated[
         float,
@@ -38,16 +49,31 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     neutral_band: Annotated[
         float,
         meta(
-            "Neutral band", "ms", "Feedback is neutral within this distance of the goal, on either side.", ge=0, le=5000
+            "Neutral band",
+            "ms",
+            "Feedback is neutral within this distance of the goal, on either side.",
+            ge=0,
+            le=5000,
         ),
     ] = 10.0
     layout: Annotated[
         Literal["qwerty", "azerty", "qwertz"],
-        meta("Keyboard layout", help="The six letters at the top left of the keyboard.", personal=True),
+        meta(
+            "Keyboard layout",
+            help="The six letters at the top left of the keyboard.",
+            personal=True,
+        ),
     ] = "qwerty"
     window_ms: Annotated[
         int,
-        meta("Window", "ms", "Longest time between both responses.", ge=20, le=10_000, group="Cooperative"),
+        meta(
+            "Window",
+            "ms",
+            "Longest time between both responses.",
+            ge=20,
+            le=10_000,
+            group="Cooperative",
+        ),
     ] = 400
     congruent_share: Annotated[
         float,
@@ -56,11 +82,22 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
     ] = 0.5  # fmt: skip
     cue_lead_ms: Annotated[
         int,
-        meta("Cue lead", "ms", "Time from the agent's cue to the prompt.", ge=50, le=5000, group="Joint attention"),
+        meta(
+            "Cue lead",
+            "ms",
+            "Time from the agent's cue to the prompt.",
+            ge=50,
+            le=5000,
+            group="Joint attention",
+        ),
     ] = 400
     cue_by: Annotated[
         Literal["gaze", "gesture", "both"],
-        meta("Cue", help="The agent looks (gaze), points (gesture), or both.", group="Joint attention"),
+        meta(
+            "Cue",
+            help="The agent looks (gaze), points (gesture), or both.",
+            group="Joint attention",
+        ),
     ] = "gaze"
     address: Annotated[
         Literal["seat", "code"],
@@ -104,12 +141,14 @@ class PairsParameters(TaskParameters, frozen=True, kw_only=True):
         problems = super().problems()
         if self.policy == "joint attention" and self.cue_lead_ms > self.foreperiod_min_ms:
             problems["cue_lead_ms"] = (
-                f"Cue lead ({self.cue_lead_ms} ms) is longer than the shortest wait ({self.foreperiod_min_ms} ms)."
+                f"Cue lead ({self.cue_lead_ms} ms) is longer than the shortest wait "
+                f"({self.foreperiod_min_ms} ms)."
             )
         kinds = {output.partition(":")[0] for output in self.outputs}
         if self.policy == "joint attention" and kinds <= _WITHOUT_CUE[self.cue_by]:
             does = "points" if self.cue_by == "gesture" else "looks"
             problems["outputs"] = (
-                f"Joint attention needs an output that shows where the agent {does}: add screen to the outputs."
+                f"Joint attention needs an output that shows where the agent {does}: add screen "
+                "to the outputs."
             )
         return problems

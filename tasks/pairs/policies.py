@@ -53,7 +53,9 @@ class Response(NamedTuple):
 
 
 def race(responses: Mapping[str, Response], details: Json) -> Results:
-    """Return the results of a race: the fastest right response wins, or both if equal. Each keeps its own time."""
+    """Return the results of a race: the fastest right response wins, or both if equal. Each keeps
+    its own time.
+    """
     fair = {seat: one.latency_ms for seat, one in responses.items() if one.is_right and one.is_real}
     fastest = min((latency for latency in fair.values() if latency is not None), default=None)
     return {
@@ -63,13 +65,21 @@ def race(responses: Mapping[str, Response], details: Json) -> Results:
 
 
 def cooperate(responses: Mapping[str, Response], details: Json, window_ms: float) -> Results:
-    """Return the results of cooperation: right if both are right within the window; both get the later time."""
+    """Return the results of cooperation: right if both are right within the window; both get the
+    later time.
+    """
     latencies = [one.latency_ms for one in responses.values() if one.latency_ms is not None]
     both = len(latencies) == len(responses)
     gap = max(latencies) - min(latencies) if both else None
-    together = gap is not None and gap <= window_ms and all(one.is_right and one.is_real for one in responses.values())
+    together = (
+        gap is not None
+        and gap <= window_ms
+        and all(one.is_right and one.is_real for one in responses.values())
+    )
     shared: Json = {**details, "together": together, "between_ms": gap}
     return {
-        seat: msgspec.structs.replace(one.result(shared), correct=together, value=max(latencies) if together else None)
+        seat: msgspec.structs.replace(
+            one.result(shared), correct=together, value=max(latencies) if together else None
+        )
         for seat, one in responses.items()
     }

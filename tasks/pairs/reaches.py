@@ -1,4 +1,6 @@
-"""Responses by reaches out and back, with a motion sensor on the hand. Movement onset is the response."""
+"""Responses by reaches out and back, with a motion sensor on the hand. Movement onset is the
+response.
+"""
 
 from sar_tui.loop.node import Node
 from sar_tui.model.messages import Json, ReachPerceived
@@ -10,7 +12,9 @@ from .parameters import PairsParameters
 REACH = "reach"
 """Name of the response, asked for and stored."""
 GOAL_SHARES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
-"""The goal of each level, as a share of the first: levels of a single movement differ in nothing else."""
+"""The goal of each level, as a share of the first: levels of a single movement differ in nothing
+else.
+"""
 _REST_MS = 850
 """Rest that ends a reach: the fixed-threshold detector needs 800 ms."""
 _STORED = ("reach_time_ms", "out_ms", "back_ms", "dwell_ms", "peak_extension_rad_s", "peak_return_rad_s", "hand",
@@ -37,7 +41,9 @@ def details(reach: ReachPerceived | None) -> Json:
 
 
 def rehearsed(at_ms: float, performance: Performance, streams: RandomStreams) -> list[Act]:
-    """Return a simulated reach from ``at_ms``: 20 cm and back, 1.1 s in a healthy adult. A slip is only a twitch."""
+    """Return a simulated reach from ``at_ms``: 20 cm and back, 1.1 s in a healthy adult. A slip is
+    only a twitch.
+    """
     from sar_tui.motion.shapes import ReachShape
 
     if performance.slips:

@@ -1,4 +1,6 @@
-"""The pairs task: two people at one computer, each with a half of the screen, and of the keyboard or a sensor."""
+"""The pairs task: two people at one computer, each with a half of the screen, and of the keyboard
+or a sensor.
+"""
 
 import math
 from collections.abc import Sequence
@@ -36,8 +38,9 @@ from .policies import Response, cooperate, race
 
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 _GAZE_EFFECT = 0.06
-"""Relative slowing of a simulated participant after a look to the other side: about 25 ms (Friesen & Kingstone 1998;
-Driver et al. 1999)."""
+"""Relative slowing of a simulated participant after a look to the other side: about 25 ms (Friesen
+& Kingstone 1998; Driver et al. 1999).
+"""
 
 _AGAIN = {
     "samples": "A sensor sent nothing during that reach, so it does not count.",
@@ -49,17 +52,20 @@ _NO_REACH = "I saw no whole reach. Wait for the signal, then reach out and come 
 
 
 class PairsTask(Task):
-    """Seat A has the left half of the keyboard and of the screen, seat B the right. The metric is the reaction time.
+    """Seat A has the left half of the keyboard and of the screen, seat B the right. The metric is
+    the reaction time.
 
-    With reaches, each seat has a sensor on a hand instead of a half of the keyboard, and the response is the movement
-    onset.
+    With reaches, each seat has a sensor on a hand instead of a half of the keyboard, and the
+    response is the movement onset.
     """
 
     name = "pairs"
     title = "Pairs"
     summary = "Two people at one keyboard: in turn, against each other, or together."
     trains = "Together"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     Parameters = PairsParameters
     Details = PairsDetails
     sensors = ("imu",)
@@ -96,25 +102,37 @@ class PairsTask(Task):
         return reaches.perception_nodes(self.parameters) if self._reaching else ()
 
     def target(self, level: int) -> Target:
-        """Return the target. With reaches, higher levels have a shorter goal; with keys, more keys to choose from."""
+        """Return the target. With reaches, higher levels have a shorter goal; with keys, more keys
+        to choose from.
+        """
         share = reaches.GOAL_SHARES[level - 1] if self._reaching else 1.0
         return Target(round(self.parameters.threshold * share, 3), self.parameters.neutral_band)
 
-    # --- words ----------------------------------------------------------------------------------------------
+    # --- words
+    # ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:
         rest = self.tr("You may rest between attempts. To pause at any time, press Escape.")
-        return f"{self._reaches_explained() if self._reaching else self._keys_explained()}\n\n{rest}"
+        return (
+            f"{self._reaches_explained() if self._reaching else self._keys_explained()}\n\n{rest}"
+        )
 
     def _keys_explained(self) -> str:
         tr = self.tr
         does = {
-            "alternate": tr("A letter appears in one half of the screen: it is that person's turn."),
-            "race": tr("A letter appears in each half of the screen. The first to press theirs wins."),
-            "cooperative": tr(
-                "A letter appears in each half of the screen. Press yours at the same time as the other."
+            "alternate": tr(
+                "A letter appears in one half of the screen: it is that person's turn."
             ),
-            "joint attention": tr("I look to one side. Then a letter appears on one side, the same or the other."),
+            "race": tr(
+                "A letter appears in each half of the screen. The first to press theirs wins."
+            ),
+            "cooperative": tr(
+                "A letter appears in each half of the screen. Press yours at the same time as the "
+                "other."
+            ),
+            "joint attention": tr(
+                "I look to one side. Then a letter appears on one side, the same or the other."
+            ),
         }
         return (
             f"{tr('Two people take part. Each has one half of the screen, and that half of the keyboard.')}\n"
@@ -127,8 +145,12 @@ class PairsTask(Task):
         does = {
             "alternate": tr("GO appears in one half of the screen: it is that person's turn."),
             "race": tr("GO appears in each half of the screen. The first to set off wins."),
-            "cooperative": tr("GO appears in each half of the screen. Set off at the same time as the other."),
-            "joint attention": tr("I look to one side. Then GO appears on one side, the same or the other."),
+            "cooperative": tr(
+                "GO appears in each half of the screen. Set off at the same time as the other."
+            ),
+            "joint attention": tr(
+                "I look to one side. Then GO appears on one side, the same or the other."
+            ),
         }
         return (
             f"{tr('Two people take part. Each has one half of the screen, and a sensor on one hand.')}\n"
@@ -142,12 +164,22 @@ class PairsTask(Task):
         time = goal_text(self.metric, self.target(level).threshold, tr)
         match self.parameters.policy:
             case "race":
-                first = tr("Be the first to set off.") if self._reaching else tr("Be the first to press your letter.")
+                first = (
+                    tr("Be the first to set off.")
+                    if self._reaching
+                    else tr("Be the first to press your letter.")
+                )
                 return f"{first}\n{tr('The goal of each: less than {time} on average.', time=time)}"
             case "cooperative" if self._reaching:
-                return tr("The goal together: both set off at once, in less than {time} on average.", time=time)
+                return tr(
+                    "The goal together: both set off at once, in less than {time} on average.",
+                    time=time,
+                )
             case "cooperative":
-                return tr("The goal together: both letters at once, in less than {time} on average.", time=time)
+                return tr(
+                    "The goal together: both letters at once, in less than {time} on average.",
+                    time=time,
+                )
         if self._reaching:
             return tr("The goal of each: to set off in less than {time} on average.", time=time)
         return tr("The goal of each: the right letter in less than {time} on average.", time=time)
@@ -157,23 +189,32 @@ class PairsTask(Task):
             return self.tr("Set off as soon as GO appears.")
         return self.tr("Press your letter as soon as it appears.")
 
-    # --- prompts --------------------------------------------------------------------------------------------
+    # --- prompts
+    # --------------------------------------------------------------------------------------------
 
     def stimulus(self, situation: Situation) -> Stimulus:
         pairs = self._levels[situation.level - 1]
         pair = situation.streams.choice(pairs, "order")
-        asked = Stimulus(reaches.REACH, "", "") if self._reaching else Stimulus("", "", "", choices=len(pairs))
+        asked = (
+            Stimulus(reaches.REACH, "", "")
+            if self._reaching
+            else Stimulus("", "", "", choices=len(pairs))
+        )
         halves = (self.tr("GO"), self.tr("GO")) if self._reaching else pair
         match self.parameters.policy:
             case "alternate":
                 return self._for_one(asked, halves, (situation.attempt + situation.trial) % 2)
             case "joint attention":
                 side = self._side(situation)
-                return msgspec.structs.replace(self._for_one(asked, halves, side), cue=self._cue(situation, side))
+                return msgspec.structs.replace(
+                    self._for_one(asked, halves, side), cue=self._cue(situation, side)
+                )
         return msgspec.structs.replace(
             asked,
             name=asked.name or " ".join(halves),
-            text="  ".join(self._line(seat, half) for seat, half in zip(self.seats, halves, strict=True)),
+            text="  ".join(
+                self._line(seat, half) for seat, half in zip(self.seats, halves, strict=True)
+            ),
             halves=halves,
         )
 
@@ -190,7 +231,10 @@ class PairsTask(Task):
 
     def _line(self, seat: str, half: str) -> str:
         """Return the response asked of a seat, as plain text."""
-        return f"{self.display_name(seat)}: {self.tr('reach out and back') if self._reaching else half}"
+        return (
+            f"{self.display_name(seat)}: "
+            f"{self.tr('reach out and back') if self._reaching else half}"
+        )
 
     def _side(self, situation: Situation) -> int:
         """Return the side of a prompt: each side equally often in an attempt, in random order."""
@@ -200,9 +244,14 @@ class PairsTask(Task):
 
     def _cue(self, situation: Situation, side: int) -> Cue:
         congruent = situation.streams.uniform("congruent") < self.parameters.congruent_share
-        return Cue(_SIDES[side if congruent else 1 - side], self.parameters.cue_lead_ms, self.parameters.cue_by)
+        return Cue(
+            _SIDES[side if congruent else 1 - side],
+            self.parameters.cue_lead_ms,
+            self.parameters.cue_by,
+        )
 
-    # --- responses ------------------------------------------------------------------------------------------
+    # --- responses
+    # ------------------------------------------------------------------------------------------
 
     def perceived(self, trial: Trial, percept: Any) -> Result | Results | Again | None:
         if isinstance(percept, ReachPerceived) and percept.invalid:
@@ -230,15 +279,22 @@ class PairsTask(Task):
         if press is None:
             return Response(asked, details={"key_gap_ms": None})
         gap = None if press.gap is None else press.gap / MS
-        return self._timed(trial, Response(asked, True, press.key, press.at, details={"key_gap_ms": gap}))
+        return self._timed(
+            trial, Response(asked, True, press.key, press.at, details={"key_gap_ms": gap})
+        )
 
     def _reach(self, trial: Trial, _: str, reach: ReachPerceived | None) -> Response:
         """Return a reach as a response, made at its movement onset. Half a reach is none."""
         if reach is None or reach.onset is None:
             flags = (*reach.flags, "no_reach") if reach else ()
-            return Response(reaches.REACH, reach is not None, flags=flags, remark=self.tr(_NO_REACH))
+            return Response(
+                reaches.REACH, reach is not None, flags=flags, remark=self.tr(_NO_REACH)
+            )
         kept, flags = reaches.details(reach), reach.flags
-        return self._timed(trial, Response(reaches.REACH, True, reaches.REACH, reach.onset, details=kept, flags=flags))
+        return self._timed(
+            trial,
+            Response(reaches.REACH, True, reaches.REACH, reach.onset, details=kept, flags=flags),
+        )
 
     def _timed(self, trial: Trial, response: Response) -> Response:
         """Return a response with its latency from the prompt's onset."""
@@ -257,29 +313,41 @@ class PairsTask(Task):
                 details |= _cued(trial)
         return {seat: response.result(details) for seat, response in responses.items()}
 
-    # --- attempts -------------------------------------------------------------------------------------------
+    # --- attempts
+    # -------------------------------------------------------------------------------------------
 
     def score(self, results: Sequence[Result]) -> Score:
         score = super().score(results)
         if self.parameters.policy != "race":
             return score
-        return msgspec.structs.replace(score, won=sum(result.details.get("won") is True for result in results))
+        return msgspec.structs.replace(
+            score, won=sum(result.details.get("won") is True for result in results)
+        )
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
         match self.parameters.policy:
             case "race":
                 return {"won": float(sum(result.details.get("won") is True for result in results))}
             case "cooperative":
-                return {"together": float(sum(result.details.get("together") is True for result in results))}
+                return {
+                    "together": float(
+                        sum(result.details.get("together") is True for result in results)
+                    )
+                }
             case "joint attention":
                 slow, fast = (_mean(results, congruent) for congruent in (False, True))
                 return {} if slow is None or fast is None else {"congruency_effect_ms": slow - fast}
         return {}
 
-    # --- simulated participants -----------------------------------------------------------------------------
+    # --- simulated participants
+    # -----------------------------------------------------------------------------
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """Respond, later after a look to the other side. A slip is another key of the same half, or no reach."""
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
+        """Respond, later after a look to the other side. A slip is another key of the same half, or
+        no reach.
+        """
         side = self.seats.index(stimulus.seat)
         at = performance.reaction_ms
         if stimulus.cue and stimulus.cue.side != _SIDES[side]:
@@ -288,7 +356,9 @@ class PairsTask(Task):
             return reaches.rehearsed(at, performance, streams)
         key = stimulus.halves[side]
         if performance.slips:
-            key = streams.choice([pair[side] for pair in self._levels[-1] if pair[side] != key], "slip")
+            key = streams.choice(
+                [pair[side] for pair in self._levels[-1] if pair[side] != key], "slip"
+            )
         return [(at, key)]
 
 
@@ -305,6 +375,8 @@ def _mean(results: Sequence[Result], congruent: bool) -> float | None:
     values = [
         result.value
         for result in results
-        if result.counts and result.value is not None and result.details.get("congruent") is congruent
+        if result.counts
+        and result.value is not None
+        and result.details.get("congruent") is congruent
     ]
     return math.fsum(values) / len(values) if values else None

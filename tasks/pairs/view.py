@@ -1,4 +1,6 @@
-"""The view of the pairs task: a screen in two halves, each headed with its participant, turn and score."""
+"""The view of the pairs task: a screen in two halves, each headed with its participant, turn and
+score.
+"""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -44,12 +46,18 @@ class PairsView(TaskView):
         self._won[trial.seat] += trial.details.get("won") is True
 
     def prompt_lines(self, prompt: Prompt | None, width: int, height: int) -> list[Line]:
-        """Draw a name at the top of each half, its prompt below it, and the plain line at the bottom."""
+        """Draw a name at the top of each half, its prompt below it, and the plain line at the
+        bottom.
+        """
         names = [self._name(seat, width) for seat in self.task.seats]
-        return halves(prompt.halves if prompt else (), prompt.text if prompt else "", width, height, names)
+        return halves(
+            prompt.halves if prompt else (), prompt.text if prompt else "", width, height, names
+        )
 
     def _name(self, seat: str, width: int) -> str:
-        """Return the heading of a half: the seat's place, with its participant's code if both fit."""
+        """Return the heading of a half: the seat's place, with its participant's code if both
+        fit.
+        """
         place, name = self.task.seat_name(seat), self.task.display_name(seat)
         words = "{who}"
         if seat == self._turn:
@@ -63,16 +71,23 @@ class PairsView(TaskView):
 
     @classmethod
     def facts(cls, attempts: Sequence[AttemptEnded], metric: Metric, tr: Language) -> list[str]:
-        """Return how often this seat was ahead, how often both were together, and the congruency effect."""
+        """Return how often this seat was ahead, how often both were together, and the congruency
+        effect.
+        """
         trials = sum(a.trials for a in attempts)
         facts = []
         if won := _measured(attempts, "won"):
             facts.append(tr("Ahead in {won} of {trials}.", won=round(sum(won)), trials=trials))
         if both := _measured(attempts, "together"):
-            facts.append(tr("Together in {count} of {trials}.", count=round(sum(both)), trials=trials))
+            facts.append(
+                tr("Together in {count} of {trials}.", count=round(sum(both)), trials=trials)
+            )
         if effects := _measured(attempts, "congruency_effect_ms"):
             effect = result_text(metric, fmean(effects), tr)
-            slower = "Reaction time when I looked to the other side, minus when I looked to yours: {effect}."
+            slower = (
+                "Reaction time when I looked to the other side, minus when I looked to "
+                "yours: {effect}."
+            )
             facts.append(tr(slower, effect=effect))
         return facts
 

@@ -13,14 +13,21 @@ from .task import OTHER, PosnerTask
 class WithoutGaze(PosnerTask):
     """The same task for people who do not heed where the agent looks."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         key = OTHER[stimulus.expected] if performance.slips else stimulus.expected
         return [(performance.reaction_ms, key)]
 
 
 def cueing_ms(trials: Sequence[TrialEnded]) -> float | None:
-    """Return the mean reaction time on the side that the agent did not look to, minus that on the other, ms."""
-    valid, other = (mean_time([trial for trial in trials if trial.data["valid"] is kind]) for kind in (True, False))
+    """Return the mean reaction time on the side that the agent did not look to, minus that on the
+    other, ms.
+    """
+    valid, other = (
+        mean_time([trial for trial in trials if trial.data["valid"] is kind])
+        for kind in (True, False)
+    )
     return None if valid is None or other is None else other - valid
 
 

@@ -1,9 +1,11 @@
-"""Posner's cueing task: the agent looks to a side, then a star appears on that side or on the other.
+"""Posner's cueing task: the agent looks to a side, then a star appears on that side or on the
+other.
 
-After Posner (1980, Q J Exp Psychol 32:3-25), with a gaze as the cue (Friesen & Kingstone 1998, Psychon Bull Rev
-5:490-495): responses are faster on the side that was looked at, even if the gaze says nothing about where the star will
-be. So half of the cues are valid by default; in Posner's own task, most are. Unlike the faces of these studies, the
-agent is not where the participant looks, but below on the left.
+After Posner (1980, Q J Exp Psychol 32:3-25), with a gaze as the cue (Friesen & Kingstone 1998,
+Psychon Bull Rev 5:490-495): responses are faster on the side that was looked at, even if the gaze
+says nothing about where the star will be. So half of the cues are valid by default; in Posner's own
+task, most are. Unlike the faces of these studies, the agent is not where the participant looks, but
+below on the left.
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,17 @@ from typing import Annotated, Any
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Cue, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Cue,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
@@ -30,22 +42,41 @@ class PosnerParameters(TaskParameters, frozen=True, kw_only=True):
         int, meta("Stars per attempt", help="Number of stars in an attempt.", ge=4, le=200)
     ] = 20
     valid: Annotated[
-        float, meta("Valid cues", help="Share of looks to the side of the star. 0.5: they tell nothing.", ge=0, le=1)
+        float,
+        meta(
+            "Valid cues",
+            help="Share of looks to the side of the star. 0.5: they tell nothing.",
+            ge=0,
+            le=1,
+        ),
     ] = 0.5
     cue_lead_ms: Annotated[
-        int, meta("Cue lead", "ms", "The agent looks to a side this long before the star.", ge=100, le=2000)
+        int,
+        meta(
+            "Cue lead",
+            "ms",
+            "The agent looks to a side this long before the star.",
+            ge=100,
+            le=2000,
+        ),
     ] = 300
-    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 6
-    threshold: Annotated[float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)] = (
-        800.0
-    )
-    max_level: Annotated[int, meta("Highest level", help="All stars are equally hard.", ge=1, le=1)] = 1
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 6
+    threshold: Annotated[
+        float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)
+    ] = 800.0
+    max_level: Annotated[
+        int, meta("Highest level", help="All stars are equally hard.", ge=1, le=1)
+    ] = 1
 
     def problems(self) -> dict[str, str]:
         problems = super().problems()
         if self.cue_lead_ms > self.foreperiod_min_ms:
             lead, wait = self.cue_lead_ms, self.foreperiod_min_ms
-            problems["cue_lead_ms"] = f"Cue lead ({lead} ms) is longer than the shortest wait ({wait} ms)."
+            problems["cue_lead_ms"] = (
+                f"Cue lead ({lead} ms) is longer than the shortest wait ({wait} ms)."
+            )
         return problems
 
 
@@ -57,14 +88,18 @@ class PosnerDetails(Details, frozen=True):
 
 
 class PosnerTask(Task):
-    """Press the arrow key of the side where the star appears. The metric is the mean reaction time."""
+    """Press the arrow key of the side where the star appears. The metric is the mean reaction
+    time.
+    """
 
     name = "posner"
     title = "Star left or right"
     summary = "Press the arrow key of the side where a star appears, wherever the agent looks."
     trains = "Attention"
     trials = "Stars"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     measured = (Measure("cueing_ms", "slower where the agent did not look", unit="ms", decimals=0),)
     Parameters = PosnerParameters
     Details = PosnerDetails
@@ -89,7 +124,9 @@ class PosnerTask(Task):
             expected=side,
             text=self.tr("Star: left") if side == "left" else self.tr("Star: right"),
             halves=("*", "") if side == "left" else ("", "*"),
-            cue=Cue("left" if (side == "left") is is_valid else "right", self.parameters.cue_lead_ms),
+            cue=Cue(
+                "left" if (side == "left") is is_valid else "right", self.parameters.cue_lead_ms
+            ),
             choices=2,
             data={"valid": is_valid},
         )
@@ -123,7 +160,9 @@ class PosnerTask(Task):
         valid, other = (sum(found) / len(found) for found in (times[True], times[False]))
         return {"cueing_ms": other - valid}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Press the key, later if the agent looked to the other side."""
         varied = max(0.0, streams.generator("cueing").gauss(CUEING_MS, CUEING_SD_MS))
         late = 0.0 if stimulus.data["valid"] else varied

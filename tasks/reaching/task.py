@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 _AGAIN = {
     "samples": "The sensor sent nothing during that reach, so it does not count.",
     "gap": "The sensor missed a part of that reach, so it does not count.",
-    "unfinished": "Your hand was still moving. Come all the way back, let it rest, and then press Space.",
+    "unfinished": "Your hand was still moving. Come all the way back, let it rest, and then press "
+    "Space.",
     "rate": "The sensor is too slow to see a reach. Please fetch the experimenter.",
     "analysis": "That reach could not be measured, so it does not count.",
 }
@@ -39,15 +40,22 @@ _AGAIN = {
 LONGEST_DWELL_S = 5.0
 """Longest rest at the marker that is part of the reach; long, as each trial has one reach only."""
 LEANED = "trunk_compensation"
-"""Flag of a reach in which the trunk's sensor turned farther than the limit; the key F8 is a mark of its own."""
+"""Flag of a reach in which the trunk's sensor turned farther than the limit; the key F8 is a mark
+of its own.
+"""
 _UNFINISHED = {"cut", "endless", "timed_out"}
 """Flags of a reach without an end, and so without a time."""
 _LEANED = "Try to keep your back against the chair."
-_NO_REACH = "I saw no whole reach. Rest your hand, then reach out and come back before you press Space again."
+_NO_REACH = (
+    "I saw no whole reach. Rest your hand, then reach out and come back before you press "
+    "Space again."
+)
 
 
 class ReachingTask(Task):
-    """Return begins an attempt, space starts and ends each reach. The metric is the mean reach time."""
+    """Return begins an attempt, space starts and ends each reach. The metric is the mean reach
+    time.
+    """
 
     name = "reaching"
     title = "Reaching"
@@ -61,14 +69,33 @@ class ReachingTask(Task):
     qualities = (
         Quality("sparc", "higher", "smoother", "as smoothly as you can", 0.1),
         Quality("tremor_index", "lower", "steadier", "with a steady hand", 0.02),
-        Quality("time_to_peak_share", "lower", "quicker to its peak", "with a quick start", 0.05, praised_until=4),
+        Quality(
+            "time_to_peak_share",
+            "lower",
+            "quicker to its peak",
+            "with a quick start",
+            0.05,
+            praised_until=4,
+        ),
         Quality("movement_units", "lower", "more direct", "without stopping on the way", 1.0),
         Quality("trunk_excursion_deg", "lower", "stiller in the back", "with your back still", 3.0),
     )
     marks = (
-        Mark("missed", "f7", "Marker missed", counts=False, remark="Try to touch the marker before you come back."),
+        Mark(
+            "missed",
+            "f7",
+            "Marker missed",
+            counts=False,
+            remark="Try to touch the marker before you come back.",
+        ),
         Mark("compensated", "f8", "Compensated", counts=True),
-        Mark("assisted", "f9", "Assisted", counts=False, remark="You had some help. Try the next by yourself."),
+        Mark(
+            "assisted",
+            "f9",
+            "Assisted",
+            counts=False,
+            remark="You had some help. Try the next by yourself.",
+        ),
     )
     parameters: ReachingParameters
 
@@ -111,10 +138,15 @@ class ReachingTask(Task):
         return AnalysisParameters(
             detector=self.parameters.detector,
             hand=self.parameters.hand,
-            orientation=OrientationParameters(least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s),
-            single_axis=SingleAxisParameters(least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s),
+            orientation=OrientationParameters(
+                least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s
+            ),
+            single_axis=SingleAxisParameters(
+                least_rad=least_rad, dwell_s=LONGEST_DWELL_S, longest_s=longest_s
+            ),
             fixed_threshold=FixedThresholdParameters(
-                threshold_rad_s=self.parameters.thesis_threshold_rad_s, still_ms=self.parameters.thesis_still_ms
+                threshold_rad_s=self.parameters.thesis_threshold_rad_s,
+                still_ms=self.parameters.thesis_still_ms,
             ),
         )
 
@@ -128,10 +160,12 @@ class ReachingTask(Task):
         return self.parameters.marker_distances_cm[level - 1]
 
     def target(self, level: int) -> Target:
-        """Return the target of a level's marker: from ``goal_times_ms``, else made from the distance.
+        """Return the target of a level's marker: from ``goal_times_ms``, else made from the
+        distance.
 
-        It grows with the square root of the distance, which keeps the peak acceleration of a minimum-jerk movement
-        constant (Flash & Hogan 1985: peak acceleration = 5.77 distance / time²).
+        It grows with the square root of the distance, which keeps the peak acceleration of a
+        minimum-jerk movement constant (Flash & Hogan 1985: peak acceleration = 5.77 distance /
+        time²).
         """
         if self.parameters.goal_times_ms:
             goal = self.parameters.goal_times_ms[level - 1]
@@ -146,13 +180,17 @@ class ReachingTask(Task):
     def level_name(self, level: int) -> str:
         return f"{self.marker_cm(level):g} cm"
 
-    # --- words ----------------------------------------------------------------------------------------------
+    # --- words
+    # ----------------------------------------------------------------------------------------------
 
     def instructions(self) -> str:
         tr = self.tr
         reach = tr("Reach out, touch the marker, and come back, as fast as you can.")
         if self.parameters.go_signal:
-            reach = tr("Wait for the signal. Then reach out, touch the marker, and come back, as fast as you can.")
+            reach = tr(
+                "Wait for the signal. Then reach out, touch the marker, and come back, as fast as "
+                "you can."
+            )
         return (
             f"{tr('Rest your hand with the sensor at the start.')}\n"
             f"{tr('When you are ready, press Space with your other hand.')}\n"
@@ -189,7 +227,8 @@ class ReachingTask(Task):
             return self.tr("marker {number} ({far})", number=level, far=far)
         return self.tr("the marker ({far})", far=far)
 
-    # --- trials ---------------------------------------------------------------------------------------------
+    # --- trials
+    # ---------------------------------------------------------------------------------------------
 
     def stimulus(self, situation: Situation) -> Stimulus:
         marker = f"{self.marker_cm(situation.level):g} cm"
@@ -205,7 +244,9 @@ class ReachingTask(Task):
     def perceived(self, trial: Trial, percept: Any) -> Result | Again | None:
         if not isinstance(percept, ReachPerceived):
             return None
-        unfinished = _UNFINISHED.intersection(percept.flags) or (percept.onset is None and "moving" in percept.flags)
+        unfinished = _UNFINISHED.intersection(percept.flags) or (
+            percept.onset is None and "moving" in percept.flags
+        )
         if why := percept.invalid or ("unfinished" if unfinished else ""):
             return Again(why, self.tr(_AGAIN[why]))
         details = {
@@ -215,7 +256,12 @@ class ReachingTask(Task):
             "turn_ns": percept.turn,
         }
         if percept.onset is None:
-            return Result(correct=False, details=details, flags=(*percept.flags, "no_reach"), remark=self.tr(_NO_REACH))
+            return Result(
+                correct=False,
+                details=details,
+                flags=(*percept.flags, "no_reach"),
+                remark=self.tr(_NO_REACH),
+            )
         value = percept.details["reach_time_ms"]
         leaned = self._leaned(percept)
         return Result(
@@ -230,16 +276,20 @@ class ReachingTask(Task):
         )
 
     def _leaned(self, reach: ReachPerceived) -> bool:
-        """Return True if the trunk turned farther than the therapist allows, as far as its sensor tells."""
+        """Return True if the trunk turned farther than the therapist allows, as far as its sensor
+        tells.
+        """
         turned = reach.details.get("trunk_excursion_deg")
         limit = self.parameters.trunk_limit_deg
         return bool(limit) and isinstance(turned, int | float) and turned > limit
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Reach out and back, then press space. A slip is to forget the key.
 
-        A healthy adult's reach out and back takes 0.85 s to 15 cm, and grows with the distance to the power of 0.8:
-        faster than the goal, which grows with the square root.
+        A healthy adult's reach out and back takes 0.85 s to 15 cm, and grows with the distance to
+        the power of 0.8: faster than the goal, which grows with the square root.
         """
         from sar_tui.motion.shapes import ReachShape
 

@@ -1,4 +1,6 @@
-"""The view of the reaching task: between attempts, curves of the hand's angular rate in the last reaches."""
+"""The view of the reaching task: between attempts, curves of the hand's angular rate in the last
+reaches.
+"""
 
 from collections import deque
 from typing import TYPE_CHECKING
@@ -53,5 +55,9 @@ class ReachingView(TaskView):
 
         muted = colors["text-muted"]
         styles = dict.fromkeys(("rest", "earlier", "axis"), muted)
-        styles |= {"out": f"bold {colors['accent']}", "dwell": f"bold {muted}", "back": f"bold {colors['foreground']}"}
+        styles |= {
+            "out": f"bold {colors['accent']}",
+            "dwell": f"bold {muted}",
+            "back": f"bold {colors['foreground']}",
+        }
         return draw_traces(tuple(self._traces), width, height, styles, self.tr)

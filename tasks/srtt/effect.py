@@ -13,15 +13,20 @@ from .task import RANDOM, SerialTask
 class WithoutLearning(SerialTask):
     """The same task for people who do not learn the sequence."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         return [(performance.reaction_ms, stimulus.expected)]
 
 
 def learnt_ms(trials: Sequence[TrialEnded]) -> float | None:
-    """Return the mean reaction time in the last attempt in random order minus that in the attempt before it, ms."""
+    """Return the mean reaction time in the last attempt in random order minus that in the attempt
+    before it, ms.
+    """
     last = max((trial.attempt for trial in trials if trial.data["order"] == RANDOM), default=0)
     before, in_random = (
-        mean_time([trial for trial in trials if trial.attempt == attempt]) for attempt in (last - 1, last)
+        mean_time([trial for trial in trials if trial.attempt == attempt])
+        for attempt in (last - 1, last)
     )
     return None if before is None or in_random is None else in_random - before
 

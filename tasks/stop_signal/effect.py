@@ -14,7 +14,9 @@ from .task import StopSignalTask
 class AtOnce(StopSignalTask):
     """The same task for people who stop in no time, whenever the cross comes before their key."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         if stimulus.data["stop"] and stimulus.data["delay_ms"] < performance.reaction_ms:
             return []
         return super().rehearse(stimulus, performance, streams)

@@ -1,8 +1,9 @@
 """The stop-signal task: press the key of the arrow, unless a cross takes its place.
 
-After Logan & Cowan (1984, Psychol Rev 91:295-327), by the recommendations of Verbruggen et al. (2019, eLife 8:e46323):
-the cross comes 50 ms later after a stop and 50 ms sooner after a response, so that half of the responses are stopped.
-They ask for 50 crosses or more: an attempt's time to stop is a rough one, so pool the trials of a session.
+After Logan & Cowan (1984, Psychol Rev 91:295-327), by the recommendations of Verbruggen et al.
+(2019, eLife 8:e46323): the cross comes 50 ms later after a stop and 50 ms sooner after a response,
+so that half of the responses are stopped. They ask for 50 crosses or more: an attempt's time to
+stop is a rough one, so pool the trials of a session.
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,17 @@ from typing import Annotated, Any
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Details, Frame, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Details,
+    Frame,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.model.units import MS
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
@@ -31,38 +42,54 @@ class StopSignalParameters(TaskParameters, frozen=True, kw_only=True):
     prompts_per_attempt: Annotated[
         int, meta("Arrows per attempt", help="Number of arrows in an attempt.", ge=8, le=200)
     ] = 32
-    crosses: Annotated[float, meta("Crosses", help="Share of arrows with a cross, 0.1 to 0.5.", ge=0.1, le=0.5)] = 0.25
-    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 6
+    crosses: Annotated[
+        float, meta("Crosses", help="Share of arrows with a cross, 0.1 to 0.5.", ge=0.1, le=0.5)
+    ] = 0.25
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 6
     response_timeout_ms: Annotated[
         int, meta("Time for an arrow", "ms", "Time to respond to an arrow.", ge=1200, le=5000)
     ] = 1500
-    threshold: Annotated[float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)] = (
-        800.0
-    )
+    threshold: Annotated[
+        float, meta("Goal", "ms", "The mean reaction time must be below this.", ge=100, le=10_000)
+    ] = 800.0
     min_accuracy: Annotated[
-        float, meta("Right responses", help="Share of trials that must be right. Half of the stops fail.", ge=0, le=1)
+        float,
+        meta(
+            "Right responses",
+            help="Share of trials that must be right. Half of the stops fail.",
+            ge=0,
+            le=1,
+        ),
     ] = 0.7
-    max_level: Annotated[int, meta("Highest level", help="The delay of the cross adapts instead.", ge=1, le=1)] = 1
+    max_level: Annotated[
+        int, meta("Highest level", help="The delay of the cross adapts instead.", ge=1, le=1)
+    ] = 1
 
 
 class StopSignalDetails(Details, frozen=True):
     """Details of an arrow."""
 
     stop: Annotated[bool | None, "True if a cross was to follow the arrow."] = None
-    delay_ms: Annotated[float | None, "From the arrow to the cross: as shown, or as planned if a key was sooner."] = (
-        None
-    )
+    delay_ms: Annotated[
+        float | None, "From the arrow to the cross: as shown, or as planned if a key was sooner."
+    ] = None
 
 
 class StopSignalTask(Task):
-    """Press the arrow key, or stop. The metric is the mean reaction time to arrows without a cross."""
+    """Press the arrow key, or stop. The metric is the mean reaction time to arrows without a
+    cross.
+    """
 
     name = "stop_signal"
     title = "Stop in time"
     summary = "Press the arrow key of the arrow, but stop if a cross takes its place."
     trains = "Inhibition"
     trials = "Arrows"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     measured = (
         Measure("ssrt_ms", "time to stop", unit="ms", decimals=0),
         Measure("despite_cross", "pressed despite a cross", unit="%", decimals=0),
@@ -83,7 +110,8 @@ class StopSignalTask(Task):
     def instructions(self) -> str:
         return self.tr(
             "Press the left or the right arrow key, as the arrow points, as soon as you see it.\n"
-            "If a cross takes its place, do not press.\nOften it comes too late. That is all right: do not wait for it."
+            "If a cross takes its place, do not press.\nOften it comes too late. That is all "
+            "right: do not wait for it."
         )
 
     def stimulus(self, situation: Situation) -> Stimulus:
@@ -91,7 +119,11 @@ class StopSignalTask(Task):
         text = self.tr("Press")
         if situation.streams.uniform("cross") >= self.parameters.crosses:
             return Stimulus(side, side, text, glyph=ARROWS[side], choices=2, data={"stop": False})
-        before = [past.measures["next_delay_ms"] for past in situation.history if "next_delay_ms" in past.measures]
+        before = [
+            past.measures["next_delay_ms"]
+            for past in situation.history
+            if "next_delay_ms" in past.measures
+        ]
         delay = next_delay_ms(situation.results) or (before[-1] if before else FIRST_MS)
         frames = (Frame(ARROWS[side], delay, text=text), Frame("✗", text=self.tr("Do not press")))
         data = {"stop": True, "side": side, "delay_ms": delay}
@@ -112,18 +144,33 @@ class StopSignalTask(Task):
         return Result(correct=trial.stimulus.data["stop"], details=_details(trial))
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
-        """Return the time to stop (ms), the share of keys despite a cross (%), and the delay to go on with (ms)."""
+        """Return the time to stop (ms), the share of keys despite a cross (%), and the delay to go
+        on with (ms).
+        """
         pressed = [result.response is not None for result in results if result.details["stop"]]
         found = {"ssrt_ms": stop_signal_rt(results), "next_delay_ms": next_delay_ms(results)}
         found["despite_cross"] = 100 * fmean(pressed) if pressed else None
         return {name: value for name, value in found.items() if value is not None}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
-        """Press the key, unless stopping ends sooner, which begins with the cross (Logan & Cowan 1984)."""
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
+        """Press the key, unless stopping ends sooner, which begins with the cross (Logan & Cowan
+        1984).
+        """
         if not stimulus.data["stop"]:
-            return [(performance.reaction_ms, OTHER[stimulus.expected] if performance.slips else stimulus.expected)]
+            return [
+                (
+                    performance.reaction_ms,
+                    OTHER[stimulus.expected] if performance.slips else stimulus.expected,
+                )
+            ]
         stopped = stimulus.data["delay_ms"] + streams.generator("stop").gauss(STOP_MS, STOP_SD_MS)
-        return [] if stopped < performance.reaction_ms else [(performance.reaction_ms, stimulus.data["side"])]
+        return (
+            []
+            if stopped < performance.reaction_ms
+            else [(performance.reaction_ms, stimulus.data["side"])]
+        )
 
 
 def _details(trial: Trial) -> dict[str, Any]:

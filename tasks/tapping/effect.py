@@ -14,7 +14,9 @@ from .task import KEY, TappingTask
 class WithoutHurry(TappingTask):
     """The same task for people who tap once a second."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         return [(at, KEY) for at in range(500, round(self.parameters.seconds * 1000), 1000)]
 
 

@@ -1,9 +1,9 @@
 """The finger tapping test: one key, as fast as possible, for ten seconds.
 
-After the test of the Halstead-Reitan battery, which counts the taps of the index finger in ten seconds, five times.
-Its rate and regularity tell disorders of the cerebellum, the basal ganglia and the cerebrum from healthy movement
-(Shimoyama, Ninchoji & Uemura 1990, Arch Neurol 47:681-684). A terminal reports presses alone: how long a key is held
-is not known.
+After the test of the Halstead-Reitan battery, which counts the taps of the index finger in ten
+seconds, five times. Its rate and regularity tell disorders of the cerebellum, the basal ganglia and
+the cerebrum from healthy movement (Shimoyama, Ninchoji & Uemura 1990, Arch Neurol 47:681-684). A
+terminal reports presses alone: how long a key is held is not known.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,16 @@ from typing import Annotated, Any
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.model.units import MS
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
@@ -30,13 +39,28 @@ REACTION_MS = 350.0
 class TappingParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the tapping task."""
 
-    seconds: Annotated[float, meta("Duration", "s", "How long the taps are counted.", ge=2, le=60)] = 10.0
-    attempts: Annotated[int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)] = 5
-    threshold: Annotated[float, meta("Goal", "taps", "The number of taps must be above this.", ge=1, le=1000)] = 30.0
+    seconds: Annotated[
+        float, meta("Duration", "s", "How long the taps are counted.", ge=2, le=60)
+    ] = 10.0
+    attempts: Annotated[
+        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200)
+    ] = 5
+    threshold: Annotated[
+        float, meta("Goal", "taps", "The number of taps must be above this.", ge=1, le=1000)
+    ] = 30.0
     neutral_band: Annotated[
-        float, meta("Neutral band", "taps", "Feedback is neutral within this distance of the goal.", ge=0, le=100)
+        float,
+        meta(
+            "Neutral band",
+            "taps",
+            "Feedback is neutral within this distance of the goal.",
+            ge=0,
+            le=100,
+        ),
     ] = 1.0
-    max_level: Annotated[int, meta("Highest level", help="All attempts are equally hard.", ge=1, le=1)] = 1
+    max_level: Annotated[
+        int, meta("Highest level", help="All attempts are equally hard.", ge=1, le=1)
+    ] = 1
 
 
 class TappingDetails(Details, frozen=True):
@@ -44,7 +68,9 @@ class TappingDetails(Details, frozen=True):
 
     taps: Annotated[int | None, "Number of taps."] = None
     interval_ms: Annotated[float | None, "Mean time between two taps."] = None
-    variation: Annotated[float | None, "Standard deviation of that time as a share of the mean."] = None
+    variation: Annotated[
+        float | None, "Standard deviation of that time as a share of the mean."
+    ] = None
     first_ms: Annotated[float | None, "From the signal to the first tap."] = None
 
 
@@ -56,7 +82,9 @@ class TappingTask(Task):
     summary = "Tap the space bar as fast as you can, for ten seconds."
     trains = "Speed of movement"
     trials = "Rounds"
-    metric = Metric("taps", unit="", better="higher", improved="faster", worsened="slower", decimals=0)
+    metric = Metric(
+        "taps", unit="", better="higher", improved="faster", worsened="slower", decimals=0
+    )
     measured = (Measure("variation", "irregularity of the taps", unit="%", decimals=1),)
     Parameters = TappingParameters
     Details = TappingDetails
@@ -76,7 +104,9 @@ class TappingTask(Task):
 
     def stimulus(self, situation: Situation) -> Stimulus:
         text = self.tr("Tap the space bar")
-        return Stimulus("tap", "", text, glyph=self.tr("TAP"), timeout_ms=self.parameters.seconds * 1000)
+        return Stimulus(
+            "tap", "", text, glyph=self.tr("TAP"), timeout_ms=self.parameters.seconds * 1000
+        )
 
     def perceived(self, trial: Trial, percept: Any) -> None:
         """Wait for the end: the taps are counted then."""
@@ -103,10 +133,16 @@ class TappingTask(Task):
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
         """Return the mean variation of the time between taps, in percent."""
-        found = [float(value) for result in results if (value := result.details.get("variation")) is not None]
+        found = [
+            float(value)
+            for result in results
+            if (value := result.details.get("variation")) is not None
+        ]
         return {"variation": 100 * fmean(found)} if found else {}
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Tap until the end."""
         generator = streams.generator("taps")
         mean_ms, at = INTERVAL_MS * performance.pace, REACTION_MS

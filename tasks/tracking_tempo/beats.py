@@ -9,11 +9,15 @@ from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.trial_types import Act
 
 LISTENED = 3
-"""Beats at the beginning that are heard only. The next is where the hand sets off, and is not counted either."""
+"""Beats at the beginning that are heard only. The next is where the hand sets off, and is not
+counted either.
+"""
 NEAR = 0.4
 """A turn belongs to a beat if it is nearer than this share of the interval."""
 AHEAD_MS, NOISE_MS, NOISE_SHARE = 45.0, 18.0, 0.035
-"""Simulated people turn so long before the beat, and vary by so much at any tempo and by a share of the interval."""
+"""Simulated people turn so long before the beat, and vary by so much at any tempo and by a share of
+the interval.
+"""
 _SWING_RAD = 0.6
 
 
@@ -32,7 +36,9 @@ class InTime(NamedTuple):
 
 
 def in_time(beats: Sequence[int], turns: Sequence[int], beat_ms: float) -> InTime:
-    """Return how turns go with beats, both in ns. The first beat sets the hand in motion, and the last ends it."""
+    """Return how turns go with beats, both in ns. The first beat sets the hand in motion, and the
+    last ends it.
+    """
     found: list[float] = []
     counted = beats[1:-1]
     for beat in counted:
@@ -47,17 +53,30 @@ def in_time(beats: Sequence[int], turns: Sequence[int], beat_ms: float) -> InTim
 
 
 def swings(
-    beat_ms: float, beats: int, unsteadiness: float, streams: RandomStreams, ahead_ms: float = AHEAD_MS
+    beat_ms: float,
+    beats: int,
+    unsteadiness: float,
+    streams: RandomStreams,
+    ahead_ms: float = AHEAD_MS,
 ) -> list[Act]:
-    """Return the swings of a simulated person, each pair as a movement out and back, from the first counted beat on."""
+    """Return the swings of a simulated person, each pair as a movement out and back, from the first
+    counted beat on.
+    """
     from sar_tui.motion.shapes import ReachShape
 
     spread = math.hypot(NOISE_MS, NOISE_SHARE * beat_ms) * (1 + unsteadiness)
     noise = streams.generator("beats")
-    turns = [beat * beat_ms - ahead_ms + noise.gauss(0.0, spread) for beat in range(LISTENED, beats)]
+    turns = [
+        beat * beat_ms - ahead_ms + noise.gauss(0.0, spread) for beat in range(LISTENED, beats)
+    ]
     acts: list[Act] = []
     for begin, turn, end in zip(turns[:-2:2], turns[1:-1:2], turns[2::2], strict=False):
         out, back = (turn - begin) / 1000, (end - turn) / 1000
         peaks = 1.875 * _SWING_RAD
-        acts.append((begin, ReachShape(out_s=out, back_s=back, peak_out=peaks / out, peak_back=-peaks / back)))
+        acts.append(
+            (
+                begin,
+                ReachShape(out_s=out, back_s=back, peak_out=peaks / out, peak_back=-peaks / back),
+            )
+        )
     return acts

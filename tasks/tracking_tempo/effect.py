@@ -15,7 +15,9 @@ from .task import TrackingTempoTask
 class OnTheBeat(TrackingTempoTask):
     """The same task for people who are not ahead of the beat."""
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         beat = float(stimulus.data["beat_ms"])
         return swings(beat, self.parameters.beats, performance.unsteadiness, streams, ahead_ms=0.0)
 

@@ -6,7 +6,14 @@ import numpy as np
 
 from sar_tui.loop.node import TimedNode, on
 from sar_tui.loop.topics import IMU, PROMPT, REACH, SENSOR, TIMER, TRIAL, VOIDED
-from sar_tui.model.messages import ImuBlock, Prompt, PromptVoided, ReachPerceived, SensorChanged, TrialEnded
+from sar_tui.model.messages import (
+    ImuBlock,
+    Prompt,
+    PromptVoided,
+    ReachPerceived,
+    SensorChanged,
+    TrialEnded,
+)
 from sar_tui.motion.samples import Floats, Samples
 from sar_tui.motion.turning_points import turning_points
 from sar_tui.perception.kept_samples import KeptSamples
@@ -22,9 +29,11 @@ _GAP_STEPS = 5.0
 
 
 class Turns(TimedNode):
-    """Keeps the samples of a prompt, and reports each turn at its end, as a reach with nothing but a ``turn``.
+    """Keeps the samples of a prompt, and reports each turn at its end, as a reach with nothing but
+    a ``turn``.
 
-    A last report, closed by ``timeout``, says that all turns were reported, or in ``invalid`` why there are none.
+    A last report, closed by ``timeout``, says that all turns were reported, or in ``invalid`` why
+    there are none.
 
     Args:
         rest_ms: the reports come so long before the prompt's time for the response is over.
@@ -83,12 +92,18 @@ class Turns(TimedNode):
         last = int(samples["at"][-1]) if len(samples) else self.now
         invalid = fault(samples)
         for at in () if invalid else turn_times(samples):
-            self.emit(REACH, ReachPerceived(at=at, delay=self.now - last, turn=at, closed="stillness"))
-        self.emit(REACH, ReachPerceived(at=last, delay=self.now - last, closed="timeout", invalid=invalid))
+            self.emit(
+                REACH, ReachPerceived(at=at, delay=self.now - last, turn=at, closed="stillness")
+            )
+        self.emit(
+            REACH, ReachPerceived(at=last, delay=self.now - last, closed="timeout", invalid=invalid)
+        )
 
 
 def fault(samples: Samples) -> str:
-    """Return why turns cannot be found in samples: there are too few, or some are missing; empty if they can."""
+    """Return why turns cannot be found in samples: there are too few, or some are missing; empty if
+    they can.
+    """
     if len(samples) < _FEWEST:
         return "samples"
     steps = np.diff(samples["device_ms"])
@@ -98,8 +113,8 @@ def fault(samples: Samples) -> str:
 def turn_times(samples: Samples) -> list[int]:
     """Return when a hand that swings to and fro turned back, in ns of the session's clock.
 
-    Its angle is followed about the main axis of its swings, the first principal component of the angular rate. Where a
-    first swing begins from rest, and where a last one ends, is no turn.
+    Its angle is followed about the main axis of its swings, the first principal component of the
+    angular rate. Where a first swing begins from rest, and where a last one ends, is no turn.
 
     Args:
         samples: dtype SAMPLE, `_FEWEST` or more.
@@ -126,7 +141,9 @@ def _smoothed(values: Floats, width: int) -> Floats:
 
 
 def _crossing(at: Floats, turning: Floats, index: int) -> int:
-    """Return when the angular rate was 0 between an extreme of the angle and the sample after it, ns."""
+    """Return when the angular rate was 0 between an extreme of the angle and the sample after it,
+    ns.
+    """
     if index + 1 >= len(at) or turning[index] * turning[index + 1] >= 0:
         return int(at[index])
     share = turning[index] / (turning[index] - turning[index + 1])

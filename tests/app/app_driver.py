@@ -1,4 +1,6 @@
-"""Drives the app in tests: presses keys and reads the screen, with a clock that is advanced by hand."""
+"""Drives the app in tests: presses keys and reads the screen, with a clock that is advanced by
+hand.
+"""
 
 import io
 import sqlite3
@@ -36,7 +38,11 @@ _FRAMES = str.maketrans("│▌╭╮╰╯─", "       ")
 
 
 def plan(
-    catalogue: Catalogue, task: type[Task], participant: str = "P01", theme: str = "calm", **parameters: object
+    catalogue: Catalogue,
+    task: type[Task],
+    participant: str = "P01",
+    theme: str = "calm",
+    **parameters: object,
 ) -> Plan:
     """Return the plan of a short session."""
     return make_plan(catalogue, task, [participant], SHORT | parameters, theme=theme, seed=7)
@@ -47,7 +53,9 @@ def known(data: Path, participant: str = "P01", theme: str = "calm", **parameter
     database = connect(data)
     participants.add(database, participant)
     last = programmes.newest(database, participant, "keyboard")
-    programmes.save(database, participant, "keyboard", Programme(SHORT | parameters, theme), after=last.version)
+    programmes.save(
+        database, participant, "keyboard", Programme(SHORT | parameters, theme), after=last.version
+    )
     database.close()
 
 
@@ -65,10 +73,12 @@ class AppDriver:
         self._prompts: list[Prompt] = []
         self._frames: list[FrameDue] = []
 
-    # --- what is done --------------------------------------------------------------------------------------
+    # --- what is done
+    # --------------------------------------------------------------------------------------
 
     async def press(self, *keys: str) -> None:
-        """Press keys one after the other, as somebody who reads each screen before. A key is a character or its name.
+        """Press keys one after the other, as somebody who reads each screen before. A key is a
+        character or its name.
 
         No time passes in trials.
         """
@@ -88,7 +98,9 @@ class AppDriver:
         if getattr(self.app.screen, "is_in_trial", False):
             return
         shown_at = max(self.app.screen_keys._guard._appeared, self._waiting_since, self._pressed_at)
-        if self.app._has_participant or (key == self._pressed and self._pressed_on is not self.app.screen):
+        if self.app._has_participant or (
+            key == self._pressed and self._pressed_on is not self.app.screen
+        ):
             await self.wait(max(0, shown_at + QUIET - self.clock.now()) / MS)
         elif not self.app._has_participant:
             self.clock.advance(MS)  # no two keys come at the same time
@@ -96,8 +108,14 @@ class AppDriver:
     async def write(self, *keys: str) -> None:
         """Type characters without settling between them."""
         for key in keys:
-            self._pressed, self._pressed_on, self._pressed_at = key, self.app.screen, self.clock.now()
-            self.app.post_message(Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key)))
+            self._pressed, self._pressed_on, self._pressed_at = (
+                key,
+                self.app.screen,
+                self.clock.now(),
+            )
+            self.app.post_message(
+                Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key))
+            )
         await self.settle()
 
     async def send_event(self, event: Message) -> None:
@@ -129,7 +147,8 @@ class AppDriver:
             await self.pilot.resize_terminal(columns, rows)
         await self.settle()
 
-    # --- a session ------------------------------------------------------------------------------------------
+    # --- a session
+    # ------------------------------------------------------------------------------------------
 
     @property
     def session(self) -> Session:
@@ -215,10 +234,13 @@ class AppDriver:
 
     async def disk(self, working: bool) -> None:
         """Make writing to the disk fail, or work again."""
-        self.session.bus.post(STORAGE, StorageChanged(working=working, reason="" if working else "The disk is full."))
+        self.session.bus.post(
+            STORAGE, StorageChanged(working=working, reason="" if working else "The disk is full.")
+        )
         await self.settle()
 
-    # --- what is seen ------------------------------------------------------------------------------------------
+    # --- what is seen
+    # ------------------------------------------------------------------------------------------
 
     @property
     def screen_name(self) -> str:
@@ -228,8 +250,12 @@ class AppDriver:
     def rows(self) -> list[str]:
         """The lines of text on the screen, as `App.export_screenshot` composes them."""
         width, height = self.app.size
-        console = Console(width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False)
-        composed = self.app.screen._compositor.render_update(full=True, screen_stack=self.app._background_screens)
+        console = Console(
+            width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False
+        )
+        composed = self.app.screen._compositor.render_update(
+            full=True, screen_stack=self.app._background_screens
+        )
         console.print(composed)
         return [row.rstrip() for row in console.export_text().splitlines()]
 
@@ -248,7 +274,8 @@ class AppDriver:
         """Return True if the words are on the screen, wherever its lines break."""
         return words in " ".join(self.text.translate(_FRAMES).split())
 
-    # --- the database ------------------------------------------------------------------------------------------
+    # --- the database
+    # ------------------------------------------------------------------------------------------
 
     def stored(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """Query the database."""
@@ -282,7 +309,14 @@ async def open_app(
     """Open the app, and close it in the end."""
     clock = VirtualClock(10 * SECOND)
     app = SarTui(
-        data, catalogue, begin, clock=clock, link=link, patient=patient, markers=markers, sync_flash=sync_flash
+        data,
+        catalogue,
+        begin,
+        clock=clock,
+        link=link,
+        patient=patient,
+        markers=markers,
+        sync_flash=sync_flash,
     )
     driver = AppDriver(app, clock)
     async with app.run_test(size=size, notifications=True) as driver.pilot:

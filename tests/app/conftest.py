@@ -31,6 +31,11 @@ def no_session_to_join(monkeypatch: pytest.MonkeyPatch) -> None:
 def no_collection(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip garbage collection around attempts, which is slow with the memory of a test run."""
     skipped = SimpleNamespace(
-        collect=int, freeze=int, unfreeze=int, enable=gc.enable, disable=gc.disable, isenabled=gc.isenabled
+        collect=int,
+        freeze=int,
+        unfreeze=int,
+        enable=gc.enable,
+        disable=gc.disable,
+        isenabled=gc.isenabled,
     )
     monkeypatch.setattr("sar_tui.tui.gc_control.gc", skipped)

@@ -67,7 +67,9 @@ async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
             (700.0, "none"),
             (700.0, "positive"),
         ]
-        assert [(act["name"], act["value"], act["actor"]) for act in driver.messages("operator/setting")] == [
+        assert [
+            (act["name"], act["value"], act["actor"]) for act in driver.messages("operator/setting")
+        ] == [
             ("threshold", 700.0, "therapist"),
             ("feedback_every", 2, "therapist"),
         ]
@@ -75,8 +77,12 @@ async def test_the_goal_and_the_feedback_change_from_the_next_attempt_on(
 
 
 @pytest.mark.slow
-async def test_the_level_goes_up_and_down_and_is_held(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=4, max_level=3)) as driver:
+async def test_the_level_goes_up_and_down_and_is_held(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, attempts=4, max_level=3)
+    ) as driver:
         await driver.press("enter")
         await open_changes(driver)
         await choose(driver, "Level up")
@@ -95,10 +101,14 @@ async def test_the_level_goes_up_and_down_and_is_held(data: Path, catalogue: Cat
         await driver.do_attempt(await driver.begin())
         assert driver.stored("SELECT level FROM attempts") == [(2,), (2,), (2,)]
         assert driver.waiting.level == 3
-        assert {act["actor"] for act in driver.messages("operator/act") if act["command"] == "level"} == {"therapist"}
+        assert {
+            act["actor"] for act in driver.messages("operator/act") if act["command"] == "level"
+        } == {"therapist"}
 
 
-async def test_a_note_is_stored_as_the_therapists(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_note_is_stored_as_the_therapists(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await open_changes(driver)
         await choose(driver, "Write a note")
@@ -126,7 +136,9 @@ async def test_a_goal_out_of_bounds_is_refused_in_a_sentence(
 async def test_feedback_that_has_no_frequency_is_not_offered(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, feedback_schedule="request")) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, feedback_schedule="request")
+    ) as driver:
         await open_changes(driver)
         assert driver.sees("Goal: 1 second")
         assert not driver.sees("Feedback:")
@@ -150,7 +162,10 @@ async def test_behind_the_passphrase_only_the_right_one_opens_it(
         await driver.write(*RIGHT)
         await driver.press("enter")
         assert driver.sees("Changes apply from the next attempt on.")
-    assert [(each.result, each.where) for each in Passphrase(data).tries()] == [("wrong", "pause"), ("right", "pause")]
+    assert [(each.result, each.where) for each in Passphrase(data).tries()] == [
+        ("wrong", "pause"),
+        ("right", "pause"),
+    ]
 
 
 @pytest.mark.slow
@@ -187,10 +202,18 @@ async def test_when_an_operator_goes_on_the_participant_sees_the_session(
         assert (await driver.to_prompt()).text in driver.text
 
 
-async def test_all_of_it_is_in_the_sessions_language(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_all_of_it_is_in_the_sessions_language(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
         await open_changes(driver)
-        for words in ("Para el terapeuta", "Nivel 1", "Subir el nivel", "Mantener el nivel", "Objetivo: 1 segundo"):
+        for words in (
+            "Para el terapeuta",
+            "Nivel 1",
+            "Subir el nivel",
+            "Mantener el nivel",
+            "Objetivo: 1 segundo",
+        ):
             assert driver.sees(words), words
 
 

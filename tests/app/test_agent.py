@@ -1,4 +1,6 @@
-"""The agent in a session: it speaks and moves between trials, is still in them, and one key stops it."""
+"""The agent in a session: it speaks and moves between trials, is still in them, and one key stops
+it.
+"""
 
 from pathlib import Path
 
@@ -42,7 +44,8 @@ def mouth(theme: Theme, face: str) -> str:
     return theme.faces[face].splitlines()[theme.mouth_line]
 
 
-# --- while it speaks ---------------------------------------------------------------------------------------
+# --- while it speaks
+# ---------------------------------------------------------------------------------------
 
 
 async def test_the_mouth_moves_only_while_a_voice_sounds(
@@ -85,7 +88,11 @@ async def test_a_trial_continues_when_the_agent_has_spoken_and_its_text_stays_un
 
 
 async def test_a_voice_that_continues_into_a_response_window_draws_nothing(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
+    data: Path,
+    catalogue: Catalogue,
+    keyboard: type[Task],
+    voice: Voice,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, **SPOKEN)) as driver:
         await voice.end(driver)
@@ -124,7 +131,8 @@ async def test_the_goodbye_is_spoken_on_the_summary_and_the_voice_released_after
         assert not driver.app.is_running
 
 
-# --- when it cannot be heard --------------------------------------------------------------------------------
+# --- when it cannot be heard
+# --------------------------------------------------------------------------------
 
 
 async def test_a_failed_voice_is_reported_until_it_speaks_again(
@@ -187,7 +195,11 @@ async def test_a_participant_who_holds_a_key_is_asked_to_release_it_even_without
 
 
 async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], voice: Voice, monkeypatch: pytest.MonkeyPatch
+    data: Path,
+    catalogue: Catalogue,
+    keyboard: type[Task],
+    voice: Voice,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, **UNSEEN)) as driver:
         await voice.end(driver)
@@ -203,13 +215,16 @@ async def test_a_voice_that_fails_in_a_trial_is_reported_after_it(
         assert "no voice" in driver.rows[0]
 
 
-# --- an answer that comes later, or is asked for --------------------------------------------------------------
+# --- an answer that comes later, or is asked for
+# --------------------------------------------------------------
 
 
 async def test_delayed_feedback_is_awaited_with_a_thinking_face(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, feedback_delay_ms=3000)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, feedback_delay_ms=3000)
+    ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("One moment…")
         assert mouth(calm, "thinking") in robot(driver)
@@ -225,7 +240,12 @@ async def test_delayed_feedback_is_awaited_with_a_thinking_face(
 async def test_the_agent_listens_again_if_it_has_nothing_to_say(
     data: Path, catalogue: Catalogue, keyboard: type[Task], calm: Theme
 ) -> None:
-    settings = {"feedback_delay_ms": 3000, "feedback_every": 2, "attempts": 3, "encouragement": False}
+    settings = {
+        "feedback_delay_ms": 3000,
+        "feedback_every": 2,
+        "attempts": 3,
+        "encouragement": False,
+    }
     async with open_app(data, catalogue, plan(catalogue, keyboard, **settings)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(3100)
@@ -234,7 +254,9 @@ async def test_the_agent_listens_again_if_it_has_nothing_to_say(
         assert driver.said == ""
 
 
-async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_tab_requests_feedback(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(
         data, catalogue, plan(catalogue, keyboard, feedback_schedule="request", encouragement=False)
     ) as driver:
@@ -250,7 +272,8 @@ async def test_tab_requests_feedback(data: Path, catalogue: Catalogue, keyboard:
         assert driver.sees("Press Enter to see how it went. Press Tab to hear how it went.")
 
 
-# --- one stop ---------------------------------------------------------------------------------------------------
+# --- one stop
+# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -281,7 +304,11 @@ async def test_f2_stops_the_agent_on_every_screen_of_a_session(
         await driver.press("f2")
         assert voice.stops.count("") == before + 1
         stop = driver.messages("operator/act")[-1]
-        assert (stop["command"], stop["actor"], stop["at"]) == ("stop", "participant", driver.clock.now())
+        assert (stop["command"], stop["actor"], stop["at"]) == (
+            "stop",
+            "participant",
+            driver.clock.now(),
+        )
         assert driver.messages("input/key") == keys
         assert driver.stored("SELECT count(*) FROM trials") == [(int(where == "summary"),)]
 
@@ -297,7 +324,10 @@ async def test_a_stop_is_immediate_and_the_latency_of_each_output_is_logged(
         assert mouth(calm, "happy") in robot(driver)
         assert "●" not in robot(driver).splitlines()[2][17:]
         assert not driver.app.screen.query_one(Agent).is_moving
-        delays = {stopped["output"]: stopped["at"] - stopped["asked"] for stopped in driver.messages("output/stopped")}
+        delays = {
+            stopped["output"]: stopped["at"] - stopped["asked"]
+            for stopped in driver.messages("output/stopped")
+        }
         assert set(delays) == {"screen", "voice"}
         assert all(took < 100 * MS for took in delays.values())
 
@@ -327,7 +357,8 @@ async def test_outside_a_session_f2_belongs_to_the_screen(data: Path, catalogue:
         assert "F2 Stop" not in driver.text
 
 
-# --- words --------------------------------------------------------------------------------------------------------
+# --- words
+# --------------------------------------------------------------------------------------------------------
 
 
 async def test_encouragement_replaces_feedback_once_that_could_be_read(
@@ -346,7 +377,11 @@ async def test_encouragement_replaces_feedback_once_that_could_be_read(
         following = driver.messages("arbiter/action")[-1]
         assert following["kind"] == "encouragement"
         await driver.begin()
-        reports = [report for report in driver.messages("output/report") if report["action"] == following["id"]]
+        reports = [
+            report
+            for report in driver.messages("output/report")
+            if report["action"] == following["id"]
+        ]
         shown = [report["state"] for report in reports if report["deed"] == "show"]
         assert shown == ["queued", "aborted"], "the next attempt began before"
 
@@ -371,7 +406,9 @@ async def test_encouragement_is_read_when_a_voice_says_it(
 def longest(theme: Theme, among: list[str]) -> str:
     """Return the longest wording of some phrase keys, with long values in its slots."""
     slots = {**_LONG, "reference": max(theme.vocabulary.values(), key=len)}
-    return max((wording.format(**slots) for name in among for wording in theme.phrases[name]), key=len)
+    return max(
+        (wording.format(**slots) for name in among for wording in theme.phrases[name]), key=len
+    )
 
 
 @pytest.mark.parametrize("name", first(1, ["calm", "high-contrast", "playful"]))
@@ -385,8 +422,12 @@ async def test_text_has_the_colour_of_its_valence_and_joined_text_has_none(
             agent.say("Well done.", "happy", valence)
             agent.say("Have a rest.", "sleeping", joins=True)
             await driver.settle()
-            said, more = (agent.query_one(each).visual_style.foreground.rgb for each in (".said", ".more"))
-            assert said == pytest.approx(Color.parse(getattr(colors, valence) if valence else colors.text).rgb, abs=1)
+            said, more = (
+                agent.query_one(each).visual_style.foreground.rgb for each in (".said", ".more")
+            )
+            assert said == pytest.approx(
+                Color.parse(getattr(colors, valence) if valence else colors.text).rgb, abs=1
+            )
             assert more == pytest.approx(Color.parse(colors.text).rgb, abs=1)
 
 
@@ -396,7 +437,9 @@ async def test_the_longest_text_fits_beside_the_agent_and_the_key_hints(
     name: str, language: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     theme = catalogue.theme(name, language)
-    answers = [each for each in PHRASE_KEYS if each.split("_")[0] in ("positive", "neutral", "negative")]
+    answers = [
+        each for each in PHRASE_KEYS if each.split("_")[0] in ("positive", "neutral", "negative")
+    ]
     in_words = [each for each in answers if not PHRASE_KEYS[each]]
     in_figures = [each for each in answers if PHRASE_KEYS[each]]
     performance = [each for each in PERFORMANCE if each.endswith("figures")]

@@ -14,7 +14,16 @@ from sar_tui.link.peer import Connection, Frame, PeerListener
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.clock import host_now
 from sar_tui.loop.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
-from sar_tui.model.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, ThemeApplied, Waiting
+from sar_tui.model.messages import (
+    Action,
+    AgentActing,
+    CueGiven,
+    Halt,
+    Message,
+    OutputReport,
+    ThemeApplied,
+    Waiting,
+)
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.plugins import Catalogue
@@ -44,12 +53,18 @@ class Link:
     def welcome(self, **parameters: Any) -> None:
         self._listener(Connection("connected"))
         self._listener(
-            msgspec.structs.replace(WELCOME, title="Keyboard reaction", name=self.name, parameters=parameters)
+            msgspec.structs.replace(
+                WELCOME, title="Keyboard reaction", name=self.name, parameters=parameters
+            )
         )
 
-    def deliver(self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None) -> None:
+    def deliver(
+        self, topic: Topic[Any], message: Message, *, ago_s: float = 0, seq: int | None = None
+    ) -> None:
         self._seq += 1
-        self._listener([Frame(seq or self._seq, self.now() - round(ago_s * SECOND), topic, message)])
+        self._listener(
+            [Frame(seq or self._seq, self.now() - round(ago_s * SECOND), topic, message)]
+        )
 
     def refuse(self, why: str) -> None:
         self._listener(Connection("connecting", why))
@@ -91,7 +106,9 @@ class Watcher:
 
     async def see(self) -> str:
         await self._pilot.pause()
-        return "\n".join(str(each.render()) for each in self.app.screen.query(Static) if each.display)
+        return "\n".join(
+            str(each.render()) for each in self.app.screen.query(Static) if each.display
+        )
 
 
 @asynccontextmanager
@@ -133,13 +150,17 @@ async def test_while_a_response_is_awaited_there_is_no_text_and_no_movement(calm
         watcher.link.welcome()
         watcher.link.deliver(ACTION, said("Well done!", gesture="wave"))
         watcher.link.deliver(WAITING, IN_A_TRIAL)
-        watcher.link.deliver(REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0))
+        watcher.link.deliver(
+            REPORT, OutputReport(action="a1", output="speech", part="say", state="started", at=0)
+        )
         assert "Well done!" not in await watcher.see()
         assert not watcher.moves
 
 
 async def test_a_view_that_joins_during_a_trial_shows_no_earlier_text(calm: Theme) -> None:
-    """Retained topics and the last messages arrive in any order; their sequence numbers say which came first."""
+    """Retained topics and the last messages arrive in any order; their sequence numbers say which
+    came first.
+    """
     async with watching(calm) as watcher:
         watcher.link.welcome()
         watcher.link.deliver(WAITING, IN_A_TRIAL, seq=20)
@@ -156,7 +177,9 @@ async def test_an_old_utterance_is_shown_but_not_spoken_again(calm: Theme) -> No
         assert watcher.link.spoken == []
 
 
-async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stopped(calm: Theme) -> None:
+async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stopped(
+    calm: Theme,
+) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(outputs=["screen"], language="es")
         watcher.link.spoken.clear()
@@ -167,18 +190,24 @@ async def test_the_browsers_voice_speaks_the_sessions_language_and_can_be_stoppe
 
 @pytest.mark.parametrize(
     ("how", "report"),
-    [("lose", "Se ha perdido la conexión; vuelve sola."), ("end", "La sesión ha terminado. Gracias.")],
+    [
+        ("lose", "Se ha perdido la conexión; vuelve sola."),
+        ("end", "La sesión ha terminado. Gracias."),
+    ],
 )
-async def test_the_agent_sleeps_silently_when_the_link_is_lost(calm: Theme, how: str, report: str) -> None:
+async def test_the_agent_sleeps_silently_when_the_link_is_lost(
+    calm: Theme, how: str, report: str
+) -> None:
     async with watching(calm, speaks=True) as watcher:
         watcher.link.welcome(language="es")
         watcher.link.deliver(ACTION, said("Well done!"))
         watcher.link.spoken.clear()
         getattr(watcher.link, how)()
         seen = await watcher.see()
-        assert {"lose": "Se ha perdido la conexión; vuelve sola.", "end": "La sesión ha terminado. Gracias."}[
-            how
-        ] in seen
+        assert {
+            "lose": "Se ha perdido la conexión; vuelve sola.",
+            "end": "La sesión ha terminado. Gracias.",
+        }[how] in seen
         assert "Well done!" not in seen
         assert watcher.link.spoken == [("hush",)]
 
@@ -200,7 +229,9 @@ async def test_it_looks_to_a_side_until_the_response(calm: Theme) -> None:
         watcher.link.welcome()
         watcher.link.deliver(WAITING, FOREPERIOD)
         ahead = await watcher.see()
-        watcher.link.deliver(CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left"))
+        watcher.link.deliver(
+            CUE, CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")
+        )
         watcher.link.deliver(WAITING, IN_A_TRIAL)
         assert await watcher.see() != ahead
         watcher.link.deliver(WAITING, FOREPERIOD)
@@ -244,7 +275,9 @@ async def test_the_browsers_voice_moves_the_mouth_if_the_session_has_none(calm: 
         assert not watcher.moves
 
 
-async def test_its_mouth_shuts_at_the_end_of_an_utterance_even_if_reported_late(calm: Theme) -> None:
+async def test_its_mouth_shuts_at_the_end_of_an_utterance_even_if_reported_late(
+    calm: Theme,
+) -> None:
     async with watching(calm) as watcher:
         watcher.link.welcome()
         voice: dict[str, Any] = {"action": "a1", "output": "speech", "part": "say", "at": 0}

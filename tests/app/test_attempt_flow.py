@@ -1,4 +1,6 @@
-"""The screen between attempts of a continuous task, and of one whose interrupted attempts begin again."""
+"""The screen between attempts of a continuous task, and of one whose interrupted attempts begin
+again.
+"""
 
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -33,7 +35,9 @@ async def test_the_screen_says_that_the_next_attempt_begins_by_itself(two_back: 
     assert (await two_back.to_prompt()).attempt == 2
 
 
-async def test_the_screen_says_that_an_attempt_begins_again_and_counts_it_once(two_back: AppDriver) -> None:
+async def test_the_screen_says_that_an_attempt_begins_again_and_counts_it_once(
+    two_back: AppDriver,
+) -> None:
     await two_back.to_prompt()
     await two_back.press("escape")
     assert two_back.app.live

@@ -11,7 +11,9 @@ from tests.app.app_driver import AppDriver, open_app, plan
 
 async def to_comparison(driver: AppDriver) -> None:
     await driver.do_session()
-    await driver.app.workers.wait_for_complete([each for each in driver.app.workers if each.name == "comparison"])
+    await driver.app.workers.wait_for_complete(
+        [each for each in driver.app.workers if each.name == "comparison"]
+    )
     await driver.settle()
 
 
@@ -21,7 +23,9 @@ async def test_only_a_later_session_with_the_same_settings_has_a_comparison(
 ) -> None:
     compared = []
     for settings in ({}, {}, {"threshold": 900.0}):
-        async with open_app(data, catalogue, plan(catalogue, keyboard, max_level=1, **settings)) as driver:
+        async with open_app(
+            data, catalogue, plan(catalogue, keyboard, max_level=1, **settings)
+        ) as driver:
             await to_comparison(driver)
             assert driver.sees("You did 2 attempts; goal reached in 2.")
             compared.append(driver.sees("Today 0.40 seconds, "))

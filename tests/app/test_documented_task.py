@@ -1,4 +1,6 @@
-"""The task and the view of docs/write-your-own-task.md, taken from the page: they pass the check and run in the app."""
+"""The task and the view of docs/write-your-own-task.md, taken from the page: they pass the check
+and run in the app.
+"""
 
 from pathlib import Path
 

@@ -83,7 +83,9 @@ async def test_a_task_that_raises_before_its_first_screen_asks_for_the_experimen
         assert "The task keyboard failed (RuntimeError: a wire is loose" in driver.app.failure
 
 
-async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(
+    data: Path, catalogue: Catalogue
+) -> None:
     class Missing(Catalogue):
         def task(self, name: str) -> type[Task]:
             class Unplugged(catalogue.task(name)):  # type: ignore[misc]
@@ -97,11 +99,16 @@ async def test_a_task_that_cannot_be_set_up_is_reported_on_the_home_screen(data:
         await driver.fail_to_start("cannot be set up (OSError: no sensor)")
 
 
-async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_that_cannot_be_resumed_ends_the_app_with_a_sentence(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, "nosuchsession") as driver:
         assert not driver.app.is_running
         assert driver.app.return_code == 1
-        assert driver.app.failure == "There is no session nosuchsession. `sar-tui sessions` lists them."
+        assert (
+            driver.app.failure
+            == "There is no session nosuchsession. `sar-tui sessions` lists them."
+        )
 
 
 @pytest.mark.parametrize("size", first(1, [(79, 24), (80, 23), (20, 5)]))
@@ -133,11 +140,15 @@ async def test_a_window_enlarged_under_help_or_palette_recovers_when_they_close(
         assert driver.screen_name == "HomeScreen"
 
 
-async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(data: Path, catalogue: Catalogue) -> None:
+async def test_a_window_that_shrinks_twice_under_the_help_is_covered_once(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, size=(70, 20)) as driver:
         await driver.press("f1")
         await driver.resize(60, 20)
-        assert [type(screen).__name__ for screen in driver.app.screen_stack].count("TooSmallScreen") == 1
+        assert [type(screen).__name__ for screen in driver.app.screen_stack].count(
+            "TooSmallScreen"
+        ) == 1
         await driver.press("escape")
         assert driver.sees("This window is too small.")
         await driver.resize(80, 24)
@@ -149,7 +160,9 @@ def _refuse(driver: AppDriver) -> None:
     driver.app.database.execute("PRAGMA query_only=ON")
 
 
-async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(data: Path, catalogue: Catalogue) -> None:
+async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2", "end", "7")
@@ -160,7 +173,9 @@ async def test_a_failure_to_save_settings_is_reported_and_the_form_stays(data: P
         assert driver.sees("not saved")
 
 
-async def test_a_failed_write_is_reported_on_the_home_screen(data: Path, catalogue: Catalogue) -> None:
+async def test_a_failed_write_is_reported_on_the_home_screen(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         _refuse(driver)

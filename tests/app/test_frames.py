@@ -1,4 +1,6 @@
-"""A prompt with frames on the session's screen: each frame is drawn in its time, and nothing else moves."""
+"""A prompt with frames on the session's screen: each frame is drawn in its time, and nothing else
+moves.
+"""
 
 from pathlib import Path
 
@@ -55,7 +57,9 @@ async def test_each_frame_replaces_the_one_before(
         frames = count_frames(driver, monkeypatch)
         await driver.wait(210)
         assert not driver.sees("cue")
-        assert not any(line.strip() for line in driver.rows[stage.y : stage.bottom]), "the second frame is empty"
+        assert not any(line.strip() for line in driver.rows[stage.y : stage.bottom]), (
+            "the second frame is empty"
+        )
         await driver.wait(300)
         assert driver.sees("target")
         await driver.wait(50)
@@ -65,18 +69,24 @@ async def test_each_frame_replaces_the_one_before(
         drawn = [frame for frame in frames if frame is not None]
         assert len(drawn) == 3
         spans = [span for frame in drawn for span in frame.spans]  # type: ignore[attr-defined]
-        assert all(stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans)
+        assert all(
+            stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans
+        )
         await driver.press("f")
         await driver.see_the_summary()
         assert driver.session.faults == []
 
 
-async def test_tones_that_are_not_heard_are_told_of_after_the_attempt(data: Path, masked: Catalogue) -> None:
+async def test_tones_that_are_not_heard_are_told_of_after_the_attempt(
+    data: Path, masked: Catalogue
+) -> None:
     task = masked.task("masked")
     plan = Plan(task, build(task.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
     async with open_app(data, masked, plan) as driver:
         await driver.to_first_prompt()
-        failed = ToneBegan(attempt=1, trial=1, presentation=1, frame=0, at=1, source="failed", detail="Plug it in.")
+        failed = ToneBegan(
+            attempt=1, trial=1, presentation=1, frame=0, at=1, source="failed", detail="Plug it in."
+        )
         driver.session.bus.post(TONE_BEGAN, failed)
         await driver.wait(600)
         assert not driver.sees("not heard"), "nothing moves in a trial"

@@ -10,7 +10,9 @@ from tests.app.app_driver import known, open_app, plan
 
 
 @pytest.mark.parametrize("key", ["f1", "?"])
-async def test_help_describes_a_screen_and_its_keys(key: str, data: Path, catalogue: Catalogue) -> None:
+async def test_help_describes_a_screen_and_its_keys(
+    key: str, data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press(key)
         assert driver.sees("Choose who trains; Enter, and Enter again starts.")
@@ -33,11 +35,20 @@ async def test_the_footer_shows_pause_only_where_a_pause_is_possible(
         assert "Pause" not in driver.rows[-1]
 
 
-async def test_every_key_of_the_settings_fits_into_the_footer(data: Path, catalogue: Catalogue) -> None:
+async def test_every_key_of_the_settings_fits_into_the_footer(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
-        for words in ("Ctrl-S Save", "/ Find", "Ctrl-R Reset", "Ctrl-Q Quit", "F1 Help", "Ctrl-P palette"):
+        for words in (
+            "Ctrl-S Save",
+            "/ Find",
+            "Ctrl-R Reset",
+            "Ctrl-Q Quit",
+            "F1 Help",
+            "Ctrl-P palette",
+        ):
             assert words in driver.rows[-1]
 
 

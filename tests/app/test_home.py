@@ -19,7 +19,9 @@ from tests.examples import first
 from tests.sides_task import write_sides
 
 
-async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data: Path, catalogue: Catalogue) -> None:
+async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         assert driver.sees("+ New participant")
         await driver.press("enter")
@@ -32,7 +34,9 @@ async def test_arrows_enter_and_a_code_lead_from_a_fresh_start_to_a_session(data
     assert stored(data, "SELECT task, theme, mode FROM sessions") == [("keyboard", "calm", "live")]
 
 
-async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path, catalogue: Catalogue) -> None:
+async def test_a_known_participant_needs_nothing_but_arrows_and_enter(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P02")
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
@@ -41,7 +45,9 @@ async def test_a_known_participant_needs_nothing_but_arrows_and_enter(data: Path
     assert stored(data, "SELECT participant FROM seats") == [("P02",)]
 
 
-async def test_escape_in_a_list_restores_what_was_chosen_before(data: Path, catalogue: Catalogue) -> None:
+async def test_escape_in_a_list_restores_what_was_chosen_before(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P02")
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
@@ -59,7 +65,10 @@ async def test_escape_in_a_list_restores_what_was_chosen_before(data: Path, cata
             await driver.press(*way)
             assert isinstance(driver.app.focused, PickList)
             await driver.press("down")
-            assert screen.query_one(f"#{driver.app.focused.id}", MarkedList).chosen != chosen[driver.app.focused.id]
+            assert (
+                screen.query_one(f"#{driver.app.focused.id}", MarkedList).chosen
+                != chosen[driver.app.focused.id]
+            )
             await driver.press("escape")
             assert driver.app.focused.id == "participant"
         for name, was in chosen.items():
@@ -92,7 +101,9 @@ async def test_a_part_of_a_code_finds_a_participant_and_escape_shows_all_again(
     assert stored(data, "SELECT participant FROM seats") == [("AB-7",)]
 
 
-async def test_the_card_tells_how_a_participant_does(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_the_card_tells_how_a_participant_does(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     known(data, "P02")
     known(data, "P01")
     for _ in range(2):
@@ -144,7 +155,9 @@ async def test_the_last_task_of_a_participant_is_chosen_and_one_chosen_by_hand_s
 
 
 @pytest.mark.parametrize("code", first(1, ["Peter Maier", "-1", "P/01", "Jürgen"]))
-async def test_an_invalid_code_is_explained_and_refused(code: str, data: Path, catalogue: Catalogue) -> None:
+async def test_an_invalid_code_is_explained_and_refused(
+    code: str, data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*code)
@@ -182,7 +195,9 @@ async def test_a_task_that_does_not_load_is_listed_and_the_first_that_does_is_ch
         assert driver.sees("aaa (does not load)")
 
 
-async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_start(data: Path, tmp_path: Path) -> None:
+async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_start(
+    data: Path, tmp_path: Path
+) -> None:
     folder = write_sides(tmp_path / "mine")
     known(data, "P01")
     async with open_app(data, Catalogue((folder.parent,))) as driver:
@@ -198,7 +213,9 @@ async def test_a_task_that_is_removed_while_it_is_chosen_is_told_and_does_not_st
 
 async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue) as driver:
-        assert driver.sees("1. Press Enter, and give the first person a code, such as P01. Never a name.")
+        assert driver.sees(
+            "1. Press Enter, and give the first person a code, such as P01. Never a name."
+        )
         assert not driver.sees("START begins")
         for key in ("f2", "f12"):
             await driver.press(key)
@@ -208,7 +225,9 @@ async def test_nothing_starts_without_a_participant(data: Path, catalogue: Catal
 
 
 @pytest.mark.slow
-async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(data: Path, catalogue: Catalogue) -> None:
+async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     known(data, "P02")
     async with open_app(data, catalogue) as driver:
@@ -228,7 +247,9 @@ async def test_a_theme_is_applied_when_chosen_and_stored_for_its_participant(dat
 
 
 @pytest.mark.slow
-async def test_a_chosen_theme_survives_a_visit_to_the_settings(data: Path, catalogue: Catalogue) -> None:
+async def test_a_chosen_theme_survives_a_visit_to_the_settings(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "down")
@@ -239,7 +260,9 @@ async def test_a_chosen_theme_survives_a_visit_to_the_settings(data: Path, catal
         assert driver.app.theme == "sar-high-contrast"
 
 
-async def test_a_participants_settings_are_used_by_their_next_session(data: Path, catalogue: Catalogue) -> None:
+async def test_a_participants_settings_are_used_by_their_next_session(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=3, prompts_per_attempt=7)
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
@@ -258,14 +281,18 @@ async def test_settings_that_became_invalid_are_told_and_a_second_press_begins_w
         assert driver.sees("The setting tempo does not exist any more.")
         assert driver.sees("Press START again to begin without it.")
         assert stored(data, "SELECT id FROM sessions") == []
-        driver.app.screen.query_one("#start", Button).press()  # a key has no effect while the button flashes
+        driver.app.screen.query_one(
+            "#start", Button
+        ).press()  # a key has no effect while the button flashes
         await driver.settle()
         assert driver.sees("An attempt asks for 7 keys.")
         await driver.press("enter")
         assert driver.sees("Press Enter to begin attempt 1 of 20.")
 
 
-async def test_a_session_names_the_version_of_the_programme_that_it_runs(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_names_the_version_of_the_programme_that_it_runs(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=3)
     known(data, "P01", attempts=4)
     async with open_app(data, catalogue) as driver:
@@ -275,7 +302,9 @@ async def test_a_session_names_the_version_of_the_programme_that_it_runs(data: P
 
 
 @pytest.mark.slow
-async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(data: Path, catalogue: Catalogue) -> None:
+async def test_another_theme_is_saved_as_a_version_and_the_same_one_is_not(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     for _ in range(2):
         async with open_app(data, catalogue) as driver:
@@ -374,7 +403,9 @@ async def test_an_interrupted_session_is_dismissed_and_taken_back(
         assert driver.session_id == session
         assert driver.sees("Welcome back")
     now = [stored(data, f"SELECT * FROM {table}") for table in tables]
-    assert all(row in after for before, after in zip(everything, now, strict=True) for row in before)
+    assert all(
+        row in after for before, after in zip(everything, now, strict=True) for row in before
+    )
 
 
 @pytest.mark.slow
@@ -441,7 +472,9 @@ async def test_a_completed_session_is_shown_with_its_plot(
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("P01 · Keyboard reaction · today, ")
-        assert driver.sees("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
+        assert driver.sees(
+            "You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2."
+        )
         assert driver.sees("reaction time (s)")
         assert driver.text.count("●") >= 2
         await driver.press("enter")
@@ -459,7 +492,9 @@ async def test_a_session_of_a_removed_task_is_still_shown(
     async with open_app(data, nothing) as driver:
         await driver.press("f6", "enter")
         assert driver.screen_name == "PastSessionScreen"
-        assert driver.sees("You did 1 attempt; goal reached in 1. Best: 0.40 seconds. Highest level: 1.")
+        assert driver.sees(
+            "You did 1 attempt; goal reached in 1. Best: 0.40 seconds. Highest level: 1."
+        )
         assert driver.sees("reaction time (s)")
         assert driver.sees("goal 1")
 
@@ -468,7 +503,10 @@ async def test_a_session_of_a_removed_task_is_still_shown(
 async def test_a_participant_cannot_have_two_sessions_at_once(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard)), open_app(data, catalogue) as second:
+    async with (
+        open_app(data, catalogue, plan(catalogue, keyboard)),
+        open_app(data, catalogue) as second,
+    ):
         await second.fail_to_start("in a live session already")
 
 
@@ -487,14 +525,19 @@ async def test_tasks_are_listed_by_what_they_train(data: Path, catalogue: Catalo
         tasks = driver.app.screen.query_one("#task", PickList)
         listed = [str(option.prompt) for option in tasks.options]
         assert tasks.chosen == "keyboard"
-        for trains, title in (("Reaction", "Keyboard reaction"), ("Attention", "Arrow in the middle")):
+        for trains, title in (
+            ("Reaction", "Keyboard reaction"),
+            ("Attention", "Arrow in the middle"),
+        ):
             assert listed.index(trains) < listed.index(title)
         assert [option.disabled for option in tasks.options if option.id is None] == [True] * len(
             {catalogue.task(name).trains for name in catalogue.task_names()}
         )
 
 
-async def test_the_open_list_says_what_is_done_in_the_chosen_task(data: Path, catalogue: Catalogue) -> None:
+async def test_the_open_list_says_what_is_done_in_the_chosen_task(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         assert not driver.sees("Press the key that appears")

@@ -18,7 +18,9 @@ def flags_of_the_trial(driver: AppDriver) -> str:
 
 
 @pytest.mark.slow
-async def test_characters_typed_into_a_form_are_never_recorded(data: Path, catalogue: Catalogue) -> None:
+async def test_characters_typed_into_a_form_are_never_recorded(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("enter")
         await driver.write(*"secret7")
@@ -33,11 +35,14 @@ async def test_characters_typed_into_a_form_are_never_recorded(data: Path, catal
         await driver.press("enter")
         assert [press["key"] for press in driver.messages("input/key")] == ["enter"]
         assert not any(
-            "secret8" in text or "SECRET7" in text for (text,) in driver.stored("SELECT message FROM events")
+            "secret8" in text or "SECRET7" in text
+            for (text,) in driver.stored("SELECT message FROM events")
         )
 
 
-async def test_nothing_is_recorded_after_a_session_is_left(data: Path, catalogue: Catalogue) -> None:
+async def test_nothing_is_recorded_after_a_session_is_left(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=1, prompts_per_attempt=1)
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")

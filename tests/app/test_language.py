@@ -47,7 +47,10 @@ class Tour:
 
     def look(self, *words: str) -> None:
         """Collect the texts on the screen, and check that these are among them."""
-        self.seen += [" ".join(self.driver.text.translate(_FRAMES).split()), *self.driver.text.split("\n")]
+        self.seen += [
+            " ".join(self.driver.text.translate(_FRAMES).split()),
+            *self.driver.text.split("\n"),
+        ]
         for each in words:
             assert self.driver.sees(each), f"{each!r} is not on the screen:\n{self.driver.text}"
 
@@ -66,21 +69,36 @@ class Tour:
         return english_in(self.seen, session_language(self.driver.session.task).texts | said)
 
 
-# --- the app's own words -----------------------------------------------------------------------------------------
+# --- the app's own words
+# -----------------------------------------------------------------------------------------
 
 
 def test_every_text_of_the_app_is_translated_and_no_translation_is_obsolete() -> None:
     package = APP.parent
     rooms = (APP, package / "widgets", package / "tui")
-    code = [*(path for room in rooms for path in room.rglob("*.py")), package / "reports" / "attempts_plot.py"]
-    bindings = [*BaseApp.BINDINGS, *SarTui.BINDINGS, *SessionScreen.BINDINGS, *SensorCheckScreen.BINDINGS]
+    code = [
+        *(path for room in rooms for path in room.rglob("*.py")),
+        package / "reports" / "attempts_plot.py",
+    ]
+    bindings = [
+        *BaseApp.BINDINGS,
+        *SarTui.BINDINGS,
+        *SessionScreen.BINDINGS,
+        *SensorCheckScreen.BINDINGS,
+    ]
     bindings += [*WellbeingScreen.BINDINGS, *SettingsScreen.BINDINGS]
-    labels = {binding.description for binding in bindings if isinstance(binding, Binding) and binding.show}
+    labels = {
+        binding.description for binding in bindings if isinstance(binding, Binding) and binding.show
+    }
     answers = {NOT_SAID, *PLACES.values(), *chain.from_iterable(ENDS.values())}
-    texts = {"palette", *labels, *MARKERS, *answers}.union(*(texts_in(path.read_text("utf-8")) for path in code))
+    texts = {"palette", *labels, *MARKERS, *answers}.union(
+        *(texts_in(path.read_text("utf-8")) for path in code)
+    )
     translations = read_words(APP / "words.es.toml")
     assert set(translations) == texts
-    assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []
+    assert [
+        problem for text, own in translations.items() if (problem := slot_problem(text, own))
+    ] == []
 
 
 def test_texts_of_a_theme_precede_those_of_the_app() -> None:
@@ -92,7 +110,8 @@ def test_an_untranslated_language_is_english() -> None:
     assert app_language("de")("Press {key} to start.", key="Space") == "Press Space to start."
 
 
-# --- sessions ----------------------------------------------------------------------------------------------------
+# --- sessions
+# ----------------------------------------------------------------------------------------------------
 
 
 async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
@@ -101,16 +120,30 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
     settings = {"prompts_per_attempt": 2, "practice_attempts": 1, "threshold": 850.0}
     async with open_app(data, catalogue, plan(catalogue, "keyboard", **settings)) as driver:
         tour = Tour(driver)
-        tour.look("Reacción con el teclado", "Le damos la bienvenida", "Pulse Enter para seguir.", "Pausa", "Ayuda")
-        await tour.press("f1", "Cuando se lo pida la pantalla, pulse Enter.", "Pulse Enter para cerrar esto.")
+        tour.look(
+            "Reacción con el teclado",
+            "Le damos la bienvenida",
+            "Pulse Enter para seguir.",
+            "Pausa",
+            "Ayuda",
+        )
+        await tour.press(
+            "f1", "Cuando se lo pida la pantalla, pulse Enter.", "Pulse Enter para cerrar esto."
+        )
         await tour.press("enter")
         await tour.press(
-            "enter", "Intento de práctica 1 de 1", "Pulse Enter para empezar el intento de práctica 1 de 1."
+            "enter",
+            "Intento de práctica 1 de 1",
+            "Pulse Enter para empezar el intento de práctica 1 de 1.",
         )
-        tour.look("en menos de 0,85 segundos de media, y acertar 2 de 2.", "nivel 1", "Teclas 0 de 2")
+        tour.look(
+            "en menos de 0,85 segundos de media, y acertar 2 de 2.", "nivel 1", "Teclas 0 de 2"
+        )
         prompt = await driver.begin()
         tour.look(f"Pulse: {prompt.expected}", "Práctica 0 de 1")
-        await tour.press("escape", "En pausa", "Tómese su tiempo.", "flechas para elegir, Enter para confirmar")
+        await tour.press(
+            "escape", "En pausa", "Tómese su tiempo.", "flechas para elegir, Enter para confirmar"
+        )
         await tour.press("down")
         await tour.press("enter", "Descanse todo lo que necesite.")
         await tour.press("down")
@@ -118,12 +151,17 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
         await tour.press("down")
         await tour.press("enter", "¿Terminar ahora la sesión?", "Sí, terminar la sesión")
         await driver.resize(60, 20)
-        tour.look("Esta ventana es demasiado pequeña.", "Tiene 60 por 20 caracteres; hacen falta 80 por 24.")
+        tour.look(
+            "Esta ventana es demasiado pequeña.",
+            "Tiene 60 por 20 caracteres; hacen falta 80 por 24.",
+        )
         await driver.resize(80, 24)
         await tour.press("enter")
         await driver.do_attempt(await driver.to_prompt())
         await driver.disk(working=False)
-        tour.look("Por favor, avise a quien dirige la sesión", "El ordenador no puede guardar ahora mismo")
+        tour.look(
+            "Por favor, avise a quien dirige la sesión", "El ordenador no puede guardar ahora mismo"
+        )
         await driver.disk(working=True)
         tour.look("Gracias por esperar", "Ya se guarda todo otra vez.")
         await tour.press("enter", "Intento 1 de 2", "Intentos 0 de 2")
@@ -132,7 +170,11 @@ async def test_a_session_of_keys_is_in_spanish_from_the_welcome_to_the_summary(
         await driver.do_attempt(await driver.begin())
         tour.look("Ya está todo", "Ese ha sido el último intento.")
         await driver.see_the_summary()
-        tour.look("Ha hecho 2 intentos; meta alcanzada en 2.", "metas alcanzadas", "Pulse Enter para terminar.")
+        tour.look(
+            "Ha hecho 2 intentos; meta alcanzada en 2.",
+            "metas alcanzadas",
+            "Pulse Enter para terminar.",
+        )
         assert tour.found(catalogue) == []
 
 
@@ -143,7 +185,13 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
     async with open_app(data, catalogue, plan(catalogue, "reaching", imu="simulated")) as driver:
         tour = Tour(driver)
         await driver.wait(2000)
-        tour.look("Comprobar el sensor", "Sujete el sensor como en el dibujo", "Muestras", "Empezar", "Alcance")
+        tour.look(
+            "Comprobar el sensor",
+            "Sujete el sensor como en el dibujo",
+            "Muestras",
+            "Empezar",
+            "Alcance",
+        )
         await tour.press("z", "El sensor elimina su sesgo")
         await tour.press("t", "Apoye la mano en el punto de salida")
         await driver.wait(2000)
@@ -153,16 +201,22 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
         await tour.press("f1", "Sujete el sensor al dorso de la mano", "Probar")
         await tour.press("enter")
 
-        await tour.press("enter", "Le damos la bienvenida", "Apoye la mano del sensor en el punto de salida.")
+        await tour.press(
+            "enter", "Le damos la bienvenida", "Apoye la mano del sensor en el punto de salida."
+        )
         await tour.press("f1", "F8 con compensación, F9 con ayuda.")
         await tour.press("enter")
-        await tour.press("enter", "Hasta el marcador 1 (15 cm) y vuelta.", "Su meta: menos de 1,20 segundos.")
+        await tour.press(
+            "enter", "Hasta el marcador 1 (15 cm) y vuelta.", "Su meta: menos de 1,20 segundos."
+        )
         await tour.sensor("detached")
         tour.look("Espere, por favor", "El sensor de su mano no envía datos ahora mismo.")
         await tour.sensor("attached")
         await driver.wait(300)
         await tour.press(
-            "space", "Pulse Enter para empezar el intento 1 de 2. (Más tarde hará falta la barra espaciadora.)"
+            "space",
+            "Pulse Enter para empezar el intento 1 de 2. (Más tarde hará falta la barra "
+            "espaciadora.)",
         )
         for attempt in (1, 2):
             await driver.wait(300)
@@ -181,28 +235,44 @@ async def test_a_session_of_reaches_is_in_spanish_from_the_sensor_to_the_summary
 
 
 @pytest.mark.slow
-async def test_an_interrupted_session_is_resumed_in_its_language(data: Path, catalogue: Catalogue) -> None:
-    async with open_app(data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)) as driver:
+async def test_an_interrupted_session_is_resumed_in_its_language(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with open_app(
+        data, catalogue, plan(catalogue, "keyboard", prompts_per_attempt=2)
+    ) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.wait(300)
         session = driver.session_id
     async with open_app(data, catalogue, session) as driver:
         tour = Tour(driver)
-        tour.look("Nos alegra verle de nuevo", "Seguimos con el intento 1 de 2.", "Pulse Enter para seguir.")
+        tour.look(
+            "Nos alegra verle de nuevo",
+            "Seguimos con el intento 1 de 2.",
+            "Pulse Enter para seguir.",
+        )
         assert tour.found(catalogue) == []
 
 
 @pytest.mark.parametrize("name", Catalogue().task_names())
-def test_every_setting_has_a_title_and_a_meaning_in_spanish(catalogue: Catalogue, name: str) -> None:
+def test_every_setting_has_a_title_and_a_meaning_in_spanish(
+    catalogue: Catalogue, name: str
+) -> None:
     kind = catalogue.task(name)
     own = language("es", COMMON, task_folder(kind))
     units = {"ms", "s", "min", "%", "cm", "rad/s"}
-    missing = {text for field in fields(kind.Parameters) for text in texts(field)} - own.texts.keys() - units
+    missing = (
+        {text for field in fields(kind.Parameters) for text in texts(field)}
+        - own.texts.keys()
+        - units
+    )
     assert not missing
     assert not [text for english, text in own.texts.items() if slot_problem(english, text)]
 
 
-async def test_settings_are_in_the_language_of_the_saved_sessions(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_are_in_the_language_of_the_saved_sessions(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", language="es")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -218,7 +288,9 @@ async def test_settings_are_in_the_language_of_the_saved_sessions(data: Path, ca
 
 
 @pytest.mark.slow
-async def test_home_stays_english_after_a_session_in_spanish(data: Path, catalogue: Catalogue) -> None:
+async def test_home_stays_english_after_a_session_in_spanish(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", language="es")
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
@@ -238,7 +310,9 @@ async def test_a_theme_may_replace_texts_of_the_app(
     data: Path, tmp_path: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theme = catalogue.theme("calm", "es")
-    own = msgspec.structs.replace(theme, texts={"Welcome": "¡Hola!", "Your goal: less than {goal}.": "Meta: {goal}."})
+    own = msgspec.structs.replace(
+        theme, texts={"Welcome": "¡Hola!", "Your goal: less than {goal}.": "Meta: {goal}."}
+    )
     monkeypatch.setattr(Catalogue, "theme", lambda self, name, language="en": own)
     async with open_app(data, catalogue, plan(catalogue, "keyboard")) as driver:
         assert driver.sees("¡Hola!")

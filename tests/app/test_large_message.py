@@ -8,7 +8,9 @@ from sar_tui.loop.task import Task
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import open_app, plan
 
-TEXT = WaitingText("Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter to go on.", "Enter")
+TEXT = WaitingText(
+    "Welcome", "A key appears.\nPress that key.\n\nYou may rest.", "Press Enter to go on.", "Enter"
+)
 
 
 def test_the_key_comes_first_then_air_then_the_headline() -> None:
@@ -28,7 +30,9 @@ def test_a_headline_of_several_words_or_without_large_letters_stays_as_it_is() -
         assert large_message(TEXT._replace(headline=headline), 88, 40).headline == headline
 
 
-async def test_only_a_large_window_draws_the_key(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_only_a_large_window_draws_the_key(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         assert "█" not in driver.text
         await driver.resize(100, 30)

@@ -54,7 +54,9 @@ async def test_keys_that_arrive_together_with_it_are_no_answers(
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.write("ctrl+q", "ctrl+q", "ctrl+q")
-        assert [type(screen).__name__ for screen in driver.app.screen_stack].count("LeaveScreen") == 1
+        assert [type(screen).__name__ for screen in driver.app.screen_stack].count(
+            "LeaveScreen"
+        ) == 1
         await driver.press("enter")
         await driver.to_prompt()
         await driver.write("ctrl+q", "down", "enter")
@@ -78,7 +80,9 @@ async def test_between_attempts_going_on_changes_nothing(
 
 
 @pytest.mark.slow
-async def test_in_a_pause_going_on_returns_to_the_pause(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_in_a_pause_going_on_returns_to_the_pause(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "enter")
@@ -88,9 +92,13 @@ async def test_in_a_pause_going_on_returns_to_the_pause(data: Path, catalogue: C
         assert driver.sees("Have a rest")
 
 
-async def test_the_palettes_quit_asks_too(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_the_palettes_quit_asks_too(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
-        commands = {command.title: command for command in driver.app.get_system_commands(driver.app.screen)}
+        commands = {
+            command.title: command for command in driver.app.get_system_commands(driver.app.screen)
+        }
         driver.app.call_later(commands["Quit"].callback)
         await driver.settle()
         assert driver.sees(QUESTION)
@@ -117,7 +125,9 @@ async def test_while_the_disk_is_full_it_does_not_say_that_everything_is_kept(
         await driver.disk(False)
         await driver.press("f1", "ctrl+q")
         assert driver.sees(QUESTION)
-        assert driver.sees("Your last answer may not be saved yet. If you leave now, it may be lost.")
+        assert driver.sees(
+            "Your last answer may not be saved yet. If you leave now, it may be lost."
+        )
         assert not driver.sees("What you did is kept.")
         await driver.press("enter", "escape")
         await driver.disk(True)
@@ -125,7 +135,9 @@ async def test_while_the_disk_is_full_it_does_not_say_that_everything_is_kept(
         assert driver.sees("What you did is kept. You can go on with this session later.")
 
 
-async def test_after_the_session_it_leaves_at_once(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_after_the_session_it_leaves_at_once(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         await driver.do_session()
         await driver.press("ctrl+q")
@@ -134,14 +146,18 @@ async def test_after_the_session_it_leaves_at_once(data: Path, catalogue: Catalo
 
 
 @pytest.mark.parametrize("keys", first(1, [("f2",), (), ("f1",)]))
-async def test_without_a_session_it_leaves_at_once(keys: tuple[str, ...], data: Path, catalogue: Catalogue) -> None:
+async def test_without_a_session_it_leaves_at_once(
+    keys: tuple[str, ...], data: Path, catalogue: Catalogue
+) -> None:
     known(data)
     async with open_app(data, catalogue) as driver:
         await driver.press(*keys, "ctrl+q")
         assert not driver.app.is_running
 
 
-async def test_unsaved_settings_are_discarded_only_by_a_second_press(data: Path, catalogue: Catalogue) -> None:
+async def test_unsaved_settings_are_discarded_only_by_a_second_press(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -153,7 +169,9 @@ async def test_unsaved_settings_are_discarded_only_by_a_second_press(data: Path,
         assert not driver.app.is_running
 
 
-async def test_the_question_is_in_the_sessions_language(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_the_question_is_in_the_sessions_language(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, language="es")) as driver:
         await driver.press("ctrl+q")
         assert driver.sees("¿Salir ahora?")
@@ -172,7 +190,10 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
         assert driver.sees("It was started by mistake")
         await driver.press("down", "down", "enter")
         assert not driver.app.is_running
-        assert "The session does not count, as it was started by mistake." in driver.app.exit_lines(0)[0]
+        assert (
+            "The session does not count, as it was started by mistake."
+            in driver.app.exit_lines(0)[0]
+        )
     assert stored(data, "SELECT status FROM sessions") == [("discarded",)]
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)], "nothing is deleted"
     with closing(connect(data)) as database:
@@ -189,7 +210,9 @@ async def test_a_session_that_was_started_by_mistake_is_discarded_and_can_be_res
     assert stored(data, "SELECT status FROM sessions") == [("interrupted",)]
 
 
-async def test_only_the_first_attempt_can_be_a_mistake(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_only_the_first_attempt_can_be_a_mistake(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=2)) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.press("ctrl+q")

@@ -36,7 +36,11 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
         await driver.wait(100)
         (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
         welcome = snapshot.welcome
-        assert (welcome.session, welcome.link, welcome.task) == (driver.session_id, channel.link, "keyboard")
+        assert (welcome.session, welcome.link, welcome.task) == (
+            driver.session_id,
+            channel.link,
+            "keyboard",
+        )
         assert (welcome.participants, welcome.attempts, welcome.trials) == ({"A": "P01"}, 2, 2)
         assert driver.app.live
         assert driver.app.live._peers
@@ -45,7 +49,12 @@ async def test_operator_gets_a_snapshot_and_sees_prompts(
 
         await driver.to_first_prompt()
         await driver.wait(1000)
-        topics = [record.topic for sent in channel.sent if isinstance(sent, OutgoingBatch) for record in sent.records]
+        topics = [
+            record.topic
+            for sent in channel.sent
+            if isinstance(sent, OutgoingBatch)
+            for record in sent.records
+        ]
         assert topics.index(PROMPT) < topics.index(SHOWN)
 
 
@@ -54,11 +63,20 @@ async def test_operator_who_ends_the_session_is_recorded_by_name(
 ) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard), link=channel) as driver:
         channel.notify(PeerJoined(ANNA))
-        channel.notify(ActReceived(ANNA, COMMAND.name, msgspec.Raw(protocol.encode(m.SessionCommand(command="end")))))
+        channel.notify(
+            ActReceived(
+                ANNA, COMMAND.name, msgspec.Raw(protocol.encode(m.SessionCommand(command="end")))
+            )
+        )
         await driver.wait(1000)
         assert driver.session.ended
-        assert [(act["command"], act["actor"]) for act in driver.messages(COMMAND.name)] == [("end", ANNA)]
-        assert any(f"sar-tui report wizard {driver.session_id}" in words for words in driver.app.exit_lines(0))
+        assert [(act["command"], act["actor"]) for act in driver.messages(COMMAND.name)] == [
+            ("end", ANNA)
+        ]
+        assert any(
+            f"sar-tui report wizard {driver.session_id}" in words
+            for words in driver.app.exit_lines(0)
+        )
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
 
 
@@ -70,13 +88,26 @@ async def test_a_panel_knows_the_outputs_and_hears_that_they_are_still(
         channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
         (snapshot,) = (sent for sent in channel.sent if isinstance(sent, OutgoingSnapshot))
-        state = SessionState().receive(snapshot.welcome).receive([Frame(*record) for record in snapshot.records])
+        state = (
+            SessionState()
+            .receive(snapshot.welcome)
+            .receive([Frame(*record) for record in snapshot.records])
+        )
         assert state.outputs == {"screen"}
         await driver.press("f2")
         await driver.wait(1000)
-        records = [record for sent in channel.sent if isinstance(sent, OutgoingBatch) for record in sent.records]
+        records = [
+            record
+            for sent in channel.sent
+            if isinstance(sent, OutgoingBatch)
+            for record in sent.records
+        ]
         (stop,) = state.receive([Frame(*record) for record in records]).stops
-        assert (stop.by, stop.awaited, stop.outcome(0)[1]) == ("P01 pressed F2", frozenset(), "good")
+        assert (stop.by, stop.awaited, stop.outcome(0)[1]) == (
+            "P01 pressed F2",
+            frozenset(),
+            "good",
+        )
 
 
 class Links:
@@ -90,7 +121,13 @@ class Links:
 
     @contextmanager
     def open(
-        self, _: Path, session: str, task: str, participants: Sequence[str], listening: ListenOptions, lost_ms: int
+        self,
+        _: Path,
+        session: str,
+        task: str,
+        participants: Sequence[str],
+        listening: ListenOptions,
+        lost_ms: int,
     ) -> Iterator[FakeChannel]:
         if self.error:
             raise LinkError(self.error)
@@ -119,7 +156,10 @@ async def test_a_session_that_is_begun_and_resumed_on_the_first_screen_can_be_jo
         links.channel.notify(SnapshotRequested(ANNA))
         await driver.wait(100)
         assert any(isinstance(sent, OutgoingSnapshot) for sent in links.channel.sent)
-        assert (links.opened, links.closed) == ([(session, "keyboard", ("P01",), here_only, 700)], 0)
+        assert (links.opened, links.closed) == (
+            [(session, "keyboard", ("P01",), here_only, 700)],
+            0,
+        )
         driver.app.exit()
     assert links.closed == 1
     async with open_app(data, catalogue) as driver:

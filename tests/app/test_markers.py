@@ -1,4 +1,6 @@
-"""Markers of a session in the app: what is sent equals what is stored, and a destination that fails is told of."""
+"""Markers of a session in the app: what is sent equals what is stored, and a destination that fails
+is told of.
+"""
 
 import asyncio
 import threading
@@ -22,7 +24,9 @@ from tests.outputs.markers.xdf_writer import write_xdf
 
 @pytest.fixture
 def failed(monkeypatch: pytest.MonkeyPatch) -> Callable[[AppDriver], Awaitable[None]]:
-    """Function that waits until the thread that sends has noticed that it cannot, and the session was told."""
+    """Function that waits until the thread that sends has noticed that it cannot, and the session
+    was told.
+    """
     has_failed = threading.Event()
     fail = Sender._fail
 
@@ -43,7 +47,12 @@ def stamps(markers: list[dict[str, Any]], event: str) -> list[int]:
 
 
 def trials(data: Path, column: str) -> list[int]:
-    return [ns for (ns,) in stored(data, f"SELECT {column} FROM trials WHERE {column} IS NOT NULL ORDER BY rowid")]
+    return [
+        ns
+        for (ns,) in stored(
+            data, f"SELECT {column} FROM trials WHERE {column} IS NOT NULL ORDER BY rowid"
+        )
+    ]
 
 
 @pytest.mark.slow
@@ -59,12 +68,21 @@ async def test_stamps_over_udp_are_those_of_the_database(
     assert stamps(markers, "prompt_onset") == trials(tmp_path, "onset_ns")
     assert stamps(markers, "response") == trials(tmp_path, "response_ns")
     first = markers[0]
-    assert (first["event"], first["session"], first["task"], first["run"]) == ("session_start", session, "keyboard", 1)
+    assert (first["event"], first["session"], first["task"], first["run"]) == (
+        "session_start",
+        session,
+        "keyboard",
+        1,
+    )
     onset = next(marker for marker in markers if marker["event"] == "prompt_onset")
     assert set(onset) == {"event", "ns", "attempt", "trial", "presentation", "level", "stimulus"}
     sent = msgspec.json.encode(markers).decode()
     assert "P01" not in sent, "the participant's code must not be sent"
-    said = [text for (text,) in stored(tmp_path, "SELECT json_extract(final, '$.text') FROM actions") if text]
+    said = [
+        text
+        for (text,) in stored(tmp_path, "SELECT json_extract(final, '$.text') FROM actions")
+        if text
+    ]
     assert said
     assert not [text for text in said if text in sent], "what was said must not be sent"
 
@@ -85,9 +103,15 @@ async def test_an_lsl_recording_that_pyxdf_reads_has_the_stamps_of_the_database(
         xml = inlet.info().as_xml()
         inlet.close_stream()
     write_xdf(tmp_path / "markers.xdf", xml, received, [(received[0][0], offset)])
-    (stream,), _ = pyxdf.load_xdf(tmp_path / "markers.xdf", dejitter_timestamps=False, synchronize_clocks=False)
+    (stream,), _ = pyxdf.load_xdf(
+        tmp_path / "markers.xdf", dejitter_timestamps=False, synchronize_clocks=False
+    )
     info = stream["info"]
-    assert (info["name"], info["type"], info["channel_format"]) == (["sar-tui"], ["Markers"], ["string"])
+    assert (info["name"], info["type"], info["channel_format"]) == (
+        ["sar-tui"],
+        ["Markers"],
+        ["string"],
+    )
     assert info["desc"][0]["session"] == [driver.session_id]
     assert "P01" not in xml
     read: dict[str, list[float]] = {}
@@ -111,17 +135,24 @@ async def test_each_event_is_its_byte_on_a_serial_line(
         async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=to) as driver:
             await driver.do_session()
         events = [marker["event"] for marker in receiver.until("session_end")]
-        expected = [{"response": 99}.get(event, CODES[event]) for event in events if event != "text_start"]
+        expected = [
+            {"response": 99}.get(event, CODES[event]) for event in events if event != "text_start"
+        ]
         assert list(line.read(len(expected))) == expected
 
 
 async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], failed: Callable[[AppDriver], Awaitable[None]]
+    tmp_path: Path,
+    catalogue: Catalogue,
+    keyboard: type[Task],
+    failed: Callable[[AppDriver], Awaitable[None]],
 ) -> None:
     pytest.importorskip("serial")
     with serial_line() as line:
         address = f"serial:{line.name}?pulse=0"
-        async with open_app(tmp_path, catalogue, plan(catalogue, keyboard), markers=[address]) as driver:
+        async with open_app(
+            tmp_path, catalogue, plan(catalogue, keyboard), markers=[address]
+        ) as driver:
             prompt = await driver.to_first_prompt()
             line.read(1)
             line.unplug()
@@ -129,9 +160,13 @@ async def test_an_unplugged_serial_line_is_told_of_and_the_session_goes_on(
             await failed(driver)
             assert driver.app.live
             assert driver.app.live.trouble.endswith("takes no markers (Input/output error).")
-            assert driver.sees("takes no markers"), "a therapist who is there is told between attempts"
+            assert driver.sees("takes no markers"), (
+                "a therapist who is there is told between attempts"
+            )
             prompt = await driver.begin()
-            assert not driver.sees("takes no markers"), "nothing vanishes from the screen in a trial"
+            assert not driver.sees("takes no markers"), (
+                "nothing vanishes from the screen in a trial"
+            )
             await driver.do_attempt(prompt)
             await driver.see_the_summary()
         assert f"No markers go to {address}" in "\n".join(driver.app.exit_lines(0))
@@ -184,5 +219,7 @@ async def test_a_resumed_session_sends_its_next_run_and_nothing_of_the_one_befor
 
 def closing(driver: AppDriver) -> dict[str, Any]:
     """Return the counts of the only destination."""
-    (closed,) = [change for change in driver.messages("output/markers") if change["state"] == "closed"]
+    (closed,) = [
+        change for change in driver.messages("output/markers") if change["state"] == "closed"
+    ]
     return closed

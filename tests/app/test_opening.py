@@ -1,4 +1,6 @@
-"""The app opens with the frame of the home screen; its lists are filled after that, and no key is lost."""
+"""The app opens with the frame of the home screen; its lists are filled after that, and no key is
+lost.
+"""
 
 import gc
 import subprocess
@@ -33,12 +35,17 @@ LATER = {
 """Modules that the frame of the home screen does not need."""
 
 
-def test_modules_that_the_empty_home_screen_does_not_need_are_not_loaded_before_it_is_shown() -> None:
+def test_modules_that_the_empty_home_screen_does_not_need_are_not_loaded_before_it_is_shown() -> (
+    None
+):
     script = (
-        "import sys; from sar_tui.app.app import SarTui; from sar_tui.app.screens.home import HomeScreen; "
+        "import sys; from sar_tui.app.app import SarTui; from sar_tui.app.screens.home import "
+        "HomeScreen; "
         "HomeScreen(); print(*sys.modules)"
     )
-    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    loaded = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    ).stdout.split()
     assert "sar_tui.theme_folder" in loaded
     assert not LATER & set(loaded)
 

@@ -5,7 +5,15 @@ from pathlib import Path
 import pytest
 
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ACTION, ARBITER_STATE, COMMAND, DECISION, DROPPED, PENDING_APPROVAL, PRESENCE
+from sar_tui.loop.topics import (
+    ACTION,
+    ARBITER_STATE,
+    COMMAND,
+    DECISION,
+    DROPPED,
+    PENDING_APPROVAL,
+    PRESENCE,
+)
 from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
 from tests.app.app_driver import AppDriver, open_app, plan
@@ -25,7 +33,9 @@ async def to_proposal(driver: AppDriver) -> m.PendingApproval:
     return states[-1].pending[0]
 
 
-async def decide(driver: AppDriver, pending: m.PendingApproval, verdict: str, **how: object) -> None:
+async def decide(
+    driver: AppDriver, pending: m.PendingApproval, verdict: str, **how: object
+) -> None:
     decision = m.Decision(action=pending.proposal.id, verdict=verdict, actor=ANA, **how)  # type: ignore[arg-type]
     driver.session.bus.post(DECISION, decision)
     await driver.settle()
@@ -55,11 +65,20 @@ async def test_edited_feedback_is_shown_in_the_operators_words_only(
             assert word not in driver.text.lower().split()
 
 
-VETO_GOODBYE = {"attempts": 1, "operator_instruction": "veto", "operator_time_ms": 4000, "encouragement": False}
+VETO_GOODBYE = {
+    "attempts": 1,
+    "operator_instruction": "veto",
+    "operator_time_ms": 4000,
+    "encouragement": False,
+}
 
 
-async def to_goodbye(driver: AppDriver, *, ended_by: str) -> tuple[m.PendingApproval, list[str], list[str]]:
-    """Continue to the end of a session in which the goodbye may be vetoed; return what is said and dropped."""
+async def to_goodbye(
+    driver: AppDriver, *, ended_by: str
+) -> tuple[m.PendingApproval, list[str], list[str]]:
+    """Continue to the end of a session in which the goodbye may be vetoed; return what is said and
+    dropped.
+    """
     said: list[str] = []
     dropped: list[str] = []
     asked: list[m.PendingApproval] = []
@@ -99,7 +118,9 @@ async def test_the_goodbye_is_given_before_the_summary_can_be_left(
         assert driver.app.live.is_closed
 
 
-async def test_a_vetoed_goodbye_is_not_waited_for(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_vetoed_goodbye_is_not_waited_for(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, **VETO_GOODBYE)) as driver:
         pending, said, dropped = await to_goodbye(driver, ended_by="the participant")
         await decide(driver, pending, "veto")
@@ -117,7 +138,9 @@ async def test_a_goodbye_that_was_waited_for_is_heard_to_its_end(
 ) -> None:
     spoken = plan(catalogue, keyboard, outputs=["screen", "voice"], **VETO_GOODBYE)
     async with open_app(data, catalogue, spoken) as driver:
-        driver.session.bus.post(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+        driver.session.bus.post(
+            PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True)
+        )
         driver.session.bus.post(COMMAND, m.SessionCommand(command="end", actor=ANA))
         await driver.wait(10_000)
         await voice.end(driver)  # the greeting

@@ -1,4 +1,6 @@
-"""Sessions of other sites in the app: they are listed and opened, and changed only at their site."""
+"""Sessions of other sites in the app: they are listed and opened, and changed only at their
+site.
+"""
 
 from pathlib import Path
 

@@ -43,7 +43,9 @@ def halves(driver: AppDriver) -> tuple[str, str]:
     return "\n".join(row[:WALL] for row in rows), "\n".join(row[WALL + 1 :] for row in rows)
 
 
-async def press_theirs(driver: AppDriver, prompt: Prompt, left_ms: float = 300, right_ms: float = 500) -> None:
+async def press_theirs(
+    driver: AppDriver, prompt: Prompt, left_ms: float = 300, right_ms: float = 500
+) -> None:
     left, right = prompt.halves
     if left:
         await driver.wait(left_ms)
@@ -97,14 +99,19 @@ async def test_in_a_race_each_half_has_a_letter_and_shows_who_was_ahead(
         assert driver.sees("Right (P02): You did 1 attempt; goal reached in 1. Best: 0.50 seconds.")
         assert driver.sees("Ahead in 2 of 2.")
         assert driver.sees("Ahead in 0 of 2.")
-        assert sum("goals reached" in row[:40] and "goals reached" in row[40:] for row in driver.rows) == 1
+        assert (
+            sum("goals reached" in row[:40] and "goals reached" in row[40:] for row in driver.rows)
+            == 1
+        )
         assert [fault.error for fault in driver.session.faults] == []
 
 
 async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
     data: Path, catalogue: Catalogue, play: Play, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with open_app(data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)) as driver:
+    async with open_app(
+        data, catalogue, play("joint attention", cue_by="both", foreperiod_min_ms=900)
+    ) as driver:
         await driver.press("enter")
         await driver.wait(300)
         cues: list[object] = []
@@ -125,9 +132,15 @@ async def test_the_agent_looks_to_a_side_in_one_frame_and_then_is_still(
         for _ in range(5):
             await driver.wait(200)
         assert frames == []
-        reports = [one for one in driver.messages("output/report") if one["action"].startswith("cue-")]
+        reports = [
+            one for one in driver.messages("output/report") if one["action"].startswith("cue-")
+        ]
         for part in ("gaze", "gesture"):
-            assert [one["state"] for one in reports if one["deed"] == part] == ["queued", "started", "done"]
+            assert [one["state"] for one in reports if one["deed"] == part] == [
+                "queued",
+                "started",
+                "done",
+            ]
 
 
 async def test_only_the_agents_gaze_announces_the_side_of_a_prompt(
@@ -149,7 +162,9 @@ async def test_a_session_of_two_in_spanish(data: Path, catalogue: Catalogue, pla
         assert driver.sees(f"Izquierda: {prompt.expected}")
 
 
-async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(data: Path, catalogue: Catalogue) -> None:
+async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(
+    data: Path, catalogue: Catalogue
+) -> None:
     database = connect(data)
     for code in ("P02", "P01"):
         participants.add(database, code)
@@ -162,7 +177,10 @@ async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(data:
         await driver.settle()
         assert driver.screen_name == "SecondParticipantScreen"
         assert driver.sees("P01 sits on the left.")
-        assert [option.id for option in driver.app.screen.query_one("#others").options] == ["P02", "+"]
+        assert [option.id for option in driver.app.screen.query_one("#others").options] == [
+            "P02",
+            "+",
+        ]
         await driver.press("escape")
         assert driver.screen_name == "HomeScreen"
         driver.app.screen.query_one("#start").press()
@@ -171,10 +189,15 @@ async def test_home_asks_for_the_second_participant_and_lists_nobody_twice(data:
         assert driver.screen_name == "NewParticipantScreen"
         await driver.write(*"P09", "enter")
         assert driver.screen_name == "SessionScreen"
-        assert driver.stored("SELECT seat, participant FROM seats ORDER BY seat") == [("A", "P01"), ("B", "P09")]
+        assert driver.stored("SELECT seat, participant FROM seats ORDER BY seat") == [
+            ("A", "P01"),
+            ("B", "P09"),
+        ]
 
 
-async def test_a_past_session_of_two_shows_the_results_of_both(data: Path, catalogue: Catalogue, play: Play) -> None:
+async def test_a_past_session_of_two_shows_the_results_of_both(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
     async with open_app(data, catalogue, play("race")) as driver:
         await press_theirs(driver, await driver.to_first_prompt())
         await press_theirs(driver, await driver.to_prompt())
@@ -236,13 +259,17 @@ async def test_the_plots_of_two_have_the_same_axis_and_are_separate(
         (at,) = (n for n, row in enumerate(rows) if row.count("goals reached") == 2)
         assert rows[at - 1].strip() == "● reached  ○ missed", "one legend for both, in full"
         ticks = [
-            (row[:WALL].split("┤")[0].split(), row[WALL:].split("┤")[0].split()) for row in rows if row.count("┤") > 1
+            (row[:WALL].split("┤")[0].split(), row[WALL:].split("┤")[0].split())
+            for row in rows
+            if row.count("┤") > 1
         ]
         assert [left for left, _ in ticks] == [right for _, right in ticks]
         assert [left for left, _ in ticks] == [["1"], ["0"]]
 
 
-async def test_the_summary_reports_the_cost_of_an_invalid_cue(data: Path, catalogue: Catalogue, play: Play) -> None:
+async def test_the_summary_reports_the_cost_of_an_invalid_cue(
+    data: Path, catalogue: Catalogue, play: Play
+) -> None:
     async with open_app(data, catalogue, play("joint attention", prompts_per_attempt=12)) as driver:
         prompt = await driver.to_first_prompt()
         for number in range(12):
@@ -250,7 +277,9 @@ async def test_the_summary_reports_the_cost_of_an_invalid_cue(data: Path, catalo
             if number < 11:
                 prompt = await driver.to_prompt()
         await driver.see_the_summary()
-        effects = driver.stored("SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat")
+        effects = driver.stored(
+            "SELECT json_extract(qualities, '$.congruency_effect_ms') FROM attempts ORDER BY seat"
+        )
         assert None not in [effect for (effect,) in effects], "both kinds came up for each"
         for (effect,) in effects:
             assert driver.sees(f"minus when I looked to yours: {effect / 1000:.2f} seconds.")

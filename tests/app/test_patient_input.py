@@ -1,6 +1,8 @@
-"""In patient mode no input leads to another screen than the participant's, and every session stays whole.
+"""In patient mode no input leads to another screen than the participant's, and every session stays
+whole.
 
-``SAR_TUI_TEST_STRINGS=100000`` types as many random strings, for an hour or so, instead of some thousand.
+``SAR_TUI_TEST_STRINGS=100000`` types as many random strings, for an hour or so, instead of some
+thousand.
 """
 
 import itertools
@@ -44,11 +46,24 @@ KEYS = [
     *(b"\x1b[%d;%du" % (code, changed) for code in (3, 17, 26, 28, 113, 112) for changed in (1, 3, 5, 6, 8)),
     b"\x1b\x1b", b"\x1bq", b"\x1b:", b"\r", b"\r", b"\r", b" ", b"\t", b"\x1b[I", b"\x1b[O",
 ]  # fmt: skip
-WORDS = [b"q", b"quit", b":q", b"settings", b"exit\r", b"P77\r", b"!sh\r", b"jf", "ñ¿é".encode(), b"\xff\xfe"]
+WORDS = [
+    b"q",
+    b"quit",
+    b":q",
+    b"settings",
+    b"exit\r",
+    b"P77\r",
+    b"!sh\r",
+    b"jf",
+    "ñ¿é".encode(),
+    b"\xff\xfe",
+]
 
 
 def strings(number: int, seed: int) -> Iterator[bytes]:
-    """Yield random strings: control bytes, keys, pastes, mouse, sizes, words, and bytes without any sense."""
+    """Yield random strings: control bytes, keys, pastes, mouse, sizes, words, and bytes without any
+    sense.
+    """
     draw = random.Random(seed)
     mouse = b"\x1b[<%d;%d;%d%s"
     for _ in range(number):
@@ -60,7 +75,11 @@ def strings(number: int, seed: int) -> Iterator[bytes]:
                 case 2 | 3 | 4:
                     part = draw.choice(KEYS)
                 case 5:
-                    part = b"\x1b[200~" + draw.randbytes(draw.randint(0, 9)).replace(b"\x1b", b"") + b"\x1b[201~"
+                    part = (
+                        b"\x1b[200~"
+                        + draw.randbytes(draw.randint(0, 9)).replace(b"\x1b", b"")
+                        + b"\x1b[201~"
+                    )
                 case 6:
                     at = draw.randint(1, 90), draw.randint(1, 30)
                     button = draw.choice([0, 0, 1, 2, 32, 64, 65])
@@ -74,12 +93,15 @@ def strings(number: int, seed: int) -> Iterator[bytes]:
 
 
 class Typist:
-    """Types bytes into an app through the parser of its terminal, and notes every screen that appears."""
+    """Types bytes into an app through the parser of its terminal, and notes every screen that
+    appears.
+    """
 
     def __init__(self, driver: AppDriver, monkeypatch: pytest.MonkeyPatch) -> None:
         self._driver = driver
         self._draw = random.Random(3)
-        self._parser = TolerantParser(now=itertools.count().__next__)  # a second later each time: nothing is a flood
+        # a second later each time: nothing is a flood
+        self._parser = TolerantParser(now=itertools.count().__next__)
         self.screens: set[str] = set()
         self.texts: list[str] = []
         for name in ("push_screen", "switch_screen"):
@@ -106,7 +128,9 @@ class Typist:
         await driver.settle()
         is_small = driver.app.size.width < 80 or driver.app.size.height < 24
         if draw.random() < (0.5 if is_small else 0.01):
-            await driver.resize(*draw.choice([(1, 1), (24, 80), (79, 24), (120, 40), (80, 24), (80, 24)]))
+            await driver.resize(
+                *draw.choice([(1, 1), (24, 80), (79, 24), (120, 40), (80, 24), (80, 24)])
+            )
         self.screens.update(type(screen).__name__ for screen in driver.app.screen_stack[1:])
 
     def look(self) -> None:
@@ -131,7 +155,10 @@ def prepared(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(
     ("number", "seed"),
-    [(100, 1), *([] if QUICK else [pytest.param(STRINGS, seed, marks=pytest.mark.slow) for seed in SEEDS])],
+    [
+        (100, 1),
+        *([] if QUICK else [pytest.param(STRINGS, seed, marks=pytest.mark.slow) for seed in SEEDS]),
+    ],
 )
 @pytest.mark.timeout(max(180, STRINGS // 2))
 async def test_no_string_leads_out_of_patient_mode(

@@ -87,7 +87,9 @@ async def test_after_the_limit_of_a_day_the_next_exercise_follows_and_then_a_res
         assert driver.app._troubles[0].startswith("That is enough for P77 today")
 
 
-async def test_one_enter_never_begins_an_exercise_in_severe_pain(data: Path, catalogue: Catalogue) -> None:
+async def test_one_enter_never_begins_an_exercise_in_severe_pain(
+    data: Path, catalogue: Catalogue
+) -> None:
     programme(data, "P01", "keyboard", ask_wellbeing=True)
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter", "9", "3", "2")
@@ -104,7 +106,9 @@ async def test_one_enter_never_begins_an_exercise_in_severe_pain(data: Path, cat
     assert stored(data, "SELECT count(*) FROM sessions") == [(0,)]
 
 
-async def test_after_too_much_pain_in_an_exercise_nothing_invites_to_the_next(data: Path, catalogue: Catalogue) -> None:
+async def test_after_too_much_pain_in_an_exercise_nothing_invites_to_the_next(
+    data: Path, catalogue: Catalogue
+) -> None:
     programme(data, "P01", "keyboard", ask_wellbeing=True)
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter", "3", "5", "1")
@@ -118,28 +122,50 @@ async def test_after_too_much_pain_in_an_exercise_nothing_invites_to_the_next(da
         assert driver.sees("Exercise 2 of 2")
 
 
-async def test_who_ends_an_exercise_in_too_much_pain_is_asked_to_rest(data: Path, catalogue: Catalogue) -> None:
+async def test_who_ends_an_exercise_in_too_much_pain_is_asked_to_rest(
+    data: Path, catalogue: Catalogue
+) -> None:
     programme(data, "P77", "keyboard", ask_wellbeing=True)
     async with open_app(data, catalogue, patient="P77") as driver:
-        await driver.press("enter", "0", "1", "enter", "escape", "down", "down", "enter", "8", "2", "enter")
+        await driver.press(
+            "enter", "0", "1", "enter", "escape", "down", "down", "enter", "8", "2", "enter"
+        )
         await driver.wait(300)
         await driver.press("enter", "0", "1")
         assert driver.sees("You can rest now. Rest, and tell your therapist about the pain now.")
         assert not driver.sees("Well done")
 
 
-async def test_an_exercise_can_be_ended_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
+async def test_an_exercise_can_be_ended_and_the_next_one_follows(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
-        await driver.press("enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "enter")
+        await driver.press(
+            "enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "enter"
+        )
         await driver.wait(300)
         await driver.press("enter")
         assert driver.sees("Exercise 2 of 2")
     assert stored(data, "SELECT status FROM sessions") == [("aborted",)]
 
 
-async def test_an_exercise_that_was_started_by_mistake_is_offered_again(data: Path, catalogue: Catalogue) -> None:
+async def test_an_exercise_that_was_started_by_mistake_is_offered_again(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
-        await driver.press("enter", "enter", "escape", "down", "down", "down", "down", "enter", "down", "down", "enter")
+        await driver.press(
+            "enter",
+            "enter",
+            "escape",
+            "down",
+            "down",
+            "down",
+            "down",
+            "enter",
+            "down",
+            "down",
+            "enter",
+        )
         await driver.wait(300)
         await driver.press("enter")
         assert driver.sees("Exercise 1 of 2")
@@ -147,7 +173,9 @@ async def test_an_exercise_that_was_started_by_mistake_is_offered_again(data: Pa
     assert stored(data, "SELECT status FROM sessions") == [("discarded",)]
 
 
-async def test_an_attempt_can_be_left_out_and_the_next_one_follows(data: Path, catalogue: Catalogue) -> None:
+async def test_an_attempt_can_be_left_out_and_the_next_one_follows(
+    data: Path, catalogue: Catalogue
+) -> None:
     programme(data, "P01", "keyboard", language="es")
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter")
@@ -172,7 +200,20 @@ async def test_an_attempt_can_be_left_out_and_the_next_one_follows(data: Path, c
     database.close()
 
 
-KEYS = ["ctrl+q", "ctrl+c", "ctrl+z", "ctrl+backslash", "ctrl+p", "f2", "f3", "f4", "f10", "delete", "escape", "ctrl+s"]
+KEYS = [
+    "ctrl+q",
+    "ctrl+c",
+    "ctrl+z",
+    "ctrl+backslash",
+    "ctrl+p",
+    "f2",
+    "f3",
+    "f4",
+    "f10",
+    "delete",
+    "escape",
+    "ctrl+s",
+]
 
 
 @pytest.mark.parametrize("key", first(2, KEYS))
@@ -191,7 +232,9 @@ async def test_no_key_leads_out_of_it(key: str, data: Path, catalogue: Catalogue
 
 
 @pytest.mark.parametrize("key", first(1, ["ctrl+q", "ctrl+c"]))
-async def test_the_keys_that_leave_pause_instead(key: str, data: Path, catalogue: Catalogue) -> None:
+async def test_the_keys_that_leave_pause_instead(
+    key: str, data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("enter")
         await driver.to_first_prompt()
@@ -202,7 +245,9 @@ async def test_the_keys_that_leave_pause_instead(key: str, data: Path, catalogue
         assert driver.waiting.stage == "trial"
 
 
-async def test_screens_around_a_session_name_no_key_that_leaves(data: Path, catalogue: Catalogue) -> None:
+async def test_screens_around_a_session_name_no_key_that_leaves(
+    data: Path, catalogue: Catalogue
+) -> None:
     programme(data, "P01", "reaching", **REACHING, ask_wellbeing=True)
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("down", "enter", "enter")
@@ -213,7 +258,9 @@ async def test_screens_around_a_session_name_no_key_that_leaves(data: Path, cata
         assert not driver.sees("Quit")
 
 
-async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(data: Path, catalogue: Catalogue) -> None:
+async def test_the_help_of_the_sensor_check_names_no_way_to_the_settings(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.press("down", "enter", "enter")
         assert driver.screen_name == "SensorCheckScreen"
@@ -261,7 +308,9 @@ async def test_the_passphrase_ends_it_at_the_first_screen(data: Path, catalogue:
     assert [each.result for each in Passphrase(data).tries()] == ["wrong", "right"]
 
 
-async def test_it_begins_from_the_first_screen_and_ends_there_again(data: Path, catalogue: Catalogue) -> None:
+async def test_it_begins_from_the_first_screen_and_ends_there_again(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f12")
         assert driver.screen_name == "PatientScreen"
@@ -290,7 +339,9 @@ async def test_ended_in_a_session_the_session_goes_on_and_the_first_screen_follo
         assert driver.sees("2 of 2 reached")
 
 
-async def test_a_passphrase_that_is_removed_meanwhile_still_guards(data: Path, catalogue: Catalogue) -> None:
+async def test_a_passphrase_that_is_removed_meanwhile_still_guards(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         Passphrase(data).remove()
         await driver.press("enter", "enter", "escape", "up", "enter")
@@ -300,7 +351,9 @@ async def test_a_passphrase_that_is_removed_meanwhile_still_guards(data: Path, c
         assert not driver.app.patient
 
 
-async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(data: Path, catalogue: Catalogue) -> None:
+async def test_without_a_passphrase_or_an_exercise_it_does_not_begin(
+    data: Path, catalogue: Catalogue
+) -> None:
     app = SarTui(data, catalogue)
     with pytest.raises(StoreError, match="no exercise to do alone"):
         app.exercises_of("P99")
@@ -358,7 +411,12 @@ async def test_an_exercise_that_cannot_begin_says_to_call_the_therapist_who_then
 async def test_it_speaks_the_participants_language(data: Path, catalogue: Catalogue) -> None:
     programme(data, "P01", "keyboard", language="es")
     async with open_app(data, catalogue, patient="P01") as driver:
-        for words in ("Ejercicio 1 de 2", "Empezar", "Saltar este ejercicio", "Pulse Enter para empezar."):
+        for words in (
+            "Ejercicio 1 de 2",
+            "Empezar",
+            "Saltar este ejercicio",
+            "Pulse Enter para empezar.",
+        ):
             assert driver.sees(words), words
         await driver.press("f12")
         assert driver.sees("Escriba la contraseña.")
@@ -367,18 +425,28 @@ async def test_it_speaks_the_participants_language(data: Path, catalogue: Catalo
 @pytest.mark.parametrize("size", first(1, [(80, 24), (100, 30), (160, 50)]))
 async def test_all_of_it_fits(size: tuple[int, int], data: Path, catalogue: Catalogue) -> None:
     async with open_app(data, catalogue, patient="P01", size=size) as driver:
-        for words in ("Exercise 1 of 2", "Keyboard reaction", "Start", "Skip this exercise", "Press Enter to start."):
+        for words in (
+            "Exercise 1 of 2",
+            "Keyboard reaction",
+            "Start",
+            "Skip this exercise",
+            "Press Enter to start.",
+        ):
             assert driver.sees(words), words
     async with open_app(data, catalogue, patient="P77", size=size) as driver:
         assert driver.sees("Hello!")
         assert not driver.sees("Skip")
 
 
-async def test_the_signals_of_a_terminals_keys_do_nothing_until_it_ends(data: Path, catalogue: Catalogue) -> None:
+async def test_the_signals_of_a_terminals_keys_do_nothing_until_it_ends(
+    data: Path, catalogue: Catalogue
+) -> None:
     before = signal.getsignal(signal.SIGTSTP), signal.getsignal(signal.SIGQUIT)
     async with open_app(data, catalogue) as driver:
         await driver.press("f12")
-        assert signal.getsignal(signal.SIGTSTP) is signal.getsignal(signal.SIGQUIT) is signal.SIG_IGN
+        assert (
+            signal.getsignal(signal.SIGTSTP) is signal.getsignal(signal.SIGQUIT) is signal.SIG_IGN
+        )
         driver.app.signalled(signal.SIGINT)
         await driver.settle()
         assert driver.app.is_running
@@ -397,7 +465,9 @@ async def test_without_the_focus_the_keys_still_work(data: Path, catalogue: Cata
         assert driver.sees("Have a rest")
 
 
-async def test_enter_and_escape_in_one_burst_close_the_question_once(data: Path, catalogue: Catalogue) -> None:
+async def test_enter_and_escape_in_one_burst_close_the_question_once(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, patient="P01") as driver:
         await driver.write("f12", "enter", "escape", "escape")
         assert driver.screen_name == "PatientScreen"
@@ -407,13 +477,30 @@ async def test_enter_and_escape_in_one_burst_close_the_question_once(data: Path,
         assert driver.screen_name == "PatientScreen"
 
 
-THERAPISTS_KEYS = (*(f"f{number}" for number in range(3, 12)), "ctrl+p", "ctrl+s", "ctrl+l", "ctrl+d", "delete")
+THERAPISTS_KEYS = (
+    *(f"f{number}" for number in range(3, 12)),
+    "ctrl+p",
+    "ctrl+s",
+    "ctrl+l",
+    "ctrl+d",
+    "delete",
+)
 
 
 @pytest.mark.parametrize("task", ["keyboard", "reaching"])
-async def test_keys_of_therapists_do_nothing_on_any_screen(data: Path, catalogue: Catalogue, task: str) -> None:
-    """The palette, settings, progress, sessions, marks, the operator's panel; F1 and F2 are a participant's, too."""
-    programme(data, "P05", task, ask_wellbeing=True, **(REACHING if task == "reaching" else {"attempts": 1}))
+async def test_keys_of_therapists_do_nothing_on_any_screen(
+    data: Path, catalogue: Catalogue, task: str
+) -> None:
+    """The palette, settings, progress, sessions, marks, the operator's panel; F1 and F2 are a
+    participant's, too.
+    """
+    programme(
+        data,
+        "P05",
+        task,
+        ask_wellbeing=True,
+        **(REACHING if task == "reaching" else {"attempts": 1}),
+    )
     async with open_app(data, catalogue, patient="P05") as driver:
         screens = []
 
@@ -423,7 +510,10 @@ async def test_keys_of_therapists_do_nothing_on_any_screen(data: Path, catalogue
             waiting = driver.waiting if driver.app.live else None
             for key in THERAPISTS_KEYS:
                 await driver.strike(key)
-                assert ([type(screen) for screen in driver.app.screen_stack], driver.app.focused) == before, key
+                assert (
+                    [type(screen) for screen in driver.app.screen_stack],
+                    driver.app.focused,
+                ) == before, key
                 assert not driver.sees("palette")
             if waiting and waiting.stage != "trial":
                 assert driver.waiting == waiting
@@ -433,7 +523,15 @@ async def test_keys_of_therapists_do_nothing_on_any_screen(data: Path, catalogue
                 assert driver.messages("event_handler/marked") == []
             screens.append(f"{driver.screen_name} {waiting.stage if waiting else ''}".strip())
 
-        for key in ("", "enter", "0", "3", *(["enter", "enter"] if task == "reaching" else []), "enter", "enter"):
+        for key in (
+            "",
+            "enter",
+            "0",
+            "3",
+            *(["enter", "enter"] if task == "reaching" else []),
+            "enter",
+            "enter",
+        ):
             await driver.press(*filter(None, [key]))
             await driver.wait(800)
             await try_keys()

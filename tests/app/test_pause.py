@@ -23,7 +23,11 @@ async def test_escape_pauses_at_once_in_a_trial_and_the_trial_is_repeated(
         await driver.wait(60_000)
         await driver.press("enter")
         again = await driver.to_prompt()
-        assert (again.trial, again.text, again.presentation) == (1, prompt.text, prompt.presentation + 1)
+        assert (again.trial, again.text, again.presentation) == (
+            1,
+            prompt.text,
+            prompt.presentation + 1,
+        )
         await driver.answer(again)
         assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
@@ -41,7 +45,9 @@ async def test_escape_pauses_before_an_attempt_and_returns_there(
             await driver.press("enter")
 
 
-async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_the_menu_is_used_with_arrows_and_enter(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape")
@@ -53,9 +59,13 @@ async def test_the_menu_is_used_with_arrows_and_enter(data: Path, catalogue: Cat
         assert driver.sees("Tell your therapist or the experimenter about the pain")
         await driver.press("enter")
         await driver.to_prompt()
-        reasons = [act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"]
+        reasons = [
+            act["reason"] for act in driver.messages("operator/act") if act["command"] == "pause"
+        ]
         assert reasons == ["", "tired", "pain"]
-        said = driver.stored("SELECT session, seat, participant, moment, question, answer FROM wellbeing ORDER BY at")
+        said = driver.stored(
+            "SELECT session, seat, participant, moment, question, answer FROM wellbeing ORDER BY at"
+        )
         here = (driver.session_id, "A", "P01", "pause")
         assert said == [(*here, "fatigue", "yes"), (*here, "pain", "yes")]
 
@@ -88,7 +98,9 @@ async def test_pain_said_in_a_pause_is_in_the_sessions_row(
         assert driver.sees("interrupted: Enter resumes, pain")
 
 
-async def test_a_second_escape_changes_nothing(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_second_escape_changes_nothing(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         await driver.press("escape", "down", "enter", "escape")
@@ -111,7 +123,9 @@ async def test_only_ending_asks_for_confirmation(
             await driver.wait(300)
             await driver.press("enter")
             assert driver.app.return_code == 0
-    assert stored(data, "SELECT status FROM sessions") == [("interrupted" if goes_on else "aborted",)]
+    assert stored(data, "SELECT status FROM sessions") == [
+        ("interrupted" if goes_on else "aborted",)
+    ]
     assert stored(data, "SELECT count(*) FROM trials") == [(1,)]
 
 
@@ -151,16 +165,24 @@ async def test_a_window_made_too_small_pauses_a_trial_and_recovers(
 async def test_in_a_pause_the_agent_is_silent_above_the_menu(
     size: tuple[int, int], data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, encouragement=False), size=size) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, encouragement=False), size=size
+    ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         said = driver.said
         await driver.press("escape")
-        robot, menu = (driver.app.screen.query_one(name).region for name in ("#agent .robot", "#menu"))
+        robot, menu = (
+            driver.app.screen.query_one(name).region for name in ("#agent .robot", "#menu")
+        )
         assert 0 <= menu.y - robot.bottom <= 1
         assert abs(menu.center[0] - robot.center[0]) <= 1
         assert not driver.sees(said)
-        assert not driver.sees("Skip this attempt"), "only somebody who trains alone decides that alone"
+        assert not driver.sees("Skip this attempt"), (
+            "only somebody who trains alone decides that alone"
+        )
         await driver.press("enter")
         assert driver.said == said
         await driver.press("escape", "down", "enter", "enter")
-        assert driver.app.screen.query_one("#agent .robot").region.x == robot.x, "without words it stays there"
+        assert driver.app.screen.query_one("#agent .robot").region.x == robot.x, (
+            "without words it stays there"
+        )

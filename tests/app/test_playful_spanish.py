@@ -17,7 +17,8 @@ USTED = re.compile(
     r"\b(su(?! sesgo)|sus|usted|le damos|verle|lo ha|ha (hecho|tenido)|haya vuelto"
     r"|tómese|hágal[oa]|púlsela|manténgala|(des)?conéctelo|tiene (?!\{)|puede (leer|desc)"
     r"|pulse|empiece|espere|suelte|descanse|pare|avise|sujete|apoye|mantenga|compruebe|pruebe|vuelva|extienda|toque"
-    r"|vaya|procure|intente|hable|ponga|(como|que|cuando) (pueda|quiera|vea)|necesite|alcance un)\b",
+    r"|vaya|procure|intente|hable|ponga|(como|que|cuando) (pueda|quiera|vea)|necesite|alcance "
+    r"un)\b",
     re.IGNORECASE,
 )
 
@@ -39,14 +40,20 @@ def test_the_forms_of_usted_are_recognised(shipped: dict[str, str]) -> None:
     assert len(spoken_to(list(shipped.values()))) > 60
 
 
-def test_every_text_with_usted_has_a_form_with_tu(catalogue: Catalogue, shipped: dict[str, str]) -> None:
+def test_every_text_with_usted_has_a_form_with_tu(
+    catalogue: Catalogue, shipped: dict[str, str]
+) -> None:
     own = catalogue.theme("playful", "es").texts
     assert spoken_to(list({**shipped, **own}.values())) == []
 
 
-def test_each_form_with_tu_has_the_slots_of_its_english_text(catalogue: Catalogue, shipped: dict[str, str]) -> None:
+def test_each_form_with_tu_has_the_slots_of_its_english_text(
+    catalogue: Catalogue, shipped: dict[str, str]
+) -> None:
     written = read_words(catalogue.theme_folder("playful") / "words.es.toml")
-    assert [problem for english, own in written.items() if (problem := slot_problem(english, own))] == []
+    assert [
+        problem for english, own in written.items() if (problem := slot_problem(english, own))
+    ] == []
     assert set(written) - set(shipped) == set()
     assert [english for english, own in written.items() if own == shipped[english]] == []
 
@@ -68,7 +75,9 @@ class Child:
         self.look(*words)
 
 
-async def test_a_session_of_keys_uses_tu_from_the_welcome_to_the_summary(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_of_keys_uses_tu_from_the_welcome_to_the_summary(
+    data: Path, catalogue: Catalogue
+) -> None:
     settings = {"language": "es", "attempts": 1, "prompts_per_attempt": 2}
     plan = make_plan(catalogue, "keyboard", ["P01"], settings, theme="playful", seed=7)
     async with open_app(data, catalogue, plan) as driver:
@@ -76,7 +85,9 @@ async def test_a_session_of_keys_uses_tu_from_the_welcome_to_the_summary(data: P
         child.look("¡Hola!", "Púlsala lo más rápido que puedas", "Pulsa Enter para seguir.")
         await child.press("f1", "Cuando la pantalla te lo pida, pulsa Enter.")
         await child.press("enter")
-        await child.press("enter", "Pulsa Enter para empezar el intento 1 de 1.", "Tu meta: pulsar la tecla")
+        await child.press(
+            "enter", "Pulsa Enter para empezar el intento 1 de 1.", "Tu meta: pulsar la tecla"
+        )
         prompt = await driver.begin()
         child.look(f"Pulsa: {prompt.expected}")
         await child.press("escape", "Tómate tu tiempo.")

@@ -33,7 +33,9 @@ def trained(data: Path, catalogue: Catalogue, *thresholds: float) -> None:
         session = simulate(plan, PEOPLE["average"], data, catalogue)
         began = f"2026-03-0{number + 1}T10:00:00+00:00"
         with closing(connect(data)) as database:
-            database.execute("UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session))
+            database.execute(
+                "UPDATE sessions SET mode='live', started_at=? WHERE id=?", (began, session)
+            )
             database.execute(
                 "INSERT INTO wellbeing (session, seat, participant, moment, question, answer, at)"
                 " VALUES (?, 'A', 'P01', 'before', 'pain', ?, ?)",
@@ -57,7 +59,19 @@ async def test_sessions_that_cannot_be_read_and_none_at_all_are_told(
             await driver.press("escape")
         await open_progress(driver, catalogue)
         assert driver.sees(NONE_YET)
-        for key in ("right", "right", "right", "right", "c", "n", "h", "up", "end", "left", "resize"):
+        for key in (
+            "right",
+            "right",
+            "right",
+            "right",
+            "c",
+            "n",
+            "h",
+            "up",
+            "end",
+            "left",
+            "resize",
+        ):
             await driver.press(key)
         assert driver.sees("No live session yet.")
         await driver.press("escape")
@@ -110,7 +124,10 @@ async def test_a_note_is_copied_and_a_page_is_written_and_never_over_another(
             await driver.app.workers.wait_for_complete()
             await driver.settle()
     written = sorted(data.glob("*.html"))
-    assert [path.name for path in written] == ["progress-P01-keyboard-2.html", "progress-P01-keyboard.html"]
+    assert [path.name for path in written] == [
+        "progress-P01-keyboard-2.html",
+        "progress-P01-keyboard.html",
+    ]
     assert "Keyboard reaction" in written[0].read_text(encoding="utf-8")
 
 
@@ -137,7 +154,10 @@ async def test_scores_are_entered_in_their_range_and_removed_where_they_are_show
         assert driver.sees("The database keeps it")
         await driver.press("enter")
         assert driver.sees("No score of another instrument yet.")
-        assert driver.stored("SELECT score, removed FROM instrument_scores") == [(57.0, 0), (57.0, 1)]
+        assert driver.stored("SELECT score, removed FROM instrument_scores") == [
+            (57.0, 0),
+            (57.0, 1),
+        ]
 
 
 async def test_a_score_is_chosen_once_it_is_entered(data: Path, catalogue: Catalogue) -> None:
@@ -150,7 +170,9 @@ async def test_a_score_is_chosen_once_it_is_entered(data: Path, catalogue: Catal
         assert driver.sees(f"▸ {date.today()} BBT 25 blocks")
 
 
-async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(data: Path, catalogue: Catalogue) -> None:
+async def test_an_adverse_event_is_recorded_and_its_outcome_added_later(
+    data: Path, catalogue: Catalogue
+) -> None:
     trained(data, catalogue, 1000)
     async with open_app(data, catalogue) as driver:
         await open_progress(driver, catalogue)
@@ -179,4 +201,7 @@ async def test_the_keys_below_are_those_of_the_part(data: Path, catalogue: Catal
                 where.extend([part] if word in driver.rows[-1] else [])
             assert "←→ Part" in driver.rows[-1]
             await driver.press("tab")
-        assert shown == {"Compare": ["Level", "Results", "Sessions"], "Add": ["Events", "Instruments"]}
+        assert shown == {
+            "Compare": ["Level", "Results", "Sessions"],
+            "Add": ["Events", "Instruments"],
+        }

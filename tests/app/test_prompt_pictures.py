@@ -101,7 +101,9 @@ async def test_a_picture_is_prepared_before_its_prompt_and_drawn_with_its_text(
 
 
 @pytest.mark.usefixtures("half_blocks")
-async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph(data: Path, naming: Path) -> None:
+async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph(
+    data: Path, naming: Path
+) -> None:
     async with session_of(data, naming) as driver:
         for picture in (naming / "pictures").iterdir():
             picture.unlink()
@@ -117,8 +119,11 @@ async def test_a_picture_that_goes_missing_in_a_session_is_replaced_by_its_glyph
 async def test_pictures_of_frames_are_prepared_and_drawn(data: Path, naming: Path) -> None:
     source = (naming / "task.py").read_text(encoding="utf-8")
     source = source.replace("import Metric", "import Frame, Metric").replace(
-        'text="What is it?", picture=f"pictures/{thing}.png"',
-        'text="Naming", frames=(Frame("+", 200), Frame(text="What is it?", picture=f"pictures/{thing}.png"))',
+        'text="What is it?"', 'text="Naming"'
+    )
+    source = source.replace(
+        'picture=f"pictures/{thing}.png"',
+        'frames=(Frame("+", 200), Frame(text="What is it?", picture=f"pictures/{thing}.png"))',
     )
     (naming / "task.py").write_text(source, encoding="utf-8")
     async with session_of(data, naming) as driver:
@@ -146,14 +151,19 @@ async def test_a_session_does_not_begin_without_its_pictures(
     data: Path, naming: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (naming / "pictures" / "banana.png").write_bytes(b"no picture")
-    assert await refusal(data, naming) == "The picture banana.png cannot be read (UnidentifiedImageError)."
+    assert (
+        await refusal(data, naming)
+        == "The picture banana.png cannot be read (UnidentifiedImageError)."
+    )
     (naming / "pictures" / "banana.png").unlink()
     assert await refusal(data, naming) == f"There is no picture pictures/banana.png in {naming}."
     monkeypatch.setattr("sar_tui.app.prompt_needs.has_pictures_extra", lambda: False)
     assert await refusal(data, naming) == no_package()
 
 
-async def test_a_session_does_not_begin_with_a_picture_from_elsewhere(data: Path, naming: Path) -> None:
+async def test_a_session_does_not_begin_with_a_picture_from_elsewhere(
+    data: Path, naming: Path
+) -> None:
     source = (naming / "task.py").read_text(encoding="utf-8").replace('f"pictures/', 'f"../')
     (naming / "task.py").write_text(source, encoding="utf-8")
     assert "is outside the task's folder" in await refusal(data, naming)
@@ -173,14 +183,20 @@ async def test_documented_prompts_have_the_colours_that_they_name(
             for segment in strip
             if set(segment.text) & set("█▀▄")
         ]
-        styles = {segment.style.color.triplet.hex for segment in drawn if segment.style and segment.style.color}
+        styles = {
+            segment.style.color.triplet.hex
+            for segment in drawn
+            if segment.style and segment.style.color
+        }
         assert styles == {OKABE_ITO[ink]}
         await driver.press(prompt.expected)
         assert driver.stored("SELECT correct FROM trials") == [(1,)]
         assert driver.session.faults == []
 
 
-async def test_one_participant_sees_a_colour_in_a_half_of_the_screen(data: Path, tmp_path: Path) -> None:
+async def test_one_participant_sees_a_colour_in_a_half_of_the_screen(
+    data: Path, tmp_path: Path
+) -> None:
     async with session_of(data, coloured(tmp_path, SIDES.replace("COLOUR", "blue"))) as driver:
         await driver.to_first_prompt()
         drawn = [row for row in driver.rows if "█" in row]
@@ -197,14 +213,20 @@ async def test_a_session_with_colours_begins_only_where_there_are_colours(
     pink = coloured(tmp_path / "pink", SIDES.replace("COLOUR", "pink"))
     assert "There is no colour 'pink'" in await refusal(data, pink)
     monkeypatch.setenv("NO_COLOR", "1")
-    assert await refusal(data, coloured(tmp_path / "blue", SIDES.replace("COLOUR", "blue"))) == NO_COLOR
+    assert (
+        await refusal(data, coloured(tmp_path / "blue", SIDES.replace("COLOUR", "blue")))
+        == NO_COLOR
+    )
 
 
-async def test_a_prompt_without_colour_and_picture_is_stored_as_before(data: Path, tmp_path: Path) -> None:
+async def test_a_prompt_without_colour_and_picture_is_stored_as_before(
+    data: Path, tmp_path: Path
+) -> None:
     async with session_of(data, coloured(tmp_path, SIDES.replace("COLOUR", ""))) as driver:
         await driver.to_first_prompt()
         await driver.press("r")
         ((stored,),) = driver.stored(
-            "SELECT m.message FROM messages m JOIN topics t ON m.topic=t.id WHERE t.name='event_handler/prompt' LIMIT 1"
+            "SELECT m.message FROM messages m JOIN topics t ON m.topic=t.id WHERE "
+            "t.name='event_handler/prompt' LIMIT 1"
         )
         assert not stored.rstrip("]").endswith('""')

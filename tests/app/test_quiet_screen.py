@@ -53,10 +53,14 @@ async def test_a_prompt_repaints_its_own_region_only(
         assert len(frames) == 1
         stage = driver.app.screen.query_one("#prompt").region
         spans = frames[0].spans  # type: ignore[attr-defined]
-        assert all(stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans)
+        assert all(
+            stage.contains_region(Region(left, y, right - left, 1)) for y, left, right in spans
+        )
 
 
-async def test_no_widget_of_a_session_is_animated(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_no_widget_of_a_session_is_animated(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         await driver.to_first_prompt()
         assert not driver.app.animator._animations

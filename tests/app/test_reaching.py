@@ -1,4 +1,6 @@
-"""A session of reaches as its participant and the therapist see it, the hand and its sensor simulated."""
+"""A session of reaches as its participant and the therapist see it, the hand and its sensor
+simulated.
+"""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -20,10 +22,14 @@ from tests.app.app_driver import AppDriver, open_app, stored
 
 
 @asynccontextmanager
-async def at_the_table(data: Path, catalogue: Catalogue, **parameters: Any) -> AsyncIterator[AppDriver]:
+async def at_the_table(
+    data: Path, catalogue: Catalogue, **parameters: Any
+) -> AsyncIterator[AppDriver]:
     """Start a session of two attempts of one reach, after the sensor check."""
     settings = {"attempts": 2, "imu": "simulated", **parameters}
-    async with open_app(data, catalogue, make_plan(catalogue, "reaching", ["P01"], settings, seed=7)) as driver:
+    async with open_app(
+        data, catalogue, make_plan(catalogue, "reaching", ["P01"], settings, seed=7)
+    ) as driver:
         await driver.wait(300)
         await driver.press("enter")
         assert driver.sees("Rest your hand with the sensor at the start.")
@@ -56,7 +62,9 @@ async def sensor(driver: AppDriver, state: SensorState, detail: str = "") -> Non
     await driver.settle()
 
 
-async def test_a_session_of_reaches_from_the_instructions_to_the_summary(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_of_reaches_from_the_instructions_to_the_summary(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue) as driver:
         await driver.press("enter")
         assert driver.sees("To marker 1 (15 cm) and back.")
@@ -77,7 +85,9 @@ async def test_a_session_of_reaches_from_the_instructions_to_the_summary(data: P
         assert driver.sees("Reaches 1 of 1")
         assert driver.sees("Attempts 1 of 2")
         assert driver.waiting.stage == "attempt"
-        assert all(driver.sees(words) for words in ("rad/s", " out ", " back ")), "the reach is drawn"
+        assert all(driver.sees(words) for words in ("rad/s", " out ", " back ")), (
+            "the reach is drawn"
+        )
 
         await to_start(driver)
         await reach(driver)
@@ -90,12 +100,17 @@ async def test_a_session_of_reaches_from_the_instructions_to_the_summary(data: P
         assert driver.app.return_code == 0
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
     rows = stored(data, "SELECT attempt, correct, reaction_time_ms, details FROM trials")
-    assert [(attempt, correct, time) for attempt, correct, time, _ in rows] == [(1, 1, None), (2, 1, None)]
+    assert [(attempt, correct, time) for attempt, correct, time, _ in rows] == [
+        (1, 1, None),
+        (2, 1, None),
+    ]
     assert all(500 < msgspec.json.decode(details)["reach_time_ms"] < 3000 for *_, details in rows)
     assert stored(data, "SELECT sum(n) > 2000 FROM imu_chunks") == [(1,)]
 
 
-async def test_a_participant_may_take_their_time_before_each_reach(data: Path, catalogue: Catalogue) -> None:
+async def test_a_participant_may_take_their_time_before_each_reach(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue) as driver:
         await to_start(driver)
         await driver.wait(60_000)
@@ -105,7 +120,9 @@ async def test_a_participant_may_take_their_time_before_each_reach(data: Path, c
         assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
 
 
-async def test_a_participant_who_presses_enter_is_asked_for_space(data: Path, catalogue: Catalogue) -> None:
+async def test_a_participant_who_presses_enter_is_asked_for_space(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue) as driver:
         await driver.press("enter")
         await driver.wait(300)
@@ -143,7 +160,9 @@ async def test_a_detached_sensor_is_reported_and_the_session_continues_by_itself
         assert driver.stored("SELECT trial, correct FROM trials") == [(1, 1)]
 
 
-async def test_a_sensor_detached_between_attempts_is_reported_too(data: Path, catalogue: Catalogue) -> None:
+async def test_a_sensor_detached_between_attempts_is_reported_too(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue) as driver:
         await driver.press("enter")
         await sensor(driver, "stalled")
@@ -172,7 +191,9 @@ async def test_a_reach_that_the_sensor_missed_is_repeated(data: Path, catalogue:
         assert driver.stored("SELECT count(*) FROM trials") == [(0,)]
 
 
-async def test_a_therapist_marks_the_reach_under_way_or_the_last(data: Path, catalogue: Catalogue) -> None:
+async def test_a_therapist_marks_the_reach_under_way_or_the_last(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue, reaches_per_attempt=3, attempts=1) as driver:
         await to_start(driver)
         await driver.press("space")
@@ -189,7 +210,9 @@ async def test_a_therapist_marks_the_reach_under_way_or_the_last(data: Path, cat
         await reach(driver)
         assert driver.waiting.stage == "review"
         await driver.press("f7")
-        rows = driver.stored("SELECT trial, correct, json_extract(details, '$.mark') FROM trials ORDER BY trial")
+        rows = driver.stored(
+            "SELECT trial, correct, json_extract(details, '$.mark') FROM trials ORDER BY trial"
+        )
         assert rows == [(1, 0, "assisted"), (2, 1, "compensated"), (3, 0, "missed")]
         assert driver.stored("SELECT correct, trials, outcome FROM attempts") == [(1, 3, "failure")]
         acts = driver.messages("operator/act")
@@ -201,8 +224,12 @@ async def test_a_therapist_marks_the_reach_under_way_or_the_last(data: Path, cat
         assert not {"f7", "f8", "f9"} & {press["key"] for press in driver.messages("input/key")}
 
 
-async def test_with_a_signal_the_screen_is_quiet_until_it_says_go(data: Path, catalogue: Catalogue) -> None:
-    async with at_the_table(data, catalogue, go_signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900) as driver:
+async def test_with_a_signal_the_screen_is_quiet_until_it_says_go(
+    data: Path, catalogue: Catalogue
+) -> None:
+    async with at_the_table(
+        data, catalogue, go_signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900
+    ) as driver:
         await to_start(driver)
         await driver.press("space")
         assert not driver.sees("Ready?")
@@ -226,8 +253,12 @@ async def do_first_attempt(data: Path, catalogue: Catalogue) -> list[tuple[Any, 
         return driver.stored("SELECT trial, onset_ns, response_ns, details FROM trials")
 
 
-async def test_with_the_same_seed_a_simulated_hand_makes_the_same_reach(tmp_path: Path, catalogue: Catalogue) -> None:
-    first, second = [await do_first_attempt(tmp_path / name, catalogue) for name in ("first", "second")]
+async def test_with_the_same_seed_a_simulated_hand_makes_the_same_reach(
+    tmp_path: Path, catalogue: Catalogue
+) -> None:
+    first, second = [
+        await do_first_attempt(tmp_path / name, catalogue) for name in ("first", "second")
+    ]
     assert first == second
     assert len(first) == 1
 
@@ -254,7 +285,9 @@ def footer(driver: AppDriver) -> str:
     return driver.rows[-1]
 
 
-async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(data: Path, catalogue: Catalogue) -> None:
+async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue, reaches_per_attempt=2, attempts=1) as driver:
         await to_start(driver)
         await driver.press("space")
@@ -262,14 +295,18 @@ async def test_a_mark_is_replaced_only_if_the_other_key_is_pressed_twice(data: P
         await driver.press("f7")
         await driver.wait(300)
         await driver.press("f8", "f8")
-        assert driver.sees("Marked: marker missed · F8 again: compensated instead"), "a held key does not count twice"
+        assert driver.sees("Marked: marker missed · F8 again: compensated instead"), (
+            "a held key does not count twice"
+        )
         await driver.wait(2300)
         await driver.press("space")
         await driver.wait(1500)
         assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("missed",)]
         await driver.press("f8")
         assert driver.sees("Marked: compensated · Attempt 1 of 1")
-        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("compensated",)]
+        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [
+            ("compensated",)
+        ]
         await driver.wait(300)
         await driver.press("f8")
         assert not driver.sees("Marked")
@@ -307,7 +344,9 @@ async def test_the_keys_that_mark_are_named_in_the_help_and_for_the_therapist_bu
         assert driver.sees("F7 marker missed, F8 compensated, F9 assisted.")
 
 
-async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(data: Path, catalogue: Catalogue) -> None:
+async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue, reaches_per_attempt=2, attempts=1) as driver:
         await to_start(driver)
         await reach(driver)
@@ -315,15 +354,21 @@ async def test_the_mark_of_the_last_reach_is_shown_again_after_an_aborted_one(da
         await driver.press("space")
         await driver.wait(500)
         await driver.press("f7", "escape")
-        assert driver.sees("Marked: assisted"), "a pause aborts a reach and its mark; what is marked is the last reach"
+        assert driver.sees("Marked: assisted"), (
+            "a pause aborts a reach and its mark; what is marked is the last reach"
+        )
         await driver.press("enter")
         await driver.press("f8")
         assert driver.sees("Marked: assisted · F8 again: compensated instead")
-        assert driver.stored("SELECT trial, json_extract(details, '$.mark') FROM trials") == [(1, "assisted")]
+        assert driver.stored("SELECT trial, json_extract(details, '$.mark') FROM trials") == [
+            (1, "assisted")
+        ]
 
 
 @pytest.mark.slow
-async def test_a_resumed_session_shows_the_mark_of_the_last_reach(data: Path, catalogue: Catalogue) -> None:
+async def test_a_resumed_session_shows_the_mark_of_the_last_reach(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with at_the_table(data, catalogue, attempts=3) as driver:
         await to_start(driver)
         await reach(driver)
@@ -337,4 +382,6 @@ async def test_a_resumed_session_shows_the_mark_of_the_last_reach(data: Path, ca
         assert driver.sees("Marked: assisted")
         await driver.press("f8")
         assert driver.sees("Marked: assisted · F8 again: compensated instead")
-        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [("assisted",)]
+        assert driver.stored("SELECT json_extract(details, '$.mark') FROM trials") == [
+            ("assisted",)
+        ]

@@ -1,4 +1,6 @@
-"""The database is removed during a session, or locked at its end: the session is in a rescue file, and this is said."""
+"""The database is removed during a session, or locked at its end: the session is in a rescue file,
+and this is said.
+"""
 
 import asyncio
 import os
@@ -22,7 +24,10 @@ from sar_tui.store.rescue import rescue_files
 from tests.app.app_driver import known, open_app, plan
 
 posix = pytest.mark.skipif(os.name != "posix", reason="Windows does not remove a file that is open")
-WHERE = "data/sar-tui.db was removed while it was in use. The session goes on in data/sar-tui-rescue-x.db."
+WHERE = (
+    "data/sar-tui.db was removed while it was in use. The session goes on in "
+    "data/sar-tui-rescue-x.db."
+)
 
 
 def delete(data: Path) -> None:
@@ -75,9 +80,13 @@ async def test_a_database_that_is_removed_in_a_session_costs_nothing(
     (path,) = rescue_files(data)
     with closing(open_file(path)) as rescue:
         assert rescue.execute("SELECT status FROM sessions").fetchall() == [("interrupted",)]
-        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (1,)
+        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (
+            1,
+        )
     first, second = app.exit_lines(1)
-    assert first.startswith(f"{data / FILE} was removed while it was in use. The session goes on in {path}.")
+    assert first.startswith(
+        f"{data / FILE} was removed while it was in use. The session goes on in {path}."
+    )
     assert "Bring it back into the database: sar-tui rescue --data" in first
     assert second.startswith("The session is kept. Resume it: sar-tui resume")
 
@@ -98,7 +107,10 @@ async def test_a_mistake_that_could_not_be_noted_is_told(
     app.close_session()
     said = "\n".join(app.exit_lines(1))
     assert "The session does not count" not in said
-    assert "The session was started by mistake, but it could not be marked as such, and counts." in said
+    assert (
+        "The session was started by mistake, but it could not be marked as such, and counts."
+        in said
+    )
 
 
 async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescue_file(
@@ -115,7 +127,9 @@ async def test_a_session_that_is_left_while_the_database_is_locked_is_in_a_rescu
             app.close_session()
     (path,) = rescue_files(data)
     with closing(open_file(path)) as rescue:
-        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (1,)
+        assert rescue.execute("SELECT count(*) FROM events WHERE topic='input/key'").fetchone() == (
+            1,
+        )
     assert app.live
     assert app.live.unsaved == 0
     assert "Another program keeps sar-tui.db locked." in app.live.rescued
@@ -148,7 +162,9 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
 ) -> None:
     class Rescued:
         unsaved, rescued, can_be_joined, is_mistake = 0, WHERE, False, False
-        run = type("Run", (), {"id": "x", "session": type("Session", (), {"ended": True, "broken": None})})
+        run = type(
+            "Run", (), {"id": "x", "session": type("Session", (), {"ended": True, "broken": None})}
+        )
         is_closed, is_mistake, trouble = True, False, ""
 
         def close(self, app: SarTui) -> None: ...
@@ -162,7 +178,9 @@ def test_the_exit_code_reports_a_session_that_is_not_in_the_database(
 
 
 @posix
-async def test_the_home_screen_opens_a_database_anew_that_was_removed(data: Path, catalogue: Catalogue) -> None:
+async def test_the_home_screen_opens_a_database_anew_that_was_removed(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -174,7 +192,9 @@ async def test_the_home_screen_opens_a_database_anew_that_was_removed(data: Path
             assert participants.codes(database) == ["P02"]
 
 
-async def test_the_home_screen_says_that_a_rescue_file_waits(data: Path, catalogue: Catalogue) -> None:
+async def test_the_home_screen_says_that_a_rescue_file_waits(
+    data: Path, catalogue: Catalogue
+) -> None:
     open_file(data / "sar-tui-rescue-0123456789.db").close()
     async with open_app(data, catalogue, size=(120, 40)) as driver:
         assert driver.sees("`sar-tui rescue` brings it back.")

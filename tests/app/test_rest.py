@@ -10,7 +10,9 @@ from tests.app.app_driver import open_app, plan
 async def test_the_rest_tells_the_time_that_is_left_until_enter_helps_again(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    resting = plan(catalogue, keyboard, attempts=3, rest_after_attempts=1, rest_seconds=65, encouragement=False)
+    resting = plan(
+        catalogue, keyboard, attempts=3, rest_after_attempts=1, rest_seconds=65, encouragement=False
+    )
     async with open_app(data, catalogue, resting) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         assert driver.sees("A short rest We go on in 1 minute 5 seconds.")

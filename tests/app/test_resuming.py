@@ -1,4 +1,6 @@
-"""A session that is resumed shows its progress if the replay of what was done takes longer than a moment."""
+"""A session that is resumed shows its progress if the replay of what was done takes longer than a
+moment.
+"""
 
 from pathlib import Path
 

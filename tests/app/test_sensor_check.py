@@ -43,7 +43,9 @@ def plain(sample: Sample) -> Sample:
 class Plugged:
     """Sensor that a test attaches and detaches, and whose samples it may alter."""
 
-    def __init__(self, profile: Profile = PROFILES["clean"], alter: Alter = plain, at_once: bool = True) -> None:
+    def __init__(
+        self, profile: Profile = PROFILES["clean"], alter: Alter = plain, at_once: bool = True
+    ) -> None:
         self.info: Info | None = None
         self.profile = profile
         self.alter = alter
@@ -67,7 +69,9 @@ class Plugged:
         self.zeroed += 1
 
     def plug(self, **facts: Any) -> None:
-        self.info = Info(source="USB", model="Spatial 3/3/3 (1044)", serial="4711", rate_hz=250.0, **facts)
+        self.info = Info(
+            source="USB", model="Spatial 3/3/3 (1044)", serial="4711", rate_hz=250.0, **facts
+        )
         self.inner.start(lambda sample: self.sink(self.alter(sample)), self.on_status)
 
     def unplug(self) -> None:
@@ -93,17 +97,23 @@ def reaching_plan(catalogue: Catalogue, theme: str = "calm", **parameters: objec
 
 
 @pytest.fixture
-def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+def open_check(
+    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., Any]:
     """Open the sensor check of a session with the given sensor."""
 
     @asynccontextmanager
-    async def opened(source: Plugged, theme: str = "calm", **parameters: object) -> AsyncIterator[AppDriver]:
+    async def opened(
+        source: Plugged, theme: str = "calm", **parameters: object
+    ) -> AsyncIterator[AppDriver]:
         def open_source(_: str, *, clock: VirtualClock, **__: object) -> Plugged:
             source.clock = clock
             return source
 
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-        async with open_app(data, catalogue, reaching_plan(catalogue, theme, **parameters)) as driver:
+        async with open_app(
+            data, catalogue, reaching_plan(catalogue, theme, **parameters)
+        ) as driver:
             yield driver
 
     return opened
@@ -116,10 +126,13 @@ def axis(driver: AppDriver, name: str) -> tuple[str, ...]:
     return found.groups()
 
 
-# --- the way through ---------------------------------------------------------------------------------------
+# --- the way through
+# ---------------------------------------------------------------------------------------
 
 
-async def test_a_session_with_a_sensor_begins_with_the_sensor_check(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_with_a_sensor_begins_with_the_sensor_check(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, reaching_plan(catalogue)) as driver:
         assert driver.screen_name == "SensorCheckScreen"
         assert driver.sees("P01 · Reaching")
@@ -154,7 +167,9 @@ async def test_a_task_without_a_sensor_has_no_sensor_check(
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, open_check: Callable[..., Any]) -> None:
+async def test_escape_leaves_an_app_that_was_opened_for_one_session(
+    data: Path, open_check: Callable[..., Any]
+) -> None:
     source = Plugged()
     async with open_check(source) as driver:
         await driver.wait(300)
@@ -164,13 +179,19 @@ async def test_escape_leaves_an_app_that_was_opened_for_one_session(data: Path, 
     assert stored(data, "SELECT id FROM sessions") == []
 
 
-async def test_escape_leads_home_and_the_check_can_be_opened_again(data: Path, catalogue: Catalogue) -> None:
+async def test_escape_leads_home_and_the_check_can_be_opened_again(
+    data: Path, catalogue: Catalogue
+) -> None:
     database = connect(data)
     participants.add(database, "P01")
-    programmes.save(database, "P01", "reaching", Programme({"imu": "simulated"}, "high-contrast"), after=0)
+    programmes.save(
+        database, "P01", "reaching", Programme({"imu": "simulated"}, "high-contrast"), after=0
+    )
     database.close()
     async with open_app(data, catalogue) as driver:
-        driver.app.screen.query_one("#start", Button).active_effect_duration = 0  # it takes no second press meanwhile
+        driver.app.screen.query_one(
+            "#start", Button
+        ).active_effect_duration = 0  # it takes no second press meanwhile
         for keys in (("enter", "enter"), ("enter",)):
             await driver.press(*keys)
             assert driver.screen_name == "SensorCheckScreen"
@@ -200,7 +221,9 @@ async def test_a_session_that_cannot_be_opened_releases_the_sensor(
     open_check: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = Plugged()
-    async with open_check(source, max_level=6, start_level=6, marker_distances_cm=(10, 20, 30, 40, 50, 60)) as driver:
+    async with open_check(
+        source, max_level=6, start_level=6, marker_distances_cm=(10, 20, 30, 40, 50, 60)
+    ) as driver:
         monkeypatch.setattr("sar_tui.app.live.LiveSession.open", refuse)
         await driver.press("enter", "enter")
         assert driver.app.failure == "The disk is full."
@@ -214,7 +237,9 @@ def refuse(*_: object) -> None:
     raise StoreError("The disk is full.")
 
 
-async def test_an_unknown_sensor_is_refused_like_other_settings(data: Path, catalogue: Catalogue) -> None:
+async def test_an_unknown_sensor_is_refused_like_other_settings(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, reaching_plan(catalogue, imu="wiimote")) as driver:
         assert 'There is no sensor "wiimote".' in driver.app.failure
         assert driver.app.return_code == 1
@@ -229,7 +254,9 @@ async def test_a_resumed_session_has_no_sensor_check(data: Path, catalogue: Cata
         assert driver.screen_name == "SessionScreen"
 
 
-async def test_a_finished_recording_is_replayed_by_the_session(open_check: Callable[..., Any]) -> None:
+async def test_a_finished_recording_is_replayed_by_the_session(
+    open_check: Callable[..., Any],
+) -> None:
     source = Plugged()
     async with open_check(source) as driver:
         await driver.wait(300)
@@ -242,7 +269,9 @@ async def test_a_finished_recording_is_replayed_by_the_session(open_check: Calla
         assert [message["state"] for message in driver.messages("input/sensor")] == ["attached"]
 
 
-async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(data: Path, catalogue: Catalogue) -> None:
+async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(
+    data: Path, catalogue: Catalogue
+) -> None:
     app = SarTui(data, catalogue, reaching_plan(catalogue))
     async with app.run_test() as pilot:
         await pilot.pause()
@@ -254,7 +283,8 @@ async def test_on_a_live_clock_the_check_has_a_worker_that_ends_with_it(data: Pa
     assert app.feeds == ()
 
 
-# --- what is seen of the sensor ----------------------------------------------------------------------------
+# --- what is seen of the sensor
+# ----------------------------------------------------------------------------
 
 
 async def test_a_missing_sensor_is_reported_after_three_seconds_and_found_later(
@@ -300,12 +330,16 @@ async def test_messages_of_the_sensor_are_shown_literally(
         assert not driver.sees("packet lost")
 
 
-async def test_without_a_sensor_enter_must_be_pressed_twice(data: Path, open_check: Callable[..., Any]) -> None:
+async def test_without_a_sensor_enter_must_be_pressed_twice(
+    data: Path, open_check: Callable[..., Any]
+) -> None:
     source = Plugged(at_once=False)
     async with open_check(source) as driver:
         await driver.press("enter")
         assert driver.screen_name == "SensorCheckScreen"
-        assert driver.sees("There is no sensor, so the session will wait for one. Press Enter again")
+        assert driver.sees(
+            "There is no sensor, so the session will wait for one. Press Enter again"
+        )
         source.plug()
         await driver.wait(200)
         assert not driver.sees("Press Enter again")
@@ -325,7 +359,9 @@ async def test_missing_samples_are_counted(open_check: Callable[..., Any]) -> No
         assert driver.sees("Try another cable or port.")
 
 
-async def test_samples_that_are_not_numbers_are_counted_as_left_out(open_check: Callable[..., Any]) -> None:
+async def test_samples_that_are_not_numbers_are_counted_as_left_out(
+    open_check: Callable[..., Any],
+) -> None:
     def spoil(sample: Sample) -> Sample:
         return sample._replace(rate=NOTHING) if round(sample.device_ms) % 400 == 0 else sample
 
@@ -355,7 +391,9 @@ async def test_a_slow_sensor_is_reported(open_check: Callable[..., Any]) -> None
         assert driver.sees("That is too few to see a reach.")
 
 
-async def test_the_bias_is_shown_only_while_the_hand_is_still(open_check: Callable[..., Any]) -> None:
+async def test_the_bias_is_shown_only_while_the_hand_is_still(
+    open_check: Callable[..., Any],
+) -> None:
     source = Plugged(PROFILES["biased"])
     async with open_check(source) as driver:
         assert axis(driver, "z") == ("────────┼────────", "–", "–", "–")
@@ -363,7 +401,9 @@ async def test_the_bias_is_shown_only_while_the_hand_is_still(open_check: Callab
         assert axis(driver, "x") == ("────────┼────────", "+0.10", "+6.00", "+0.105")
         assert axis(driver, "y") == ("────────┼────────", "−0.10", "−6.00", "−0.105")
         assert driver.sees("still, but the bias is large: press Z")
-        source.inner.move(driver.clock.now(), ReachShape(out_s=1.0, back_s=1.0, peak_out=3.0, peak_back=-3.0))
+        source.inner.move(
+            driver.clock.now(), ReachShape(out_s=1.0, back_s=1.0, peak_out=3.0, peak_back=-3.0)
+        )
         await driver.wait(500)
         assert driver.sees("At rest … moving")
         turning, _, *bias = axis(driver, "z")
@@ -386,7 +426,8 @@ async def test_zeroing_is_requested_and_confirmed_briefly(open_check: Callable[.
         assert not driver.sees("keep the hand still for two seconds")
 
 
-# --- how it lies on the hand --------------------------------------------------------------------------------
+# --- how it lies on the hand
+# --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -410,9 +451,18 @@ def test_the_axis_that_points_up_is_found_by_gravity(up: Any, mark: str, says: s
 
 @pytest.mark.parametrize(
     ("sign", "says"),
-    first_rows(1, [(-1.0, "! turned over"), (1.0, "Placing ✓ z points up"), (math.nan, "measures no acceleration")]),
+    first_rows(
+        1,
+        [
+            (-1.0, "! turned over"),
+            (1.0, "Placing ✓ z points up"),
+            (math.nan, "measures no acceleration"),
+        ],
+    ),
 )
-async def test_an_upside_down_sensor_is_reported(sign: float, says: str, open_check: Callable[..., Any]) -> None:
+async def test_an_upside_down_sensor_is_reported(
+    sign: float, says: str, open_check: Callable[..., Any]
+) -> None:
     def turn(sample: Sample) -> Sample:
         x, y, z = sample.acceleration
         return sample._replace(acceleration=(sign * x, sign * y, sign * z))
@@ -423,10 +473,16 @@ async def test_an_upside_down_sensor_is_reported(sign: float, says: str, open_ch
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
-async def test_the_drawn_hand_has_its_thumb_on_the_correct_side(hand: str, open_check: Callable[..., Any]) -> None:
+async def test_the_drawn_hand_has_its_thumb_on_the_correct_side(
+    hand: str, open_check: Callable[..., Any]
+) -> None:
     async with open_check(Plugged(), hand=hand) as driver:
         thumb = next(row for row in driver.rows if "↑ y" in row).rstrip()
-        beside = thumb[: thumb.index("↑")].split("│")[0] if hand == "right" else thumb[thumb.index("y") :]
+        beside = (
+            thumb[: thumb.index("↑")].split("│")[0]
+            if hand == "right"
+            else thumb[thumb.index("y") :]
+        )
         assert "╭─╮" in beside
 
 
@@ -435,7 +491,9 @@ def test_the_sensor_is_drawn_the_same_on_both_hands() -> None:
         assert DRAWN["right"].count(mark) == DRAWN["left"].count(mark) == 1
     for drawing in DRAWN.values():
         rows = drawing.split("\n")
-        assert next(n for n, row in enumerate(rows) if "y" in row) < next(n for n, row in enumerate(rows) if "z" in row)
+        assert next(n for n, row in enumerate(rows) if "y" in row) < next(
+            n for n, row in enumerate(rows) if "z" in row
+        )
 
 
 @pytest.mark.parametrize(
@@ -448,10 +506,16 @@ def test_a_bar_grows_in_steps_of_half_a_cell(value: float, drawn: str) -> None:
 
 
 def test_a_number_has_a_sign_and_zero_is_never_negative() -> None:
-    assert [signed(value, 1) for value in (1.26, -1.26, -0.01, 0.0)] == ["+1.3", "−1.3", "+0.0", "+0.0"]
+    assert [signed(value, 1) for value in (1.26, -1.26, -0.01, 0.0)] == [
+        "+1.3",
+        "−1.3",
+        "+0.0",
+        "+0.0",
+    ]
 
 
-# --- the test reach ----------------------------------------------------------------------------------------
+# --- the test reach
+# ----------------------------------------------------------------------------------------
 
 
 async def test_the_test_reach_of_a_simulated_hand_is_drawn_with_its_phases(
@@ -475,13 +539,17 @@ async def test_the_test_reach_of_a_simulated_hand_is_drawn_with_its_phases(
         assert len(source.moves) == 1
 
 
-async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(open_check: Callable[..., Any]) -> None:
+async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(
+    open_check: Callable[..., Any],
+) -> None:
     source = Plugged(PROFILES["noisy"])
     async with open_check(source) as driver:
         await driver.wait(3000)
         await driver.press("t")
         await driver.wait(500)
-        source.inner.move(driver.clock.now() + SECOND, ReachShape(out_s=0.7, back_s=0.6, dwell_s=0.5))
+        source.inner.move(
+            driver.clock.now() + SECOND, ReachShape(out_s=0.7, back_s=0.6, dwell_s=0.5)
+        )
         await driver.wait(3000)
         assert driver.sees("Now reach out")
         await driver.wait(1200)
@@ -499,8 +567,16 @@ async def test_a_persons_test_reach_is_found_as_soon_as_the_hand_rests(open_chec
                 {},
                 "Wrong way out: the sensor is turned round, or it is not the right hand.",
             ),
-            (Profile(), {"hand": "left"}, "Wrong way out: the sensor is turned round, or it is not the left hand."),
-            (PROFILES["saturating"], {}, "It was faster than the sensor can measure: only its times are known."),
+            (
+                Profile(),
+                {"hand": "left"},
+                "Wrong way out: the sensor is turned round, or it is not the left hand.",
+            ),
+            (
+                PROFILES["saturating"],
+                {},
+                "It was faster than the sensor can measure: only its times are known.",
+            ),
         ],
     ),
 )
@@ -534,12 +610,16 @@ async def test_a_hand_that_does_not_return_ends_the_test(open_check: Callable[..
         await driver.wait(1500)
         await driver.press("t")
         await driver.wait(500)
-        source.inner.move(driver.clock.now(), ReachShape(out_s=0.8, back_s=0.1, peak_out=2.0, peak_back=-0.001))
+        source.inner.move(
+            driver.clock.now(), ReachShape(out_s=0.8, back_s=0.1, peak_out=2.0, peak_back=-0.001)
+        )
         await driver.wait(4000)
         assert driver.sees(f"! {NO_REACH}")
 
 
-async def test_a_hand_that_never_reaches_ends_the_test_with_a_message(open_check: Callable[..., Any]) -> None:
+async def test_a_hand_that_never_reaches_ends_the_test_with_a_message(
+    open_check: Callable[..., Any],
+) -> None:
     async with open_check(Plugged()) as driver:
         await driver.wait(1500)
         await driver.press("t")
@@ -574,7 +654,9 @@ async def test_a_detached_sensor_ends_the_test(open_check: Callable[..., Any]) -
 
 @pytest.mark.parametrize("flag", [*FLAGS, "something_new"])
 def test_every_flag_has_a_description(flag: str) -> None:
-    found = Finding(onset_ns=0, turn_ns=1, end_ns=2, details={"reach_time_ms": 900.0}, flags=(flag,))
+    found = Finding(
+        onset_ns=0, turn_ns=1, end_ns=2, details={"reach_time_ms": 900.0}, flags=(flag,)
+    )
     numbers, said = finding_text(found, "left")
     assert "Reach 0.90 s" in numbers[1]
     assert said[0] == "wrong"
@@ -590,7 +672,8 @@ def test_the_reason_for_no_reach_is_shown(invalid: str) -> None:
     assert words == INVALID.get(invalid, NO_REACH)
 
 
-# --- how it looks -------------------------------------------------------------------------------------------
+# --- how it looks
+# -------------------------------------------------------------------------------------------
 
 
 async def test_help_describes_the_check(open_check: Callable[..., Any]) -> None:
@@ -617,7 +700,9 @@ async def test_snapshot_of_the_check(theme: str, open_check: Callable[..., Any])
         await driver.press("t")
         await driver.wait(5000)
         album.take("test-reach", driver)
-    assert {f"{name}.{theme}.txt" for name in album.taken} == {path.name for path in SNAPSHOTS.glob(f"*.{theme}.txt")}
+    assert {f"{name}.{theme}.txt" for name in album.taken} == {
+        path.name for path in SNAPSHOTS.glob(f"*.{theme}.txt")
+    }
     album.check()
 
 
@@ -626,10 +711,13 @@ def test_a_sensor_in_degrees_is_named_where_no_reach_can_be_seen() -> None:
     assert (mark, words) == ("wrong", FLAGS["too_far"])
 
 
-# --- a sensor on the trunk --------------------------------------------------------------------------------------------
+# --- a sensor on the trunk
+# --------------------------------------------------------------------------------------------
 
 
-async def test_a_sensor_on_the_trunk_is_checked_after_that_on_the_hand(data: Path, catalogue: Catalogue) -> None:
+async def test_a_sensor_on_the_trunk_is_checked_after_that_on_the_hand(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue, reaching_plan(catalogue, imu_trunk="simulated")) as driver:
         await driver.wait(500)
         assert driver.sees("On the hand")
@@ -662,7 +750,9 @@ async def test_a_session_can_begin_without_the_sensor_on_the_trunk(
         return source
 
     monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-    async with open_app(data, catalogue, reaching_plan(catalogue, imu="phidget:1", imu_trunk="phidget:2")) as driver:
+    async with open_app(
+        data, catalogue, reaching_plan(catalogue, imu="phidget:1", imu_trunk="phidget:2")
+    ) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter")
         assert driver.sees("There is no sensor on the trunk. Reaches count without it.")

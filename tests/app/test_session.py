@@ -20,7 +20,9 @@ async def test_a_session_from_the_instructions_to_the_summary(
 
         await driver.press("enter")
         assert driver.sees("Attempt 1 of 2 · level 1")
-        assert driver.sees("press the right key in less than 1 second on average, with 2 of 2 right.")
+        assert driver.sees(
+            "press the right key in less than 1 second on average, with 2 of 2 right."
+        )
         assert driver.sees("Press Enter to begin attempt 1 of 2.")
 
         await driver.do_attempt(await driver.begin())
@@ -42,22 +44,27 @@ async def test_a_session_from_the_instructions_to_the_summary(
 
         await driver.see_the_summary()
         assert driver.session.ended
-        assert driver.sees("You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2.")
+        assert driver.sees(
+            "You did 2 attempts; goal reached in 2. Best: 0.40 seconds. Highest level: 2."
+        )
         assert driver.sees("● reached")
         assert driver.sees("Press Enter to finish.")
         await driver.press("enter")
         assert not driver.app.is_running
         assert driver.app.return_code == 0
     assert stored(data, "SELECT status FROM sessions") == [("completed",)]
-    assert stored(data, "SELECT count(*), sum(correct), min(reaction_time_ms), max(reaction_time_ms) FROM trials") == [
-        (4, 4, 400.0, 400.0)
-    ]
+    assert stored(
+        data,
+        "SELECT count(*), sum(correct), min(reaction_time_ms), max(reaction_time_ms) FROM trials",
+    ) == [(4, 4, 400.0, 400.0)]
 
 
 async def test_the_plain_line_is_shown_only_with_a_prompt(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, prompts_per_attempt=3)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, prompts_per_attempt=3)
+    ) as driver:
         await driver.press("enter")
         await driver.wait(300)
         await driver.press("enter")
@@ -72,20 +79,28 @@ async def test_the_plain_line_is_shown_only_with_a_prompt(
         assert "Press: " not in driver.text
 
 
-async def test_a_prompt_without_a_response_times_out(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, response_timeout_ms=2000)) as driver:
+async def test_a_prompt_without_a_response_times_out(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, response_timeout_ms=2000)
+    ) as driver:
         prompt = await driver.to_first_prompt()
         await driver.wait(1999)
         assert prompt.text in driver.text
         await driver.wait(100)
         assert "Press: " not in driver.text
-        assert driver.stored("SELECT response, correct, reaction_time_ms FROM trials") == [(None, 0, None)]
+        assert driver.stored("SELECT response, correct, reaction_time_ms FROM trials") == [
+            (None, 0, None)
+        ]
 
 
 async def test_every_screen_that_waits_for_enter_says_so(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1, practice_attempts=1)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, attempts=1, practice_attempts=1)
+    ) as driver:
         assert "Enter" in driver.text  # the instructions
         await driver.press("enter")
         assert "Enter" in driver.text  # before the practice attempt
@@ -113,13 +128,17 @@ async def test_every_screen_that_waits_for_enter_says_so(
         assert "Enter" in driver.text  # help
 
 
-async def test_practice_comes_first_and_does_not_count(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_practice_comes_first_and_does_not_count(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, practice_attempts=1)) as driver:
         await driver.press("enter")
         assert driver.sees("Press Enter to begin practice 1 of 1.")
         assert driver.sees("Practice 0 of 1")
         await driver.do_attempt(await driver.begin())
-        assert driver.sees("Practice is over. From here on it counts. Press Enter for attempt 1 of 2.")
+        assert driver.sees(
+            "Practice is over. From here on it counts. Press Enter for attempt 1 of 2."
+        )
         assert driver.sees("Attempts 0 of 2")
         assert driver.sees("Attempt 1 of 2 · level 1")
         await driver.do_attempt(await driver.begin())
@@ -156,8 +175,12 @@ async def test_the_header_says_who_is_playing_until_the_end(
         assert driver.rows[0].startswith(" Keyboard reaction · P-27 ")
 
 
-async def test_one_attempt_is_singular(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1)) as driver:
+async def test_one_attempt_is_singular(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1)
+    ) as driver:
         assert driver.sees("An attempt asks for 1 key.")
         await driver.do_session()
         assert driver.sees("You did 1 attempt; goal reached in 1.")
@@ -190,7 +213,9 @@ async def test_an_enter_that_is_held_is_asked_to_be_let_go(
         assert not driver.sees("let go")
         await driver.wait(500)
         await driver.strike("enter")
-        assert driver.sees("Press Enter to begin attempt 1 of 2. Please let go of the keys for a moment.")
+        assert driver.sees(
+            "Press Enter to begin attempt 1 of 2. Please let go of the keys for a moment."
+        )
         await driver.press("enter")
         assert driver.waiting.stage == "trial"
         assert not driver.sees("let go")
@@ -284,10 +309,16 @@ async def test_a_key_that_waited_while_the_program_was_suspended_is_asked_for_ag
     async with open_app(data, catalogue, plan(catalogue, keyboard)) as driver:
         prompt = await driver.to_first_prompt()
         with monkeypatch.context() as suspended:
-            suspended.setattr("sar_tui.tui.gc_control.GcControl.is_stalled", lambda control, at: True)
+            suspended.setattr(
+                "sar_tui.tui.gc_control.GcControl.is_stalled", lambda control, at: True
+            )
             await driver.answer(prompt, after_ms=2800)
         again = await driver.to_prompt()
-        assert (again.trial, again.stimulus, again.presentation) == (prompt.trial, prompt.stimulus, 2)
+        assert (again.trial, again.stimulus, again.presentation) == (
+            prompt.trial,
+            prompt.stimulus,
+            2,
+        )
         await driver.answer(again)
     assert stored(data, "SELECT trial, reaction_time_ms FROM trials") == [(1, 400.0)]
 

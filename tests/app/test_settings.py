@@ -85,7 +85,9 @@ def a_participant(data: Path) -> None:
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_settings_of_a_rule_that_is_not_chosen_are_marked(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_of_a_rule_that_is_not_chosen_are_marked(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await go_to(driver, "target_share")
@@ -119,7 +121,9 @@ async def test_there_is_one_field_for_each_declared_parameter(
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(data: Path, catalogue: Catalogue) -> None:
+async def test_tab_goes_from_the_groups_through_the_fields_to_the_buttons(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         chain = [widget.id or type(widget).__name__ for widget in driver.app.screen.focus_chain]
@@ -159,7 +163,9 @@ async def test_a_new_parameter_has_a_field_without_further_changes(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_values_are_checked_as_they_are_typed_alone_and_together(data: Path, catalogue: Catalogue) -> None:
+async def test_values_are_checked_as_they_are_typed_alone_and_together(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "2x")
@@ -176,11 +182,16 @@ async def test_values_are_checked_as_they_are_typed_alone_and_together(data: Pat
         await fill(driver, "foreperiod_max_ms", "1900")
         assert field(driver, "foreperiod_min_ms").problem == ""
         await fill(driver, "start_level", "21")
-        assert meaning(driver) == "There are only 20 levels in this choice of keys, so there is no level 21."
+        assert (
+            meaning(driver)
+            == "There are only 20 levels in this choice of keys, so there is no level 21."
+        )
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_an_invalid_value_is_not_saved_and_gets_the_focus(data: Path, catalogue: Catalogue) -> None:
+async def test_an_invalid_value_is_not_saved_and_gets_the_focus(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "0")
@@ -204,7 +215,9 @@ async def test_an_unknown_sensor_is_reported_at_its_field(data: Path, catalogue:
 
 
 @pytest.mark.slow
-async def test_a_dot_marks_values_that_differ_from_the_default(data: Path, catalogue: Catalogue) -> None:
+async def test_a_dot_marks_values_that_differ_from_the_default(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", prompts_per_attempt=5)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -215,7 +228,9 @@ async def test_a_dot_marks_values_that_differ_from_the_default(data: Path, catal
         assert "● Prompts" not in driver.text
 
 
-async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(data: Path, catalogue: Catalogue) -> None:
+async def test_a_setting_saved_under_a_former_spelling_shows_the_present_one(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", difficulty_policy="thesis")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -241,7 +256,9 @@ async def test_one_field_is_reset_or_all_of_them(data: Path, catalogue: Catalogu
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_what_is_typed_after_a_reset_replaces_the_default(data: Path, catalogue: Catalogue) -> None:
+async def test_what_is_typed_after_a_reset_replaces_the_default(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         await fill(driver, "attempts", "7")
@@ -255,7 +272,9 @@ async def test_what_is_typed_after_a_reset_replaces_the_default(data: Path, cata
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-@pytest.mark.parametrize("sizes", first(1, [((30, 5), (80, 24)), ((80, 24),), ((80, 30), (79, 24), (80, 24))]))
+@pytest.mark.parametrize(
+    "sizes", first(1, [((30, 5), (80, 24)), ((80, 24),), ((80, 30), (79, 24), (80, 24))])
+)
 async def test_the_focused_field_stays_in_view_in_a_smaller_window(
     sizes: tuple[tuple[int, int], ...], data: Path, catalogue: Catalogue
 ) -> None:
@@ -271,14 +290,19 @@ async def test_the_focused_field_stays_in_view_in_a_smaller_window(
 
 
 @pytest.mark.usefixtures("a_participant")
-async def test_saved_settings_apply_to_the_participants_next_session(data: Path, catalogue: Catalogue) -> None:
+async def test_saved_settings_apply_to_the_participants_next_session(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P02", attempts=2)
     async with open_app(data, catalogue) as driver:
         await driver.press("down", "f2")
         await fill(driver, "attempts", "3")
         await go_to(driver, "choice_set")
         await driver.press("enter", "down", "enter")
-        assert driver.app.screen.query_one("#parameter-choice_set").query_one(Choice).value == "arrow keys"
+        assert (
+            driver.app.screen.query_one("#parameter-choice_set").query_one(Choice).value
+            == "arrow keys"
+        )
         await save(driver)
         assert driver.sees("saved: version 2")
         assert driver.sees("The next session starts at level 1.")
@@ -286,7 +310,9 @@ async def test_saved_settings_apply_to_the_participants_next_session(data: Path,
         assert driver.sees("Press Enter to begin attempt 1 of 3.")
         assert (await driver.begin()).expected in ("left", "right")
     assert stored_settings(data) == {"attempts": 3, "choice_set": "arrow keys"}
-    assert stored(data, "SELECT json_extract(parameters, '$.attempts') FROM settings WHERE participant='P02'") == [(2,)]
+    assert stored(
+        data, "SELECT json_extract(parameters, '$.attempts') FROM settings WHERE participant='P02'"
+    ) == [(2,)]
 
 
 @pytest.mark.slow
@@ -372,12 +398,22 @@ async def test_titles_fit_beside_the_values(data: Path, catalogue: Catalogue) ->
                 assert len(widget.field.title) < 24, widget.field.name
 
 
-# --- groups ---------------------------------------------------------------------------------------------------------
+# --- groups
+# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-async def test_groups_count_what_differs_and_the_count_follows(data: Path, catalogue: Catalogue) -> None:
-    known(data, "P01", attempts=20, prompts_per_attempt=5, operator_feedback="approve", operator_time_ms=6000)
+async def test_groups_count_what_differs_and_the_count_follows(
+    data: Path, catalogue: Catalogue
+) -> None:
+    known(
+        data,
+        "P01",
+        attempts=20,
+        prompts_per_attempt=5,
+        operator_feedback="approve",
+        operator_time_ms=6000,
+    )
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert driver.sees("Keyboard reaction ● 1")
@@ -421,7 +457,9 @@ async def test_a_group_opens_with_a_click(data: Path, catalogue: Catalogue) -> N
         assert open_panels(driver) == ["Difficulty"]
 
 
-async def test_settings_that_were_never_shown_are_saved_and_reset_too(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_that_were_never_shown_are_saved_and_reset_too(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=20, prompts_per_attempt=20, quiet_ms=700, operator_lost_ms=3000)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -443,18 +481,23 @@ async def test_the_help_of_a_level_says_what_it_is(data: Path, catalogue: Catalo
         await go_to(driver, "start_level")
         assert meaning(driver).startswith("The level of the first attempt")
         assert "Level 5: " in meaning(driver)
-        keys = catalogue.task("keyboard")(build(catalogue.task("keyboard").Parameters, {"start_level": 5}))
+        keys = catalogue.task("keyboard")(
+            build(catalogue.task("keyboard").Parameters, {"start_level": 5})
+        )
         assert meaning(driver).endswith(f"Level 5: {keys.level_name(5)}")
         await fill(driver, "start_level", "99")
         assert "Level" not in meaning(driver).replace("level 99", "")
 
 
-# --- finding --------------------------------------------------------------------------------------------------------
+# --- finding
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_setting_is_found_by_a_word_of_its_title_or_help(data: Path, catalogue: Catalogue) -> None:
+async def test_a_setting_is_found_by_a_word_of_its_title_or_help(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2", "/")
         assert driver.screen_name == "FindSettingScreen"
@@ -476,7 +519,8 @@ async def test_a_setting_is_found_by_a_word_of_its_title_or_help(data: Path, cat
         assert driver.screen_name == "FindSettingScreen"
 
 
-# --- saving ---------------------------------------------------------------------------------------------------------
+# --- saving
+# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("a_participant")
@@ -512,9 +556,14 @@ async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue:
         await fill(driver, "attempts", "9")
         with closing(connect(data)) as database:
             theirs = Programme({"attempts": 5})
-            programmes.save(database, "P01", "keyboard", theirs, after=1, author="Ben", reason="Pain")
+            programmes.save(
+                database, "P01", "keyboard", theirs, after=1, author="Ben", reason="Pain"
+            )
         await save(driver)
-        assert driver.sees("The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was saved.")
+        assert driver.sees(
+            "The programme of P01 was changed meanwhile: version 2 by Ben (Pain). Nothing was "
+            "saved."
+        )
         assert stored_settings(data)["attempts"] == 5
         await driver.press("ctrl+s")
         assert driver.sees("version 2 by Ben (Pain)")
@@ -522,7 +571,9 @@ async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue:
         await driver.write(*"Agreed")
         await driver.press("enter")
         assert driver.sees("saved: version 3")
-    assert stored(data, "SELECT json_extract(parameters, '$.attempts') FROM programmes ORDER BY version") == [
+    assert stored(
+        data, "SELECT json_extract(parameters, '$.attempts') FROM programmes ORDER BY version"
+    ) == [
         (20,),
         (5,),
         (9,),
@@ -531,7 +582,9 @@ async def test_a_change_by_somebody_else_is_told_and_kept(data: Path, catalogue:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("a_participant")
-async def test_a_preset_fills_in_its_values_and_saves_nothing(data: Path, catalogue: Catalogue) -> None:
+async def test_a_preset_fills_in_its_values_and_saves_nothing(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         driver.app.screen.query_one("#preset").focus()
@@ -549,7 +602,9 @@ async def test_a_preset_leaves_nothing_of_the_one_before(data: Path, catalogue: 
     known(data, "P01", choice_set="left hand")
     folder = data / "presets" / "keyboard"
     folder.mkdir(parents=True)
-    (folder / "a.toml").write_text('task = "keyboard"\n[parameters]\nfeedback_every = 3\nlanguage = "es"\n')
+    (folder / "a.toml").write_text(
+        'task = "keyboard"\n[parameters]\nfeedback_every = 3\nlanguage = "es"\n'
+    )
     (folder / "b.toml").write_text('task = "keyboard"\n[parameters]\nthreshold = 700.0\n')
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
@@ -562,14 +617,17 @@ async def test_a_preset_leaves_nothing_of_the_one_before(data: Path, catalogue: 
     assert stored_settings(data) == {"choice_set": "left hand", "threshold": 700.0}
 
 
-async def test_settings_that_do_not_exist_any_more_are_told(data: Path, catalogue: Catalogue) -> None:
+async def test_settings_that_do_not_exist_any_more_are_told(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", tempo=3)
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")
         assert driver.sees("These settings do not exist any more: tempo.")
 
 
-# --- choices --------------------------------------------------------------------------------------------------------
+# --- choices
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -598,7 +656,9 @@ async def test_choices_open_in_a_list(data: Path, catalogue: Catalogue) -> None:
         assert choice.has_focus
 
 
-async def test_a_choice_that_no_longer_exists_is_reported_and_can_be_changed(data: Path, catalogue: Catalogue) -> None:
+async def test_a_choice_that_no_longer_exists_is_reported_and_can_be_changed(
+    data: Path, catalogue: Catalogue
+) -> None:
     known(data, "P01", attempts=20, layout="sholes")
     async with open_app(data, catalogue) as driver:
         await driver.press("f2")

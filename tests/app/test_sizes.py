@@ -1,4 +1,6 @@
-"""The app keeps running in a window of any size, on every screen, and draws again what was there."""
+"""The app keeps running in a window of any size, on every screen, and draws again what was
+there.
+"""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -40,9 +42,13 @@ Open = Callable[[Path, Catalogue], Opened]
 
 
 async def shrink_and_grow(driver: AppDriver) -> None:
-    """Make the window each size in turn; in the end, the first again, with the same screen in it."""
+    """Make the window each size in turn; in the end, the first again, with the same screen in
+    it.
+    """
     before = driver.screen_name
-    driver.app.notify("A notice of some length, so that it takes more than one line.", title="Note", timeout=1000)
+    driver.app.notify(
+        "A notice of some length, so that it takes more than one line.", title="Note", timeout=1000
+    )
     for size in SIZES:
         await driver.resize(*size)
     await driver.resize(80, 24)
@@ -109,7 +115,9 @@ def session(task: str, *codes: str, **settings: object) -> Open:
 
     @asynccontextmanager
     async def opened(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-        async with open_app(data, catalogue, make_plan(catalogue, task, codes, settings, seed=7)) as driver:
+        async with open_app(
+            data, catalogue, make_plan(catalogue, task, codes, settings, seed=7)
+        ) as driver:
             await driver.wait(300)
             yield driver
 
@@ -125,7 +133,9 @@ async def therapists_changes(data: Path, catalogue: Catalogue) -> AsyncIterator[
 
 @asynccontextmanager
 async def forced_rest(data: Path, catalogue: Catalogue) -> AsyncIterator[AppDriver]:
-    async with session("keyboard", "P01", **SHORT, rest_after_attempts=1)(data, catalogue) as driver:
+    async with session("keyboard", "P01", **SHORT, rest_after_attempts=1)(
+        data, catalogue
+    ) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         yield driver
 
@@ -149,7 +159,9 @@ SCREENS: dict[str, tuple[str, Open]] = {
 
 
 @pytest.mark.parametrize("name", first(3, reversed(SCREENS)))
-async def test_a_screen_survives_any_size_of_the_window(name: str, data: Path, catalogue: Catalogue) -> None:
+async def test_a_screen_survives_any_size_of_the_window(
+    name: str, data: Path, catalogue: Catalogue
+) -> None:
     screen, opened = SCREENS[name]
     async with opened(data, catalogue) as driver:
         assert driver.screen_name == screen
@@ -169,19 +181,27 @@ async def test_the_app_may_open_in_a_window_of_any_size(
 
 
 @pytest.mark.parametrize("task", ["keyboard", "reaching"])
-async def test_a_session_opens_in_a_window_of_any_size(task: str, data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_opens_in_a_window_of_any_size(
+    task: str, data: Path, catalogue: Catalogue
+) -> None:
     settings = {"imu": "simulated"} if task == "reaching" else SHORT
     planned = make_plan(catalogue, task, ["P01"], settings, seed=7)
     async with open_app(data, catalogue, planned, size=(1, 1)) as driver:
         await driver.press("f1", "escape", "ctrl+p", "escape")
         await driver.resize(80, 24)
-        assert driver.screen_name == ("SensorCheckScreen" if task == "reaching" else "SessionScreen")
+        assert driver.screen_name == (
+            "SensorCheckScreen" if task == "reaching" else "SessionScreen"
+        )
 
 
 @pytest.mark.slow
-async def test_every_stage_of_a_session_survives_any_size_of_the_window(data: Path, catalogue: Catalogue) -> None:
+async def test_every_stage_of_a_session_survives_any_size_of_the_window(
+    data: Path, catalogue: Catalogue
+) -> None:
     settings = SHORT | {"attempts": 1}
-    async with open_app(data, catalogue, make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)) as driver:
+    async with open_app(
+        data, catalogue, make_plan(catalogue, "keyboard", ["P01"], settings, seed=7)
+    ) as driver:
         await driver.press("enter")
         await shrink_and_grow(driver)
         await driver.begin()
@@ -200,9 +220,13 @@ async def test_every_stage_of_a_session_survives_any_size_of_the_window(data: Pa
 
 
 @pytest.mark.slow
-async def test_a_session_for_two_survives_any_size_of_the_window(data: Path, catalogue: Catalogue) -> None:
+async def test_a_session_for_two_survives_any_size_of_the_window(
+    data: Path, catalogue: Catalogue
+) -> None:
     settings = SHORT | {"policy": "alternate"}
-    async with open_app(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
+    async with open_app(
+        data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
+    ) as driver:
         await driver.to_first_prompt()
         await shrink_and_grow(driver)
         assert driver.sees("Paused")
@@ -210,7 +234,9 @@ async def test_a_session_for_two_survives_any_size_of_the_window(data: Path, cat
 
 
 @pytest.mark.slow
-async def test_a_tasks_view_is_not_drawn_smaller_than_the_smallest_window(data: Path, tmp_path: Path) -> None:
+async def test_a_tasks_view_is_not_drawn_smaller_than_the_smallest_window(
+    data: Path, tmp_path: Path
+) -> None:
     catalogue = Catalogue(tasks=(write_sides(tmp_path / "mine", WIDE_VIEW).parent,))
     async with open_app(data, catalogue, plan(catalogue, catalogue.task("sides"))) as driver:
         await driver.to_first_prompt()

@@ -15,7 +15,15 @@ from tests.examples import first
 
 FOLDER = Path(__file__).parent / "snapshots"
 THEMES = ("calm", "high-contrast", "playful")
-HOME = ("home", "help", "new-participant", "home-with-a-participant", "settings", "settings-to-fix", "too-small")
+HOME = (
+    "home",
+    "help",
+    "new-participant",
+    "home-with-a-participant",
+    "settings",
+    "settings-to-fix",
+    "too-small",
+)
 SESSION = (
     "instructions",
     "before-practice",
@@ -62,7 +70,9 @@ async def test_snapshots_of_home_and_settings(theme: str, data: Path, catalogue:
 
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
-async def test_snapshots_of_a_session(theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_snapshots_of_a_session(
+    theme: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     album = Album(FOLDER, theme, (80, 24))
     async with open_app(
         data, catalogue, plan(catalogue, keyboard, theme=theme, attempts=4, practice_attempts=1)

@@ -31,8 +31,16 @@ def shown(step: Step, entry: Entry = EMPTY, who: str = "") -> list[str]:
     return [text.headline, *text.text.replace("\u00a0", " ").split("\n"), text.press]
 
 
-async def test_a_question_is_answered_on_the_screen(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    asked = plan(catalogue, keyboard, attempts=1, prompts_per_attempt=1, questions=("pain", "effort", "remark"))
+async def test_a_question_is_answered_on_the_screen(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    asked = plan(
+        catalogue,
+        keyboard,
+        attempts=1,
+        prompts_per_attempt=1,
+        questions=("pain", "effort", "remark"),
+    )
     async with open_app(data, catalogue, asked) as driver:
         await driver.do_attempt(await driver.to_first_prompt())
         await driver.wait(1500)
@@ -67,16 +75,31 @@ async def test_too_much_pain_between_attempts_leads_to_the_advice_to_stop(
         await driver.wait(1500)
         assert driver.sees("How strong is your pain now?")
         await driver.press("9", "enter")
-        assert driver.sees("Please stop for today Rest, and tell your therapist about the pain now.")
+        assert driver.sees(
+            "Please stop for today Rest, and tell your therapist about the pain now."
+        )
         assert driver.waiting.reason == "pain"
         await driver.press(key)
         assert driver.waiting.stage == status
-    said = stored(data, "SELECT moment, question, answer FROM wellbeing WHERE answer<>'yes' ORDER BY at")
+    said = stored(
+        data, "SELECT moment, question, answer FROM wellbeing WHERE answer<>'yes' ORDER BY at"
+    )
     advice = "stopped" if key == "enter" else "went on"
-    assert said == [("pause", "pain", "9"), ("pause", "advice", "shown"), ("pause", "advice", advice)]
+    assert said == [
+        ("pause", "pain", "9"),
+        ("pause", "advice", "shown"),
+        ("pause", "advice", advice),
+    ]
 
 
-CONSENT = Step(name="consent", kind="choice", text="Do you agree?", labels=("yes", "no"), before=True, required="yes")
+CONSENT = Step(
+    name="consent",
+    kind="choice",
+    text="Do you agree?",
+    labels=("yes", "no"),
+    before=True,
+    required="yes",
+)
 
 
 async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
@@ -100,7 +123,9 @@ async def test_who_does_not_agree_begins_no_session_and_leaves_only_that_answer(
         assert driver.app.return_code == 0, "nothing more is asked"
         session = driver.session_id
     assert stored(data, "SELECT status FROM sessions") == [("refused",)]
-    assert stored(data, "SELECT step, status, answer FROM answers") == [("consent", "answered", '"no"')]
+    assert stored(data, "SELECT step, status, answer FROM answers") == [
+        ("consent", "answered", '"no"')
+    ]
     for table in ("wellbeing", "imu_chunks", "trials", "attempts"):
         assert stored(data, f"SELECT count(*) FROM {table}") == [(0,)], table
     with closing(connect(data)) as database:
@@ -121,7 +146,9 @@ async def test_samples_are_stored_from_the_agreement_on(data: Path, catalogue: C
         await reach(driver)
         await driver.see_the_summary()
         session = driver.session_id
-    assert stored(data, "SELECT status, correct FROM sessions JOIN trials ON session=id") == [("completed", 1)]
+    assert stored(data, "SELECT status, correct FROM sessions JOIN trials ON session=id") == [
+        ("completed", 1)
+    ]
     assert stored(data, "SELECT sum(n) > 1000 FROM imu_chunks") == [(1,)]
     with closing(connect(data)) as database:
         assert replay(database, data, catalogue, sessions.find(database, data, session)).identical
@@ -185,4 +212,7 @@ def test_a_screen_to_read_needs_no_answer() -> None:
 
 def test_a_calibration_tells_the_time_that_is_left() -> None:
     step = Step(name="a", text="Keep still.", kind="calibration", seconds=3)
-    assert step_text(AskedStep(number=1, step=step), ENGLISH, 2_500_000_000).text == "We go on in 3 seconds."
+    assert (
+        step_text(AskedStep(number=1, step=step), ENGLISH, 2_500_000_000).text
+        == "We go on in 3 seconds."
+    )

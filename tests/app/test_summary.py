@@ -1,4 +1,6 @@
-"""The summary of a session: its plot never falls for the participant, and it may be removed before it is drawn."""
+"""The summary of a session: its plot never falls for the participant, and it may be removed before
+it is drawn.
+"""
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from pathlib import Path
@@ -28,7 +30,9 @@ def attempts(*played: tuple[int, float | None, bool]) -> list[AttemptEnded]:
     ]  # fmt: skip
 
 
-GOOD_DAY = attempts((1, 400.0, True), (2, 600.0, True), (3, 800.0, True), (4, 950.0, True), (5, 1100.0, False))
+GOOD_DAY = attempts(
+    (1, 400.0, True), (2, 600.0, True), (3, 800.0, True), (4, 950.0, True), (5, 1100.0, False)
+)
 
 
 Plot = Callable[[Sequence[AttemptEnded], bool], Awaitable[list[str]]]
@@ -54,11 +58,18 @@ async def plot(data: Path, catalogue: Catalogue) -> AsyncIterator[Plot]:
 def heights(lines: Sequence[str]) -> list[int]:
     """Return the rows of the markers in the plot, from left to right; the lowest is 0."""
     plot = lines[1 : next(row for row, line in enumerate(lines) if "└" in line)]
-    places = [(column, row) for row, line in enumerate(plot) for column, char in enumerate(line) if char in "●○"]
+    places = [
+        (column, row)
+        for row, line in enumerate(plot)
+        for column, char in enumerate(line)
+        if char in "●○"
+    ]
     return [len(plot) - row for _, row in sorted(places)]
 
 
-async def test_a_day_on_which_the_level_rose_and_results_got_slower_is_not_drawn_as_a_fall(plot: Plot) -> None:
+async def test_a_day_on_which_the_level_rose_and_results_got_slower_is_not_drawn_as_a_fall(
+    plot: Plot,
+) -> None:
     lines = await plot(GOOD_DAY, True)
     shown = heights(lines)
     assert len(shown) == 5
@@ -71,15 +82,21 @@ async def test_a_day_on_which_the_level_rose_and_results_got_slower_is_not_drawn
 async def test_results_that_get_faster_are_not_drawn_as_a_fall_and_what_was_not_reached_keeps_the_height(
     plot: Plot,
 ) -> None:
-    played = attempts((3, 1400.0, False), (2, 1200.0, False), (1, 900.0, True), (1, 800.0, True), (1, None, False))
+    played = attempts(
+        (3, 1400.0, False), (2, 1200.0, False), (1, 900.0, True), (1, 800.0, True), (1, None, False)
+    )
     shown = heights(await plot(played, True))
     assert shown == sorted(shown)
     assert shown[0] == shown[1]
     assert shown[3] == shown[4]
 
 
-@pytest.mark.parametrize("played", [attempts((1, 1400.0, False)), attempts((1, None, False), (1, None, False))])
-async def test_where_no_goal_was_reached_nothing_is_drawn(plot: Plot, played: list[AttemptEnded]) -> None:
+@pytest.mark.parametrize(
+    "played", [attempts((1, 1400.0, False)), attempts((1, None, False), (1, None, False))]
+)
+async def test_where_no_goal_was_reached_nothing_is_drawn(
+    plot: Plot, played: list[AttemptEnded]
+) -> None:
     assert await plot(played, True) == []
 
 
@@ -97,7 +114,8 @@ async def test_a_summary_without_its_parts_draws_nothing(
         await driver.do_session()
         summary = driver.app.screen.query_one(Summary)
         rows = sessions.rows(driver.app.database, "attempts", driver.session_id)
-        summary.show([sessions.attempt_ended(row) for row in rows])  # asks to be drawn after the next refresh
+        # asks to be drawn after the next refresh
+        summary.show([sessions.attempt_ended(row) for row in rows])
         await summary.query_one("#plot", Static).remove()
         await driver.settle()
         summary.on_resize()

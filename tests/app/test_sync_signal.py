@@ -55,7 +55,9 @@ async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
 ) -> None:
     with udp_receiver() as receiver:
         begin = plan(catalogue, keyboard)
-        async with open_app(tmp_path, catalogue, begin, markers=[receiver.address], sync_flash=True) as driver:
+        async with open_app(
+            tmp_path, catalogue, begin, markers=[receiver.address], sync_flash=True
+        ) as driver:
             assert driver.sees("A short flash and a tone: for the camera.")
             assert driver.sees("Press Enter when the camera is recording.")
             await driver.press("enter")
@@ -72,8 +74,15 @@ async def test_one_flash_and_a_tone_are_stored_and_sent_with_their_stamps(
             assert driver.screen_name == "SessionScreen"
             assert player.has_left
             await driver.do_session()
-            stored = [(signal["what"], signal["at"], signal["source"]) for signal in driver.messages("output/sync")]
-        markers = [(m["event"], m["ns"]) for m in receiver.until("session_end") if m["event"].startswith("sync_")]
+            stored = [
+                (signal["what"], signal["at"], signal["source"])
+                for signal in driver.messages("output/sync")
+            ]
+        markers = [
+            (m["event"], m["ns"])
+            for m in receiver.until("session_end")
+            if m["event"].startswith("sync_")
+        ]
     assert stored == [("flash", flashed, "refresh"), ("tone", flashed + 50 * MS, "sound")]
     assert markers == [("sync_flash", flashed), ("sync_tone", flashed + 50 * MS)]
 

@@ -58,14 +58,26 @@ async def test_without_a_view_the_plain_prompt_is_drawn(data: Path, own_tasks: P
     ("broken", "topic"),
     [
         ("raise RuntimeError('no such file')", "load"),
-        pytest.param(VIEW.replace("class SidesView(TaskView)", "class SidesView"), "load", marks=pytest.mark.slow),
-        pytest.param(VIEW.replace("self.trials = 0", "raise RuntimeError"), "load", marks=pytest.mark.slow),
+        pytest.param(
+            VIEW.replace("class SidesView(TaskView)", "class SidesView"),
+            "load",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            VIEW.replace("self.trials = 0", "raise RuntimeError"), "load", marks=pytest.mark.slow
+        ),
         (VIEW.replace("return [(f", "return [(prompt.nothing + f"), "prompt_lines"),
-        pytest.param(VIEW.replace("{prompt.text}", "your prompt"), "prompt_lines", marks=pytest.mark.slow),
-        pytest.param(VIEW.replace("return [(f", "return 3 #"), "prompt_lines", marks=pytest.mark.slow),
+        pytest.param(
+            VIEW.replace("{prompt.text}", "your prompt"), "prompt_lines", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            VIEW.replace("return [(f", "return 3 #"), "prompt_lines", marks=pytest.mark.slow
+        ),
         (VIEW.replace("self.trials += 1", "self.trial += 1"), "event_handler/trial"),
         pytest.param(
-            VIEW.replace("colors['accent']", "colors['no colour']").replace('colors["accent"]', "1 / 0"),
+            VIEW.replace("colors['accent']", "colors['no colour']").replace(
+                'colors["accent"]', "1 / 0"
+            ),
             "drawing",
             marks=pytest.mark.slow,
         ),

@@ -59,10 +59,13 @@ class Editor:
         self.watch.follow("mine")
 
 
-# --- the watch -----------------------------------------------------------------------------------------------
+# --- the watch
+# -----------------------------------------------------------------------------------------------
 
 
-def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(folder: Path, themes: Catalogue) -> None:
+def test_an_edited_theme_is_applied_once_when_its_files_stop_changing(
+    folder: Path, themes: Catalogue
+) -> None:
     editor = Editor(themes)
     editor.watch.look()
     assert editor.applied == []
@@ -88,7 +91,9 @@ def test_added_phrases_are_an_edit_and_the_language_stays(folder: Path, themes: 
     assert [theme.language for theme in editor.applied] == ["es"]
 
 
-def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(folder: Path, themes: Catalogue) -> None:
+def test_an_unreadable_theme_is_reported_once_and_applied_when_fixed(
+    folder: Path, themes: Catalogue
+) -> None:
     editor = Editor(themes)
     edit(folder, "[colors]", "[colors")
     for _ in range(4):
@@ -124,7 +129,9 @@ def test_a_theme_with_problems_is_applied_and_the_problems_reported(
     assert notices in editor.notices[0]
 
 
-def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(folder: Path, themes: Catalogue) -> None:
+def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(
+    folder: Path, themes: Catalogue
+) -> None:
     editor = Editor(themes)
     shutil.rmtree(folder)
     for _ in range(3):
@@ -133,10 +140,13 @@ def test_a_theme_whose_folder_was_removed_is_reported_and_stays_applied(folder: 
     assert len(editor.notices) == 1
 
 
-# --- the app -------------------------------------------------------------------------------------------------
+# --- the app
+# -------------------------------------------------------------------------------------------------
 
 
-async def test_home_changes_its_colours_with_the_file(data: Path, folder: Path, themes: Catalogue) -> None:
+async def test_home_changes_its_colours_with_the_file(
+    data: Path, folder: Path, themes: Catalogue
+) -> None:
     known(data, theme="mine")
     async with open_app(data, themes) as driver:
         assert driver.app.theme == "sar-mine"
@@ -149,7 +159,9 @@ async def test_home_changes_its_colours_with_the_file(data: Path, folder: Path, 
 async def test_in_a_session_face_colours_and_later_utterances_change(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine", feedback_form="qualitative")) as driver:
+    async with open_app(
+        data, themes, plan(themes, keyboard, theme="mine", feedback_form="qualitative")
+    ) as driver:
         words = driver.said
         assert HAPPY_EYES in driver.text
         edit(folder, HAPPY_EYES, "│  Q   Q  │")
@@ -172,14 +184,18 @@ async def test_in_a_session_face_colours_and_later_utterances_change(
 async def test_a_session_in_spanish_stays_in_spanish_when_its_theme_is_edited(
     data: Path, folder: Path, themes: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine", language="es")) as driver:
+    async with open_app(
+        data, themes, plan(themes, keyboard, theme="mine", language="es")
+    ) as driver:
         edit(folder, "#10171e", "#30171e")
         await look(driver)
         assert driver.session.theme.language == "es"
         assert driver.session.theme.colors.background == "#30171e"
 
 
-async def test_home_reports_a_faulty_edit_at_once(data: Path, folder: Path, themes: Catalogue) -> None:
+async def test_home_reports_a_faulty_edit_at_once(
+    data: Path, folder: Path, themes: Catalogue
+) -> None:
     known(data, theme="mine")
     async with open_app(data, themes) as driver:
         edit(folder, "[colors]", "[colors")
@@ -255,7 +271,9 @@ def test_a_folder_that_cannot_be_accessed_is_reported(
     monkeypatch.setattr(themes, "theme_folder", fail)
     for _ in range(3):
         editor.watch.look()
-    assert editor.notices == [f"The theme mine cannot be read: {fault}. The previous version stays in use."]
+    assert editor.notices == [
+        f"The theme mine cannot be read: {fault}. The previous version stays in use."
+    ]
 
 
 async def test_a_theme_without_english_is_applied_in_its_own_language(
@@ -263,11 +281,14 @@ async def test_a_theme_without_english_is_applied_in_its_own_language(
 ) -> None:
     (folder / "phrases.en.toml").unlink()
     edit(folder, "#10171e", "#30171e")
-    async with open_app(data, themes, plan(themes, keyboard, theme="mine", language="es")) as driver:
+    async with open_app(
+        data, themes, plan(themes, keyboard, theme="mine", language="es")
+    ) as driver:
         assert driver.app.screen.styles.background.hex.lower() == "#30171e"
 
 
-# --- the beginning -------------------------------------------------------------------------------------------
+# --- the beginning
+# -------------------------------------------------------------------------------------------
 
 
 async def test_only_the_applied_theme_is_read_before_the_first_screen(

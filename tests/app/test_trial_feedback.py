@@ -15,8 +15,12 @@ def glyphs(driver: AppDriver) -> list[str]:
     return [character for character in driver.text if character in "✓✗"]
 
 
-async def test_a_tick_and_a_cross_are_shown_and_stamped(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)) as driver:
+async def test_a_tick_and_a_cross_are_shown_and_stamped(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)
+    ) as driver:
         prompt = await driver.to_first_prompt()
         assert glyphs(driver) == []
         await driver.answer(prompt)
@@ -38,7 +42,9 @@ async def test_a_tick_and_a_cross_are_shown_and_stamped(data: Path, catalogue: C
 
 
 async def test_a_pause_covers_it(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, trial_feedback_ms=700)
+    ) as driver:
         await driver.answer(await driver.to_first_prompt())
         await driver.press("escape")
         assert driver.waiting.stage == "paused"
@@ -48,10 +54,15 @@ async def test_a_pause_covers_it(data: Path, catalogue: Catalogue, keyboard: typ
 async def test_a_prompt_that_follows_at_once_takes_its_place(data: Path, tmp_path: Path) -> None:
     file = write_documented(tmp_path / "mytasks", "harvest") / "task.py"
     source = file.read_text("utf-8")
-    file.write_text(source.replace("class Harvest(Task):", "class Harvest(Task):\n    has_foreperiod = False"), "utf-8")
+    file.write_text(
+        source.replace("class Harvest(Task):", "class Harvest(Task):\n    has_foreperiod = False"),
+        "utf-8",
+    )
     catalogue = Catalogue(tasks=(tmp_path / "mytasks",))
     kind = catalogue.task("harvest")
-    async with open_app(data, catalogue, Plan(kind, build(kind.Parameters, {}), "calm", "P01", seed=7)) as driver:
+    async with open_app(
+        data, catalogue, Plan(kind, build(kind.Parameters, {}), "calm", "P01", seed=7)
+    ) as driver:
         await driver.answer(await driver.to_first_prompt())
         assert driver.sees("0")
         assert not driver.sees("Left or right?")

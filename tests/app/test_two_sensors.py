@@ -1,4 +1,6 @@
-"""Two sensors, one for each participant: both are checked, and a lost one is reported with its participant."""
+"""Two sensors, one for each participant: both are checked, and a lost one is reported with its
+participant.
+"""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -23,14 +25,22 @@ def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
     """Open the sensor check of a session of two with these sensors."""
 
     @asynccontextmanager
-    async def opened(left: Plugged, right: Plugged, **parameters: object) -> AsyncIterator[AppDriver]:
+    async def opened(
+        left: Plugged, right: Plugged, **parameters: object
+    ) -> AsyncIterator[AppDriver]:
         def open_source(name: str, *, clock: VirtualClock, **__: object) -> Plugged:
             source = {"left": left, "right": right}[name]
             source.clock = clock
             return source
 
         monkeypatch.setattr("sar_tui.runs.sensors.open_source", open_source)
-        given = {"respond_with": "reaches", "imu": "left", "imu_b": "right", "attempts": 1, **parameters}
+        given = {
+            "respond_with": "reaches",
+            "imu": "left",
+            "imu_b": "right",
+            "attempts": 1,
+            **parameters,
+        }
         plan = make_plan(catalogue, "pairs", ["P01", "P02"], given, seed=7)
         async with open_app(data, catalogue, plan) as driver:
             yield driver
@@ -39,7 +49,9 @@ def open_check(data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.slow
-async def test_sensors_are_checked_one_after_the_other_before_the_session(data: Path, open_check: OpenCheck) -> None:
+async def test_sensors_are_checked_one_after_the_other_before_the_session(
+    data: Path, open_check: OpenCheck
+) -> None:
     left, right = Plugged(), Plugged(at_once=False)
     async with open_check(left, right, hand_b="left") as driver:
         assert driver.screen_name == "SensorCheckScreen"
@@ -80,13 +92,17 @@ async def test_a_test_reach_is_that_of_the_checked_hand(open_check: OpenCheck) -
         assert (left.zeroed, right.zeroed) == (1, 0)
 
 
-async def test_without_one_of_two_sensors_enter_asks_first(data: Path, open_check: OpenCheck) -> None:
+async def test_without_one_of_two_sensors_enter_asks_first(
+    data: Path, open_check: OpenCheck
+) -> None:
     left, right = Plugged(at_once=False), Plugged()
     async with open_check(left, right) as driver:
         await driver.wait(500)
         await driver.press("enter", "enter")
         assert driver.screen_name == "SensorCheckScreen"
-        assert driver.sees("A sensor is missing, so the session will wait for it. Press Enter again")
+        assert driver.sees(
+            "A sensor is missing, so the session will wait for it. Press Enter again"
+        )
         await driver.press("escape")
         assert not right.running
     assert stored(data, "SELECT id FROM sessions") == []
@@ -129,7 +145,9 @@ async def test_the_seat_of_a_detached_sensor_is_shown_and_the_session_continues_
         assert driver.sees("Press Enter to begin attempt 1 of 1.")
 
 
-async def test_a_detached_sensor_is_reported_with_the_participants_code(open_check: OpenCheck) -> None:
+async def test_a_detached_sensor_is_reported_with_the_participants_code(
+    open_check: OpenCheck,
+) -> None:
     left, right = Plugged(), Plugged()
     async with open_check(left, right, address="code") as driver:
         await driver.wait(500)
@@ -157,5 +175,7 @@ async def test_simulated_hands_play_by_themselves(data: Path, catalogue: Catalog
         assert driver.sees("Left: reach out and back Right: reach out and back")
         await driver.wait(20_000)
         assert [fault.error for fault in driver.session.faults] == []
-    stored_rows = stored(data, "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat")
+    stored_rows = stored(
+        data, "SELECT trial, seat, response, correct FROM trials ORDER BY trial, seat"
+    )
     assert stored_rows == [(trial, seat, "reach", 1) for trial in (1, 2) for seat in "AB"]

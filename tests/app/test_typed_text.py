@@ -9,7 +9,9 @@ from tests.app.app_driver import open_app
 from tests.documented import write_documented
 
 
-async def test_digits_are_echoed_as_they_are_typed_and_sent_with_enter(data: Path, tmp_path: Path) -> None:
+async def test_digits_are_echoed_as_they_are_typed_and_sent_with_enter(
+    data: Path, tmp_path: Path
+) -> None:
     folder = write_documented(tmp_path / "mytasks", "digitspan")
     catalogue = Catalogue(tasks=(folder.parent,))
     task = catalogue.task("digitspan")

@@ -1,4 +1,6 @@
-"""Pain and tiredness are asked before and after a session, with one key each and nothing chosen beforehand."""
+"""Pain and tiredness are asked before and after a session, with one key each and nothing chosen
+beforehand.
+"""
 
 from contextlib import closing
 from pathlib import Path
@@ -21,11 +23,15 @@ def answers(driver: AppDriver) -> list[tuple[str, ...]]:
     return [row[1:] for row in driver.stored(ALL)]
 
 
-async def test_a_session_asks_before_and_after(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_session_asks_before_and_after(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         assert driver.sees("How much pain do you have now?")
         assert driver.sees("0 1 2 3 4 5 6 7 8 9 10 no pain worst pain imaginable")
-        assert driver.sees("Press a number from 0 to 9. For 10, press T. Press N if you would rather not say.")
+        assert driver.sees(
+            "Press a number from 0 to 9. For 10, press T. Press N if you would rather not say."
+        )
         await driver.press("enter", "space", "q")
         assert driver.sees("Nothing is chosen yet. Please press one of these keys.")
         assert answers(driver) == [], "nothing is chosen beforehand"
@@ -69,12 +75,20 @@ async def test_an_answer_can_be_corrected_and_the_last_one_counts(
         await driver.press("9", "backspace", "0")
         assert driver.sees("How tired are you now?")
         await driver.press("3")
-        assert driver.screen_name == "SessionScreen", "the pain that was corrected is no reason to stop"
-        assert answers(driver) == [("before", "pain", "9"), ("before", "pain", "0"), ("before", "fatigue", "3")]
+        assert driver.screen_name == "SessionScreen", (
+            "the pain that was corrected is no reason to stop"
+        )
+        assert answers(driver) == [
+            ("before", "pain", "9"),
+            ("before", "pain", "0"),
+            ("before", "fatigue", "3"),
+        ]
 
 
 @pytest.mark.parametrize("ms", [120, 2_000])
-async def test_ten_can_be_typed_with_two_keys(data: Path, catalogue: Catalogue, keyboard: type[Task], ms: int) -> None:
+async def test_ten_can_be_typed_with_two_keys(
+    data: Path, catalogue: Catalogue, keyboard: type[Task], ms: int
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         await driver.wait(700)
         await driver.write("1")
@@ -99,7 +113,11 @@ async def test_a_key_that_is_held_answers_one_question_only(
 
 @pytest.mark.parametrize(
     ("key", "screen", "advice"),
-    [("enter", "HomeScreen", "stopped"), ("escape", "HomeScreen", "stopped"), ("g", "SessionScreen", "went on")],
+    [
+        ("enter", "HomeScreen", "stopped"),
+        ("escape", "HomeScreen", "stopped"),
+        ("g", "SessionScreen", "went on"),
+    ],
 )
 async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
     data: Path, catalogue: Catalogue, keyboard: type[Task], key: str, screen: str, advice: str
@@ -108,15 +126,27 @@ async def test_pain_above_the_limit_before_a_session_is_a_reason_not_to_begin(
     async with open_app(data, catalogue) as driver:
         await driver.press("right", "right", "right", "enter")
         await driver.press("6", "3", "4")
-        assert driver.sees("Please do not train now Rest, and tell your therapist about the pain now.")
-        assert driver.sees("Nobody is watching this screen, and it calls nobody. Please tell them yourself.")
+        assert driver.sees(
+            "Please do not train now Rest, and tell your therapist about the pain now."
+        )
+        assert driver.sees(
+            "Nobody is watching this screen, and it calls nobody. Please tell them yourself."
+        )
         assert not driver.sees("Skip")
-        assert driver.sees("Press Enter to stop for today. If you want to train all the same, press G.")
+        assert driver.sees(
+            "Press Enter to stop for today. If you want to train all the same, press G."
+        )
         await driver.press("5", "space", "n", "t")
         assert driver.sees("Please do not train now"), "only the keys on the screen leave it"
         await driver.press(key)
         assert driver.screen_name == screen
-        said = [("pain", "6"), ("place", "left arm"), ("fatigue", "4"), ("advice", "shown"), ("advice", advice)]
+        said = [
+            ("pain", "6"),
+            ("place", "left arm"),
+            ("fatigue", "4"),
+            ("advice", "shown"),
+            ("advice", advice),
+        ]
         assert [row[2:] for row in driver.stored(ALL)] == said
         (stored,) = {row[0] for row in driver.stored(ALL)}
         assert (stored is None) == (screen == "HomeScreen")
@@ -162,7 +192,9 @@ async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
         await driver.do_session()
         await driver.press("enter")
         await driver.press("3", "2", "3")
-        assert driver.sees("Please rest now Rest, and tell your therapist about the pain now. Nobody is watching")
+        assert driver.sees(
+            "Please rest now Rest, and tell your therapist about the pain now. Nobody is watching"
+        )
         await driver.press("g")
         assert driver.sees("Press Enter to close."), "there is nothing to go on with"
         await driver.press("enter")
@@ -170,7 +202,9 @@ async def test_pain_that_rose_much_in_a_session_is_a_reason_to_stop(
         assert answers(driver)[-1] == ("after", "advice", "shown")
 
 
-async def test_pain_in_a_pause_is_asked_with_its_number(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_pain_in_a_pause_is_asked_with_its_number(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         await driver.press("2", "5", "1")
         prompt = await driver.to_first_prompt()
@@ -178,14 +212,20 @@ async def test_pain_in_a_pause_is_asked_with_its_number(data: Path, catalogue: C
         assert driver.sees("How much pain do you have now?")
         assert not driver.sees("Stop voice"), "there is none"
         await driver.press("6", "5")
-        assert driver.sees("Please stop for today Rest, and tell your therapist about the pain now."), "it rose by 4"
+        assert driver.sees(
+            "Please stop for today Rest, and tell your therapist about the pain now."
+        ), "it rose by 4"
         assert not driver.sees("Nobody is watching"), "there may be an operator"
         await driver.press("g")
-        assert driver.sees("Tell your therapist or the experimenter about the pain before you go on.")
+        assert driver.sees(
+            "Tell your therapist or the experimenter about the pain before you go on."
+        )
         await driver.press("enter")
         assert (await driver.to_prompt()).text == prompt.text, "the session goes on"
         session = driver.session_id
-        said = driver.stored("SELECT question, answer FROM wellbeing WHERE moment='pause' AND session=?", session)
+        said = driver.stored(
+            "SELECT question, answer FROM wellbeing WHERE moment='pause' AND session=?", session
+        )
         advice = [("advice", "shown"), ("advice", "went on")]
         assert sorted(said) == [*advice, ("pain", "6"), ("pain", "yes"), ("place", "left shoulder")]
 
@@ -209,10 +249,14 @@ async def test_pain_in_a_pause_is_only_asked_if_it_is_set(
         await driver.to_first_prompt()
         await driver.press("escape", "down", "down", "enter")
         assert driver.screen_name == "SessionScreen"
-        assert driver.sees("Tell your therapist or the experimenter about the pain before you go on.")
+        assert driver.sees(
+            "Tell your therapist or the experimenter about the pain before you go on."
+        )
 
 
-async def test_the_questions_can_be_skipped(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_the_questions_can_be_skipped(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         await driver.press("3", "escape")
         assert driver.screen_name == "SessionScreen"
@@ -243,13 +287,17 @@ async def test_a_session_that_is_left_asks_when_it_has_been_resumed(
 
 async def test_two_participants_are_asked_in_turn(data: Path, catalogue: Catalogue) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2, "ask_wellbeing": True}
-    async with open_app(data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)) as driver:
+    async with open_app(
+        data, catalogue, make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
+    ) as driver:
         assert driver.sees("Left (P01) How much pain")
         await driver.press("0", "1")
         assert driver.sees("Right (P02) How much pain")
         await driver.press("2", "n", "3")
         assert driver.screen_name == "SessionScreen"
-        rows = driver.stored("SELECT participant, seat, question, answer FROM wellbeing ORDER BY at")
+        rows = driver.stored(
+            "SELECT participant, seat, question, answer FROM wellbeing ORDER BY at"
+        )
         assert rows == [
             ("P01", "A", "pain", "0"),
             ("P01", "A", "fatigue", "1"),
@@ -272,12 +320,16 @@ async def test_the_questions_are_in_the_sessions_language(
         assert driver.sees("Ha dicho: cabeza. Con Retroceso se vuelve atrás.")
         assert driver.sees("Retroceso Atrás")
         await driver.press("n")
-        assert driver.sees("No entrene ahora, por favor Descanse, y hable ahora del dolor con su terapeuta.")
+        assert driver.sees(
+            "No entrene ahora, por favor Descanse, y hable ahora del dolor con su terapeuta."
+        )
         assert driver.sees("Nadie mira esta pantalla")
         assert driver.stored(ALL)[1][2:] == ("place", "head"), "stored in English"
 
 
-async def test_the_questions_fit_a_small_window(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_the_questions_fit_a_small_window(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         assert max(map(len, driver.rows)) <= 80
         await driver.press("3")
@@ -302,7 +354,9 @@ async def test_the_therapist_is_told_on_the_home_screen(data: Path, catalogue: C
 async def test_a_participant_is_offered_help_but_no_theme(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True, language="es")) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True, language="es")
+    ) as driver:
         commands = [command.title for command in driver.app.get_system_commands(driver.app.screen)]
         assert not [title for title in commands if title.startswith("Theme")]
         await driver.press("f1")
@@ -313,7 +367,9 @@ async def test_a_participant_is_offered_help_but_no_theme(
 
 
 @pytest.mark.slow
-async def test_a_past_session_shows_what_was_said(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_a_past_session_shows_what_was_said(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, ask_wellbeing=True)) as driver:
         await driver.press("0", "1")
         await driver.do_session()
@@ -348,10 +404,17 @@ async def test_an_adverse_event_is_recorded_from_its_session(
         assert driver.screen_name == "PastSessionScreen"
         assert driver.sees("mild: Dizzy. Action: Rested.")
         (event,) = adverse_events.listing(driver.app.database)
-        assert (event.participant, event.session, event.what, event.action) == ("P01", session, "Dizzy", "Rested")
+        assert (event.participant, event.session, event.what, event.action) == (
+            "P01",
+            session,
+            "Dizzy",
+            "Rested",
+        )
 
 
-async def test_an_adverse_event_can_be_cancelled(data: Path, catalogue: Catalogue, keyboard: type[Task]) -> None:
+async def test_an_adverse_event_can_be_cancelled(
+    data: Path, catalogue: Catalogue, keyboard: type[Task]
+) -> None:
     async with open_app(data, catalogue, plan(catalogue, keyboard, attempts=1)) as driver:
         await driver.do_session()
     async with open_app(data, catalogue) as driver:
@@ -362,7 +425,9 @@ async def test_an_adverse_event_can_be_cancelled(data: Path, catalogue: Catalogu
         assert adverse_events.listing(driver.app.database) == []
 
 
-async def test_an_adverse_event_of_two_names_its_participant(data: Path, catalogue: Catalogue) -> None:
+async def test_an_adverse_event_of_two_names_its_participant(
+    data: Path, catalogue: Catalogue
+) -> None:
     settings = {"attempts": 1, "prompts_per_attempt": 2}
     two = make_plan(catalogue, "pairs", ["P01", "P02"], settings, seed=7)
     async with open_app(data, catalogue, two) as driver:

@@ -1,4 +1,6 @@
-"""A task without a result on the screens: home, session, summary, the list of sessions, progress."""
+"""A task without a result on the screens: home, session, summary, the list of sessions,
+progress.
+"""
 
 from pathlib import Path
 
@@ -11,7 +13,9 @@ from tests.tasks.test_documented_tasks import documented
 
 
 @pytest.mark.slow
-async def test_a_session_is_played_and_its_screens_show_no_result(data: Path, tmp_path: Path) -> None:
+async def test_a_session_is_played_and_its_screens_show_no_result(
+    data: Path, tmp_path: Path
+) -> None:
     catalogue = documented(tmp_path / "mytasks", "pleasant")
     kind = catalogue.task("pleasant")
     plan = Plan(kind, build(kind.Parameters, {"attempts": 2}), "calm", "P01", seed=7)
@@ -30,7 +34,9 @@ async def test_a_session_is_played_and_its_screens_show_no_result(data: Path, tm
         assert driver.sees("You did 2 attempts.")
         assert "goal" not in driver.text
         assert [fault.error for fault in driver.session.faults] == []
-        rows = driver.stored("SELECT metric, goal, outcome, json_extract(qualities, '$.mean_rating') FROM attempts")
+        rows = driver.stored(
+            "SELECT metric, goal, outcome, json_extract(qualities, '$.mean_rating') FROM attempts"
+        )
         assert rows == [(None, None, "none", 7.0)] * 2
     async with open_app(data, catalogue) as driver:
         assert driver.sees("20 × 4 · start level 1")

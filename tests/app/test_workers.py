@@ -17,7 +17,10 @@ async def test_session_and_storage_are_workers_that_end_with_the_app(
     app = SarTui(data, catalogue, plan(catalogue, keyboard))
     async with app.run_test() as pilot:
         await pilot.pause()
-        assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
+        assert {worker.name for worker in app.workers if worker.is_running} == {
+            "session",
+            "storage",
+        }
         await pilot.press("ctrl+q", "down", "enter")
     app.close_session()
     assert not [worker for worker in app.workers if worker.is_running]
@@ -30,14 +33,18 @@ async def test_session_and_storage_are_workers_that_end_with_the_app(
 async def test_workers_end_with_the_session_when_the_app_continues(
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ScreenKeys, "pass_on", lambda *_, **__: True)  # in real time, nobody is that fast
+    # in real time, nobody is that fast
+    monkeypatch.setattr(ScreenKeys, "pass_on", lambda *_, **__: True)
     known(data, "P01")
     app = SarTui(data, catalogue)
     async with app.run_test() as pilot:
         assert not list(app.workers)
         await pilot.press("right", "right", "right", "enter")
         await pilot.pause()
-        assert {worker.name for worker in app.workers if worker.is_running} == {"session", "storage"}
+        assert {worker.name for worker in app.workers if worker.is_running} == {
+            "session",
+            "storage",
+        }
         await pilot.press("escape", "up", "up", "enter", "down", "enter", "enter")
         await app.workers.wait_for_complete(list(app.workers))
         await pilot.pause()

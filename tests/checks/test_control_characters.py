@@ -42,7 +42,9 @@ def evening(tmp_path: Path) -> Path:
 def test_a_text_of_a_task_is_reported(tapping: Path, text: str, changed: str) -> None:
     edit(tapping / "task.py", text, changed)
     (problem,) = next(
-        done.problems for done in check(tapping) if done.check == "has no control characters in its texts"
+        done.problems
+        for done in check(tapping)
+        if done.check == "has no control characters in its texts"
     )
     assert FOUND in problem
 
@@ -51,14 +53,20 @@ def test_a_translation_of_a_task_is_reported(call: Call, tapping: Path) -> None:
     (tapping / "words.es.toml").write_text(f'"Tapping" = "Toques{BAD}"', encoding="utf-8")
     called = call("tasks", "check", tapping)
     assert called.code == 1
-    assert f"✗ has no control characters in its texts. 'Toques\\x1b[31m\\u202e' {FOUND}" in " ".join(called.out.split())
+    assert (
+        f"✗ has no control characters in its texts. 'Toques\\x1b[31m\\u202e' {FOUND}"
+        in " ".join(called.out.split())
+    )
 
 
 def test_a_prompt_is_reported(tapping: Path) -> None:
     edit(tapping / "task.py", 'hint="again', f'hint="{BAD}again')
     name = "makes the same one-line prompts when asked twice"
     (problem,) = next(done.problems for done in check(tapping) if done.check == name)
-    assert problem == "What the prompt shows at level 1, trial 1 has control characters: U+001B, U+202E."
+    assert (
+        problem
+        == "What the prompt shows at level 1, trial 1 has control characters: U+001B, U+202E."
+    )
 
 
 @pytest.mark.parametrize(
@@ -70,7 +78,9 @@ def test_a_prompt_is_reported(tapping: Path) -> None:
         ("phrases.en.toml", "[units]", f"ms in units (en) {FOUND}"),
     ],
 )
-def test_a_text_of_a_theme_is_reported(call: Call, evening: Path, file: str, line: str, problem: str) -> None:
+def test_a_text_of_a_theme_is_reported(
+    call: Call, evening: Path, file: str, line: str, problem: str
+) -> None:
     changed = {
         'title = "Evening"': f'title = "Evening{BAD}"',
         "greeting = [": f'greeting = [ "Hello{BAD}", ',
@@ -80,7 +90,9 @@ def test_a_text_of_a_theme_is_reported(call: Call, evening: Path, file: str, lin
     else:
         name = problem.split(maxsplit=1)[0]
         text = (evening / file).read_text("utf-8").splitlines()
-        (own,) = [each for each in text if each.startswith(f"{name} =") or each.startswith(f'"{name}" =')]
+        (own,) = [
+            each for each in text if each.startswith(f"{name} =") or each.startswith(f'"{name}" =')
+        ]
         edit(evening / file, own, f'{own.split(" =")[0]} = "word{BAD}"')
     called = call("themes", "check", evening)
     assert called.code == 1

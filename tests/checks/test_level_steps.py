@@ -11,7 +11,9 @@ from sar_tui.rules.parameters import TaskParameters, build
 
 
 def attempts(*means: float, spread: float = 40.0, goal: float = 1000.0) -> list[dict[str, Any]]:
-    """Return eight attempts at each level, with these mean results and about this standard deviation."""
+    """Return eight attempts at each level, with these mean results and about this standard
+    deviation.
+    """
     signs = (-1.2, -0.8, -0.5, -0.2, 0.2, 0.5, 0.8, 1.2)
     return [
         {"level": level, "metric": mean + sign * spread / 0.8, "goal": goal}
@@ -52,10 +54,16 @@ def test_each_level_is_visited_by_a_list(keyboard: type[Task]) -> None:
         seen.append(parameters)
         return []
 
-    parameters = build(keyboard.Parameters, {"levels": ["fj", "fjd", "fjdk"], "attempts": 10, "practice_attempts": 2})
+    parameters = build(
+        keyboard.Parameters,
+        {"levels": ["fj", "fjd", "fjdk"], "attempts": 10, "practice_attempts": 2},
+    )
     assert level_steps.warning(keyboard, parameters, run) == ""
     assert seen[0].level_sequence == (*[1] * 8, *[2] * 8, *[3] * 8)  # type: ignore[attr-defined]
     assert (seen[0].attempts, seen[0].practice_attempts) == (24, 0)
-    many = build(keyboard.Parameters, {"levels": [f"f{chr(code)}" for code in range(200, 260)], "max_level": 60})
+    many = build(
+        keyboard.Parameters,
+        {"levels": [f"f{chr(code)}" for code in range(200, 260)], "max_level": 60},
+    )
     assert level_steps.warning(keyboard, many, run) == ""
     assert len(seen) == 1, "too many levels for a few attempts at each"

@@ -1,4 +1,6 @@
-"""Paradigms written from the docs are simulated, resumed and replayed as the check of tasks does."""
+"""Paradigms written from the docs are simulated, resumed and replayed as the check of tasks
+does.
+"""
 
 from pathlib import Path
 
@@ -24,6 +26,8 @@ def test_a_task_of_the_page_passes_the_check(tmp_path: Path, name: str) -> None:
 
 def test_frames_that_never_come_are_reported(tmp_path: Path) -> None:
     task = write_documented(tmp_path, "stopping")
-    edit(task / "task.py", "frames=frames)", "frames=(*frames[:1], Frame('X', 2000), Frame('Y')))")
+    edit(
+        task / "task.py", "frames=frames\n", "frames=(*frames[:1], Frame('X', 2000), Frame('Y'))\n"
+    )
     (problem,) = next(done.problems for done in check(task) if not done.ok)
     assert "Frame 3 of 3 would come after the time for the response is over (1000 ms)" in problem

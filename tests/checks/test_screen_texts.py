@@ -1,4 +1,6 @@
-"""The page of all texts that a theme can set is up to date; and a theme is told which of them it lacks."""
+"""The page of all texts that a theme can set is up to date; and a theme is told which of them it
+lacks.
+"""
 
 import json
 import os
@@ -29,11 +31,19 @@ def section(title: str, texts: set[str]) -> str:
 
 def page(catalogue: Catalogue) -> str:
     """The page as it has to be."""
-    shown, session = (set(read_words(_PACKAGE / name / "words.es.toml")) for name in ("app", "loop"))
-    made = [_HEAD, section("Screens", shown), section("Instructions, goals and messages of a session", session - shown)]
+    shown, session = (
+        set(read_words(_PACKAGE / name / "words.es.toml")) for name in ("app", "loop")
+    )
+    made = [
+        _HEAD,
+        section("Screens", shown),
+        section("Instructions, goals and messages of a session", session - shown),
+    ]
     for name in catalogue.task_names():
         kind = catalogue.task(name)
-        own = declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py")))
+        own = declared(kind).union(
+            *(texts_in(path.read_text("utf-8")) for path in task_folder(kind).glob("*.py"))
+        )
         made.append(section(f"The task {name}", own - shown - session))
     return "".join(made)
 
@@ -49,14 +59,19 @@ def test_the_page_lists_all_texts(catalogue: Catalogue) -> None:
 def test_no_text_is_missing_in_spanish(catalogue: Catalogue) -> None:
     texts = all_texts(catalogue)
     for name in catalogue.theme_names():
-        assert missing(catalogue.theme_folder(name), texts, lambda code: translated(catalogue, code)) == {}
+        assert (
+            missing(catalogue.theme_folder(name), texts, lambda code: translated(catalogue, code))
+            == {}
+        )
 
 
 def test_a_new_language_of_a_theme_is_told_what_it_lacks(call: Call, tmp_path: Path) -> None:
     assert call("themes", "new", "abend", "--to", tmp_path).out.count("!") == 0
     folder = tmp_path / "abend"
     (folder / "phrases.de.toml").write_text((folder / "phrases.en.toml").read_text())
-    (folder / "words.de.toml").write_text('"Press {key} to start." = "{key} drücken."\n', encoding="utf-8")
+    (folder / "words.de.toml").write_text(
+        '"Press {key} to start." = "{key} drücken."\n', encoding="utf-8"
+    )
     called = call("themes", "check", folder)
     assert called.code == 0
     assert '    "1 minute" = ""\n' in called.out

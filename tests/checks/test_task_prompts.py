@@ -1,4 +1,6 @@
-"""The check of a task names each character that is not drawn large, and tells of colours and pictures."""
+"""The check of a task names each character that is not drawn large, and tells of colours and
+pictures.
+"""
 
 from pathlib import Path
 
@@ -57,10 +59,17 @@ def test_contrasts_of_colours_are_told_for_each_theme(
     found = checked(keyboard, catalogue, colour="blue")["has colours of the colour-blind-safe set"]
     assert found.ok
     assert found.found == "least contrast: calm 3.48, playful 4.73"
-    yellow = checked(keyboard, catalogue, colour="yellow")["has colours of the colour-blind-safe set"]
+    yellow = checked(keyboard, catalogue, colour="yellow")[
+        "has colours of the colour-blind-safe set"
+    ]
     assert yellow.warning == "With the theme playful, these are darker or lighter: yellow."
     monkeypatch.setenv("NO_COLOR", "1")
-    assert NO_COLOR in checked(keyboard, catalogue, colour="blue")["has colours of the colour-blind-safe set"].warning
+    assert (
+        NO_COLOR
+        in checked(keyboard, catalogue, colour="blue")[
+            "has colours of the colour-blind-safe set"
+        ].warning
+    )
 
 
 def test_an_unknown_colour_is_a_problem(keyboard: type[Task], catalogue: Catalogue) -> None:
@@ -81,5 +90,7 @@ def test_missing_and_large_pictures_are_named(
     assert "cat.png (2000×2001)" in large.warning
 
 
-def test_without_colours_and_pictures_nothing_is_said_of_them(keyboard: type[Task], catalogue: Catalogue) -> None:
+def test_without_colours_and_pictures_nothing_is_said_of_them(
+    keyboard: type[Task], catalogue: Catalogue
+) -> None:
     assert list(checked(keyboard, catalogue)) == ["draws its prompts large"]

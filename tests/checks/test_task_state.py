@@ -1,4 +1,6 @@
-"""A task that keeps something from call to call is found; one that only remembers what it has computed is not."""
+"""A task that keeps something from call to call is found; one that only remembers what it has
+computed is not.
+"""
 
 from pathlib import Path
 
@@ -35,7 +37,11 @@ def test_a_count_of_calls_in_an_instance_is_found(task: Path) -> None:
 
 def test_a_list_that_instances_share_is_found(task: Path) -> None:
     edit(task / "task.py", VALUE, "value=trial.latency_ms(percept.at) + len(self.seen),")
-    edit(task / "task.py", "        return Result(", "        self.seen.append(percept.at)\n        return Result(")
+    edit(
+        task / "task.py",
+        "        return Result(",
+        "        self.seen.append(percept.at)\n        return Result(",
+    )
     edit(task / "task.py", BEFORE, "    seen = []\n\n    def instructions")
     assert found(task)
 
@@ -52,14 +58,22 @@ def test_measures_that_add_up_over_attempts_are_found(task: Path) -> None:
 
 
 def test_a_note_that_one_method_leaves_for_another_is_found(task: Path) -> None:
-    edit(task / "task.py", "        keys = KEYS", "        self.now = situation.trial\n        keys = KEYS")
+    edit(
+        task / "task.py",
+        "        keys = KEYS",
+        "        self.now = situation.trial\n        keys = KEYS",
+    )
     edit(task / "task.py", VALUE, "value=trial.latency_ms(percept.at) + self.now,")
     (said,) = found(task)
     assert said.startswith("In perceived, at attempt ")
 
 
 def test_what_is_computed_once_is_no_state(task: Path) -> None:
-    edit(task / "task.py", "        keys = KEYS[situation.level - 1]", "        keys = self.keys(situation.level)")
+    edit(
+        task / "task.py",
+        "        keys = KEYS[situation.level - 1]",
+        "        keys = self.keys(situation.level)",
+    )
     edit(task / "task.py", BEFORE, "    def keys(self, level):\n        kept = vars(self).setdefault('kept', {})\n"
          "        return kept.setdefault(level, KEYS[level - 1])\n\n    def instructions")  # fmt: skip
     assert found(task) == ()

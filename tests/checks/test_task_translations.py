@@ -125,7 +125,8 @@ def test_a_broken_translation_is_shown_in_english(call: Call, folder: Path, tmp_
     assert "intento 1 de 1" in read
 
 
-# --- numbers ---------------------------------------------------------------------------------------------------------
+# --- numbers
+# ---------------------------------------------------------------------------------------------------------
 
 NUMBERS = "gives feedback in words without numbers"
 
@@ -145,21 +146,41 @@ def test_remarks_without_numbers_pass(folder: Path) -> None:
         ('improved="faster"', 'improved="twice as fast"', "twice as fast"),
         ('worsened="slower"', 'worsened="half as fast"', "half as fast"),
         ('"gap": "Once more."', '"gap": "Do 2 more."', "Do 2 more."),
-        ("class A", 'MARK = Mark("m", "f7", "M", False, "One was missed.")\n\nclass A', "One was missed."),
-        ("class A", 'SWAY = Quality("s", "lower", "twice as steady", "well", 1.0)\n\nclass A', "twice as steady"),
-        ("class A", 'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A', "in one go"),
+        (
+            "class A",
+            'MARK = Mark("m", "f7", "M", False, "One was missed.")\n\nclass A',
+            "One was missed.",
+        ),
+        (
+            "class A",
+            'SWAY = Quality("s", "lower", "twice as steady", "well", 1.0)\n\nclass A',
+            "twice as steady",
+        ),
+        (
+            "class A",
+            'SWAY = Quality("s", "lower", "steadier", "in one go", 1.0)\n\nclass A',
+            "in one go",
+        ),
     ],
 )
 def test_a_number_in_a_remark_is_reported(folder: Path, old: str, new: str, reported: str) -> None:
     source = TASK.replace("Once more.", "That slipped.") if old != '"gap": "Once more."' else TASK
     source = source.replace("import Metric, ", "import Mark, Metric, ").replace(old, new)
-    declared = "    marks = (MARK,)\n" if "MARK" in source else "    qualities = (SWAY,)\n" if "SWAY" in source else ""
+    declared = (
+        "    marks = (MARK,)\n"
+        if "MARK" in source
+        else "    qualities = (SWAY,)\n"
+        if "SWAY" in source
+        else ""
+    )
     source = source.replace('    title = "Arrows"\n', f'    title = "Arrows"\n{declared}')
     (folder / "task.py").write_text(source)
     assert numbers(folder) == f"{reported!r} holds a number (en); feedback in words has none."
 
 
-def test_a_number_in_a_translated_remark_is_reported_with_its_language(call: Call, folder: Path) -> None:
+def test_a_number_in_a_translated_remark_is_reported_with_its_language(
+    call: Call, folder: Path
+) -> None:
     (folder / "task.py").write_text(TASK.replace("Once more.", "That slipped."))
     translate(folder, quoted({**WORDS, "That slipped.": "Se soltaron dos."}))
     assert numbers(folder) == "'Se soltaron dos.' holds a number (es); feedback in words has none."
@@ -182,7 +203,8 @@ def test_remarks_are_found_however_they_are_built(source: str, texts: set[str]) 
     assert remarks_in(source) == texts
 
 
-# --- where the texts are found -----------------------------------------------------------------------------------
+# --- where the texts are found
+# -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

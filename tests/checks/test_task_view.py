@@ -21,15 +21,42 @@ from tests.sides_task import VIEW, write_sides
 SEED = 3
 BROKEN = {
     "It cannot be set up (RuntimeError: , line ": ("self.trials = 0", "raise RuntimeError"),
-    "Its prompt_lines failed (ValueError: no line of the prompt holds its text, ": ("{prompt.text}", "your prompt"),
-    "Its prompt_lines failed (TypeError: 'int' object is not iterable).": ("return [(f", "return 3 #"),
-    "Its prompt_lines returned 1 lines of up to 90 characters, where there is": ("so far)", 'so far)" * 9 + "'),
-    "Its handler of event_handler/trial failed (AttributeError: ": ("self.trials += 1", "self.trial += 1"),
-    "Its between_attempts failed (RuntimeError": ("return lambda", "raise RuntimeError\n        return lambda"),
-    "The drawing of its between_attempts failed (KeyError: 'no col": ('colors["accent"]', 'colors["no colour"]'),
-    "Its facts failed (NameError: name 'attempt' is not defined, line ": ("for a in attempts", "for a in attempt"),
-    "Its facts failed (Ty": ('return [f"The view counts {sum(a.trials for a in attempts)}."]', 'return "Good."'),
-    "Its findings failed (TypeError: ": ("def facts(cls, attempts, metric, tr)", "def findings(cls, attempts)"),
+    "Its prompt_lines failed (ValueError: no line of the prompt holds its text, ": (
+        "{prompt.text}",
+        "your prompt",
+    ),
+    "Its prompt_lines failed (TypeError: 'int' object is not iterable).": (
+        "return [(f",
+        "return 3 #",
+    ),
+    "Its prompt_lines returned 1 lines of up to 90 characters, where there is": (
+        "so far)",
+        'so far)" * 9 + "',
+    ),
+    "Its handler of event_handler/trial failed (AttributeError: ": (
+        "self.trials += 1",
+        "self.trial += 1",
+    ),
+    "Its between_attempts failed (RuntimeError": (
+        "return lambda",
+        "raise RuntimeError\n        return lambda",
+    ),
+    "The drawing of its between_attempts failed (KeyError: 'no col": (
+        'colors["accent"]',
+        'colors["no colour"]',
+    ),
+    "Its facts failed (NameError: name 'attempt' is not defined, line ": (
+        "for a in attempts",
+        "for a in attempt",
+    ),
+    "Its facts failed (Ty": (
+        'return [f"The view counts {sum(a.trials for a in attempts)}."]',
+        'return "Good."',
+    ),
+    "Its findings failed (TypeError: ": (
+        "def facts(cls, attempts, metric, tr)",
+        "def findings(cls, attempts)",
+    ),
 }
 """The beginning of what the check says, and the replacement in the view that causes it."""
 
@@ -43,7 +70,9 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     """The messages of a simulated session of the task."""
     folder = tmp_path_factory.mktemp("sides")
     catalogue = Catalogue(tasks=(write_sides(folder / "mine").parent,))
-    plan = make_plan(catalogue, "sides", ["SIM"], {"attempts": 2}, theme="calm", seed=SEED, mode="simulated")
+    plan = make_plan(
+        catalogue, "sides", ["SIM"], {"attempts": 2}, theme="calm", seed=SEED, mode="simulated"
+    )
     session = simulate(plan, PEOPLE["poor"], folder / "data", catalogue)
     database = connect(folder / "data")
     records = list(sessions.history(database, session))
@@ -51,7 +80,9 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     return records
 
 
-def test_a_view_that_keeps_the_contract_passes(tmp_path: Path, history: list[Record], calm: Theme) -> None:
+def test_a_view_that_keeps_the_contract_passes(
+    tmp_path: Path, history: list[Record], calm: Theme
+) -> None:
     task = load_task(write_sides(tmp_path, VIEW))
     assert contract_problem(task) == ""
     assert drawing_problem(task(settings(task)), calm, SEED, history) == ""
@@ -60,17 +91,23 @@ def test_a_view_that_keeps_the_contract_passes(tmp_path: Path, history: list[Rec
 @pytest.mark.parametrize(
     ("broken", "says"),
     [
-        ("import no_such_library", "The view of the task sides cannot be loaded: ModuleNotFoundError: No module named"),
+        (
+            "import no_such_library",
+            "The view of the task sides cannot be loaded: ModuleNotFoundError: No module named",
+        ),
         (
             "from sar_tui.widgets.no_such_module import draw",
-            "The view of the task sides cannot be loaded: No module named 'sar_tui.widgets.no_such_module'. The n",
+            "The view of the task sides cannot be loaded: No module named "
+            "'sar_tui.widgets.no_such_module'. The n",
         ),
         (
             VIEW.replace("class SidesView(TaskView)", "class SidesView"),
             "The view.py of the task sides must define one TaskView; it defines 0.",
         ),
         (
-            VIEW.replace("class SidesView(TaskView):", "class SidesView(TaskView):\n    emits = (TRIAL,)"),
+            VIEW.replace(
+                "class SidesView(TaskView):", "class SidesView(TaskView):\n    emits = (TRIAL,)"
+            ),
             "The view may only listen, but it declares event_handler/trial.",
         ),
     ],
@@ -93,4 +130,7 @@ def test_the_command_says_what_is_wrong_with_a_view(tmp_path: Path, call: Call) 
     folder = write_sides(tmp_path, VIEW.replace("{prompt.text}", "your prompt"))
     called = call("tasks", "check", folder)
     assert called.code == 1
-    assert "✗ draws its view in a whole session. Its prompt_lines failed (ValueError: no line of" in called.out
+    assert (
+        "✗ draws its view in a whole session. Its prompt_lines failed (ValueError: no line of"
+        in called.out
+    )

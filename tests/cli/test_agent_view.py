@@ -12,7 +12,10 @@ from sar_tui.link.errors import LinkError
 from tests.program import Call
 
 HERE = Path("data")
-ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)
+ONE, OTHER = (
+    JoinableSession("abc1", "keyboard", "l1", 1),
+    JoinableSession("abd2", "reaching", "l2", 2),
+)
 
 
 def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
@@ -20,7 +23,9 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
     monkeypatch.setattr(discovery, "other_folders", lambda data: [])
 
 
-def test_without_session_it_explains_how_to_start_one(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_session_it_explains_how_to_start_one(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     live(monkeypatch)
     called = call("agent")
     assert (called.code, called.out) == (2, "")
@@ -41,8 +46,12 @@ def test_choice_of_the_session(monkeypatch: pytest.MonkeyPatch) -> None:
     assert session_to_join("abd", None, HERE) == OTHER
 
 
-@pytest.mark.parametrize(("session", "said"), [(None, "Several"), ("ab", "Several"), ("x", "begins with x")])
-def test_ambiguous_choice_lists_the_sessions(session: str | None, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("session", "said"), [(None, "Several"), ("ab", "Several"), ("x", "begins with x")]
+)
+def test_ambiguous_choice_lists_the_sessions(
+    session: str | None, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     live(monkeypatch, ONE, OTHER)
     with pytest.raises(Refused, match=said) as refused:
         session_to_join(session, None, HERE)

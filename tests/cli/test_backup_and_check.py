@@ -67,12 +67,16 @@ def test_an_interrupted_session_is_told_and_is_no_flaw(call: Call, tmp_path: Pat
     assert call("check", "--json").json["interrupted"] == [session]
 
 
-def test_damaged_characters_do_not_stop_the_check(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_damaged_characters_do_not_stop_the_check(
+    call: Call, simulated: str, tmp_path: Path
+) -> None:
     with closing(sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)) as database:
         database.execute("UPDATE trials SET stimulus=CAST(x'ff' AS TEXT) WHERE trial=1")
     called = call("check")
     assert (called.code, called.err) == (1, "")
-    assert f"{simulated}: 4 of the rows of trials have characters that cannot be read." in called.out
+    assert (
+        f"{simulated}: 4 of the rows of trials have characters that cannot be read." in called.out
+    )
 
 
 def test_a_repair_says_what_it_moved_where(call: Call, simulated: str, tmp_path: Path) -> None:
@@ -81,7 +85,11 @@ def test_a_repair_says_what_it_moved_where(call: Call, simulated: str, tmp_path:
     called = call("check", "--repair", "--json")
     assert called.code == 0
     done = called.json["repair"]
-    assert {"table": "sessions", "rows": 1, "reason": "a text sessions.machine that cannot be read"} in done["moved"]
+    assert {
+        "table": "sessions",
+        "rows": 1,
+        "reason": "a text sessions.machine that cannot be read",
+    } in done["moved"]
     assert Path(done["aside"]).parent == tmp_path / "data"
     assert Path(done["backup"]).parent == tmp_path / "data" / "backups"
     assert called.json["flaws"] == []
@@ -91,9 +99,15 @@ def test_a_repair_says_what_it_moved_where(call: Call, simulated: str, tmp_path:
 def test_a_repair_of_whole_data_says_that_nothing_was_changed(call: Call) -> None:
     called = call("check", "--repair")
     assert called.code == 0
-    assert called.out.startswith("There is nothing to move aside, and nothing was changed.\nAll data in ")
+    assert called.out.startswith(
+        "There is nothing to move aside, and nothing was changed.\nAll data in "
+    )
 
 
 def test_a_folder_without_data_is_not_called_whole(call: Call, tmp_path: Path) -> None:
-    assert call("check", "--data", tmp_path / "typo") == (2, "", f"There is no data in {tmp_path / 'typo'} yet.\n")
+    assert call("check", "--data", tmp_path / "typo") == (
+        2,
+        "",
+        f"There is no data in {tmp_path / 'typo'} yet.\n",
+    )
     assert not (tmp_path / "typo").exists()

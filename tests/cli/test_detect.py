@@ -1,4 +1,6 @@
-"""``sar-tui detect``: reaches and repetitions in a file, for people and programs; errors in one sentence."""
+"""``sar-tui detect``: reaches and repetitions in a file, for people and programs; errors in one
+sentence.
+"""
 
 import csv
 import math
@@ -50,7 +52,11 @@ def write(tmp_path: Path) -> Write:
 def test_the_recording_that_ships_holds_the_eight_reaches_of_table_4_1(call: Call) -> None:
     printed = call("detect", SAMPLE, "--json").json
     assert set(printed) == {"detector", "rate_hz", "reaches"}
-    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == ("orientation", 125.0, 8)
+    assert (printed["detector"], printed["rate_hz"], len(printed["reaches"])) == (
+        "orientation",
+        125.0,
+        8,
+    )
     for reach, line in zip(printed["reaches"], TABLE_4_1, strict=True):
         assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
         assert reach["reach_time_s"] == pytest.approx(line.reach_time_s, abs=0.06)
@@ -67,13 +73,18 @@ def test_the_earlier_name_of_the_detector_is_accepted(call: Call, name: str) -> 
         assert reach["reach_time_s"] < line.reach_time_s
 
 
-def test_people_read_a_table_the_flags_in_words_and_a_sentence(call: Call, write: Write, recorded: list[Row]) -> None:
+def test_people_read_a_table_the_flags_in_words_and_a_sentence(
+    call: Call, write: Write, recorded: list[Row]
+) -> None:
     called = call("detect", write([row for row in recorded if 1.7 < row["t"] < 8]))
     assert (called.code, called.err) == (0, "")
     assert "SPARC" in called.out
-    assert "no_rest: the hand was not still before it, so the sensor's bias is a guess\n" in called.out
+    assert (
+        "no_rest: the hand was not still before it, so the sensor's bias is a guess\n" in called.out
+    )
     assert called.out.endswith(
-        "2 reaches in 6.3 s at 125 samples a second, by the orientation detector: 1.323 to 1.391 s, median 1.357 s.\n"
+        "2 reaches in 6.3 s at 125 samples a second, by the orientation detector: 1.323 to 1.391 "
+        "s, median 1.357 s.\n"
     )
 
 
@@ -86,7 +97,10 @@ def test_every_figure_is_printed_whole_however_narrow_the_terminal(
     path = write([{**row, "t": row["t"] + 1_700_000_000} for row in recorded])
     reach = call("detect", path, "--json").json["reaches"][0]
     times = [f"{reach[name]:.3f}" for name in ("onset_s", "turn_s", "end_s", "reach_time_s")]
-    rest = [f"{reach[name]:.2f}" for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back")]
+    rest = [
+        f"{reach[name]:.2f}"
+        for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back")
+    ]
     row = ["1", *times, f"{reach['excursion_deg']:.0f}", *rest, "–"]
     assert row in [line.split() for line in call("detect", path).out.splitlines()]
 
@@ -95,17 +109,26 @@ def test_every_flag_is_described_even_an_unknown_one() -> None:
     assert list(explain_flags(["gap", "new", "gap"])) == ["gap: samples are missing in it", "new"]
 
 
-def test_a_recording_without_a_reach_is_no_error(call: Call, write: Write, recorded: list[Row]) -> None:
+def test_a_recording_without_a_reach_is_no_error(
+    call: Call, write: Write, recorded: list[Row]
+) -> None:
     path = write(recorded[:150])
     assert call("detect", path, "--json").json["reaches"] == []
-    assert call("detect", path).out == "No reach in 1.2 s at 125 samples a second, by the orientation detector.\n"
+    assert (
+        call("detect", path).out
+        == "No reach in 1.2 s at 125 samples a second, by the orientation detector.\n"
+    )
 
 
 @pytest.mark.parametrize("begin", [5, -20, 1_700_000_000])
-def test_times_are_relative_to_the_file(call: Call, write: Write, recorded: list[Row], begin: float) -> None:
+def test_times_are_relative_to_the_file(
+    call: Call, write: Write, recorded: list[Row], begin: float
+) -> None:
     late = write([row | {"t": row["t"] + begin} for row in recorded])
     for now, then in zip(
-        call("detect", late, "--json").json["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True
+        call("detect", late, "--json").json["reaches"],
+        call("detect", SAMPLE, "--json").json["reaches"],
+        strict=True,
     ):
         for name in ("onset_s", "turn_s", "end_s"):
             assert now[name] == pytest.approx(then[name] + begin, rel=0, abs=1e-4)
@@ -114,7 +137,9 @@ def test_times_are_relative_to_the_file(call: Call, write: Write, recorded: list
 def test_a_recording_that_begins_without_a_still_second_is_analysed_and_flagged(
     call: Call, write: Write, recorded: list[Row]
 ) -> None:
-    first, *others = call("detect", write([row for row in recorded if row["t"] > 1.7]), "--json").json["reaches"]
+    first, *others = call(
+        "detect", write([row for row in recorded if row["t"] > 1.7]), "--json"
+    ).json["reaches"]
     assert "no_rest" in first["flags"]
     assert len(others) == 7
     assert all(reach["flags"] == [] for reach in others)
@@ -127,22 +152,32 @@ def test_missing_samples_are_flagged(call: Call, write: Write, recorded: list[Ro
 
 def test_the_units_of_a_file_can_be_named(call: Call, write: Write, recorded: list[Row]) -> None:
     other = [
-        {name: math.degrees(v) if name[0] == "w" else v / 9.80665 if name[0] == "a" else v for name, v in row.items()}
+        {
+            name: math.degrees(v) if name[0] == "w" else v / 9.80665 if name[0] == "a" else v
+            for name, v in row.items()
+        }
         for row in recorded
     ]
     printed = call("detect", write(other), "--rate", "deg/s", "--acceleration", "g", "--json").json
-    for now, then in zip(printed["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True):
+    for now, then in zip(
+        printed["reaches"], call("detect", SAMPLE, "--json").json["reaches"], strict=True
+    ):
         assert now["reach_time_s"] == pytest.approx(then["reach_time_s"], abs=1e-6)
 
 
 def test_the_outward_direction_is_reversed_for_the_left_hand(call: Call) -> None:
-    right, left = (call("detect", SAMPLE, "--hand", hand, "--json").json["reaches"] for hand in ("right", "left"))
+    right, left = (
+        call("detect", SAMPLE, "--hand", hand, "--json").json["reaches"]
+        for hand in ("right", "left")
+    )
     assert all("reversed" in reach["flags"] for reach in left)
     assert not any("reversed" in reach["flags"] for reach in right)
 
 
 def swings(path: Path, count: int, begin: float = 0.0) -> Path:
-    """Write a recording in which the hand turns by a radian and back, ``count`` times in 2 s each."""
+    """Write a recording in which the hand turns by a radian and back, ``count`` times in 2 s
+    each.
+    """
     time = np.arange(0, 2 * count, 0.01)
     rate = np.pi / 2 * np.sin(np.pi * time)
     still = np.zeros_like(time)
@@ -157,7 +192,9 @@ def test_repetitions_are_counted_in_a_sentence(call: Call, tmp_path: Path) -> No
 
 
 def test_repetitions_as_json_have_times_of_the_file(call: Call, tmp_path: Path) -> None:
-    printed = call("detect", swings(tmp_path / "swings.npz", 7, begin=100.0), "--repetitions", "--json").json
+    printed = call(
+        "detect", swings(tmp_path / "swings.npz", 7, begin=100.0), "--repetitions", "--json"
+    ).json
     assert set(printed) == {"rate_hz", "repetitions", "period_s", "turns_s"}
     assert (printed["rate_hz"], printed["repetitions"]) == (100.0, 7)
     assert printed["period_s"] == pytest.approx(2.0, abs=0.05)
@@ -171,7 +208,8 @@ def test_a_recording_without_a_rhythm_has_no_repetitions(call: Call, tmp_path: P
     called = call("detect", path, "--repetitions")
     assert (called.code, called.err) == (0, "")
     assert called.out == (
-        "No repetitions in 10.0 s at 100 samples a second: counting needs at least two of 0.5 to 10 s each, "
+        "No repetitions in 10.0 s at 100 samples a second: counting needs at least two of 0.5 to "
+        "10 s each, "
         "in one rhythm.\n"
     )
     printed = call("detect", path, "--repetitions", "--json").json
@@ -212,9 +250,22 @@ def test_npz_files_are_read_too(call: Call, tmp_path: Path, recorded: list[Row])
             "check that t is in seconds, or cut it where samples are missing.",
         ),
     ],
-    ids=["empty", "header", "column", "semicolons", "short line", "word", "nan", "back", "slow", "hole"],
+    ids=[
+        "empty",
+        "header",
+        "column",
+        "semicolons",
+        "short line",
+        "word",
+        "nan",
+        "back",
+        "slow",
+        "hole",
+    ],
 )
-def test_a_bad_file_exits_with_2_and_one_sentence(call: Call, tmp_path: Path, text: str, says: str) -> None:
+def test_a_bad_file_exits_with_2_and_one_sentence(
+    call: Call, tmp_path: Path, text: str, says: str
+) -> None:
     path = tmp_path / "bad.csv"
     path.write_text(text)
     called = call("detect", path)
@@ -224,8 +275,12 @@ def test_a_bad_file_exits_with_2_and_one_sentence(call: Call, tmp_path: Path, te
     assert called.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("data", [b"\xff\xfe\x00\x01", b"PK\x03\x04 no archive"], ids=["csv", "npz"])
-def test_a_file_that_is_not_a_recording_exits_with_2(call: Call, tmp_path: Path, data: bytes) -> None:
+@pytest.mark.parametrize(
+    "data", [b"\xff\xfe\x00\x01", b"PK\x03\x04 no archive"], ids=["csv", "npz"]
+)
+def test_a_file_that_is_not_a_recording_exits_with_2(
+    call: Call, tmp_path: Path, data: bytes
+) -> None:
     path = tmp_path / f"bad.{'npz' if data.startswith(b'PK') else 'csv'}"
     path.write_bytes(data)
     assert call("detect", path).code == 2
@@ -240,7 +295,10 @@ def test_a_missing_file_exits_with_2(call: Call, tmp_path: Path) -> None:
 def test_an_unknown_detector_is_bad_usage(call: Call) -> None:
     called = call("detect", SAMPLE, "--detector", "best")
     assert (called.code, called.out) == (2, "")
-    assert "There is no detector 'best'; there are orientation, single-axis and fixed-threshold." in called.err
+    assert (
+        "There is no detector 'best'; there are orientation, single-axis and fixed-threshold."
+        in called.err
+    )
 
 
 def test_the_choices_are_the_available_detectors() -> None:
@@ -256,13 +314,20 @@ def test_reaches_without_a_way_back_have_no_measures_of_it(call: Call, write: Wr
     time_s = np.arange(600) / 100
     share = np.clip((time_s - 2.0) / 1.0, 0.0, 1.0)
     turning = 30.0 * (share * (1.0 - share)) ** 2
-    path = write([{"t": t, "wx": 0.0, "wy": 0.6 * w, "wz": 0.8 * w} for t, w in zip(time_s, turning, strict=True)])
+    path = write(
+        [
+            {"t": t, "wx": 0.0, "wy": 0.6 * w, "wz": 0.8 * w}
+            for t, w in zip(time_s, turning, strict=True)
+        ]
+    )
     assert call("detect", path, "--json").json["reaches"] == []
     (reach,) = call("detect", path, "--one-way", "--json").json["reaches"]
     assert set(reach) == {field.name for field in msgspec.structs.fields(Reach)}
     assert reach["reach_time_s"] == reach["out_s"] == pytest.approx(1.0, abs=0.08)
     assert reach["excursion_deg"] == pytest.approx(math.degrees(1.0), abs=2.0)
-    assert {reach[name] for name in ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")} == {None}
+    assert {
+        reach[name] for name in ("turn_s", "back_s", "dwell_s", "peak_return_rad_s", "sparc_back")
+    } == {None}
     assert "One reach in" in call("detect", path, "--one-way").out
 
 
@@ -270,7 +335,9 @@ def test_reaches_without_a_way_back_have_no_measures_of_it(call: Call, write: Wr
 def test_one_way_goes_with_neither_repetitions_nor_another_detector(call: Call, other: str) -> None:
     called = call("detect", SAMPLE, "--one-way", other)
     assert (called.code, called.out) == (2, "")
-    assert "--one-way goes neither with --repetitions nor with another detector." in " ".join(called.err.split())
+    assert "--one-way goes neither with --repetitions nor with another detector." in " ".join(
+        called.err.split()
+    )
 
 
 def test_a_recording_in_radians_read_as_degrees_gets_a_hint(call: Call) -> None:

@@ -33,8 +33,14 @@ def ids(folder: Path) -> set[str]:
     return {row["session"] for row in read_csv(folder, "sessions")}
 
 
-def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(call: Call, live: str, tmp_path: Path) -> None:
-    assert call("export", "--all", "--to", tmp_path / "live") == (0, f"1 session in {tmp_path / 'live'}\n", "")
+def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(
+    call: Call, live: str, tmp_path: Path
+) -> None:
+    assert call("export", "--all", "--to", tmp_path / "live") == (
+        0,
+        f"1 session in {tmp_path / 'live'}\n",
+        "",
+    )
     assert ids(tmp_path / "live") == {live}
     call("export", "--all", "--simulated", "--to", tmp_path / "simulated")
     call("export", "--all", "--mixed", "--to", tmp_path / "mixed")
@@ -44,7 +50,9 @@ def test_live_sessions_leave_and_simulated_ones_only_if_asked_for(call: Call, li
     assert not (tmp_path / "x").exists()
 
 
-def test_sessions_are_chosen_by_id_and_by_participant(call: Call, live: str, tmp_path: Path) -> None:
+def test_sessions_are_chosen_by_id_and_by_participant(
+    call: Call, live: str, tmp_path: Path
+) -> None:
     one = call("export", live[:6], live, "--to", tmp_path / "one", "--json").json
     assert (one["sessions"], one["problems"]) == ([live], [])
     assert call("export", "-p", "p01", "--to", tmp_path / "two").code == 0
@@ -73,7 +81,9 @@ def test_what_cannot_be_exported_is_a_sentence(
     assert not (tmp_path / "out").exists()
 
 
-def test_a_session_that_runs_is_named_and_the_rest_leaves(call: Call, live: str, tmp_path: Path) -> None:
+def test_a_session_that_runs_is_named_and_the_rest_leaves(
+    call: Call, live: str, tmp_path: Path
+) -> None:
     with closing(connect(tmp_path / "data")) as database:
         database.execute("UPDATE sessions SET status='running' WHERE id<>?", (live,))
         (running,) = database.execute("SELECT id FROM sessions WHERE id<>?", (live,)).fetchone()
@@ -87,7 +97,9 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(call: Call, live: str,
     assert called.err == f"! Session {running} is running. It is left out until it has ended.\n"
     assert ids(tmp_path / "out") == {live}
     assert (alone.code, (tmp_path / "alone").exists()) == (1, False)
-    assert call("export", running, "--simulated", "--to", tmp_path / "alone").code == 0, "it was interrupted"
+    assert call("export", running, "--simulated", "--to", tmp_path / "alone").code == 0, (
+        "it was interrupted"
+    )
 
 
 @pytest.mark.parametrize(
@@ -99,7 +111,12 @@ def test_a_session_that_runs_is_named_and_the_rest_leaves(call: Call, live: str,
     ],
 )
 def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
-    call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: int, sentence: str
+    call: Call,
+    live: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    failure: int,
+    sentence: str,
 ) -> None:
     before = (tmp_path / "data" / "sar-tui.db").read_bytes()
 
@@ -114,7 +131,9 @@ def test_a_disk_that_fails_leaves_no_target_and_the_database_as_it_was(
     assert (tmp_path / "data" / "sar-tui.db").read_bytes() == before
 
 
-def test_a_program_that_may_write_no_more_leaves_no_target(call: Call, live: str, tmp_path: Path) -> None:
+def test_a_program_that_may_write_no_more_leaves_no_target(
+    call: Call, live: str, tmp_path: Path
+) -> None:
     resource = pytest.importorskip("resource")
     done = subprocess.run(
         [sys.executable, "-m", "sar_tui", "export", "--all", "--mixed", "--to", tmp_path / "out"],
@@ -137,7 +156,10 @@ def test_an_installed_package_adds_a_format(
         title = "the number of rows"
 
         def write(self, contents: Any, folder: Path, progress: Any) -> None:
-            counts = {t.name: sum(1 for o in contents.owners(t) for _ in contents.rows(t, o)) for t in contents.tables}
+            counts = {
+                t.name: sum(1 for o in contents.owners(t) for _ in contents.rows(t, o))
+                for t in contents.tables
+            }
             (folder / "count.json").write_text(json.dumps(counts))
 
     class Entry:
@@ -148,15 +170,37 @@ def test_an_installed_package_adds_a_format(
     assert json.loads((tmp_path / "out" / "count.json").read_text())["sessions"] == 1
 
 
-def test_the_ledger_tells_what_left_when_and_for_whom(call: Call, live: str, tmp_path: Path) -> None:
+def test_the_ledger_tells_what_left_when_and_for_whom(
+    call: Call, live: str, tmp_path: Path
+) -> None:
     assert call("export", "--ledger").out == "Nothing was exported yet.\n"
-    first = call("export", live, "--to", tmp_path / "one", "--for", "the ethics board", "--json").json
+    first = call(
+        "export", live, "--to", tmp_path / "one", "--for", "the ethics board", "--json"
+    ).json
     call("export", "zzz", "--to", tmp_path / "two")
-    call("export", "--all", "--mixed", "--with-notes", "--to", tmp_path / "three", "--recode", tmp_path / "map.csv")
+    call(
+        "export",
+        "--all",
+        "--mixed",
+        "--with-notes",
+        "--to",
+        tmp_path / "three",
+        "--recode",
+        tmp_path / "map.csv",
+    )
     last, entry = call("export", "--ledger", "--json").json["exports"]
-    assert (entry["recipient"], entry["format"], entry["sessions"]) == ("the ethics board", "csv", [live])
-    assert entry["manifest"] == first["manifest"] == sha256(tmp_path / "one" / "sar-tui-export.json")
-    assert (len(last["sessions"]), last["options"]) == (2, {"with_notes": True, "with_events": False, "recoded": True})
+    assert (entry["recipient"], entry["format"], entry["sessions"]) == (
+        "the ethics board",
+        "csv",
+        [live],
+    )
+    assert (
+        entry["manifest"] == first["manifest"] == sha256(tmp_path / "one" / "sar-tui-export.json")
+    )
+    assert (len(last["sessions"]), last["options"]) == (
+        2,
+        {"with_notes": True, "with_events": False, "recoded": True},
+    )
     shown = call("export", "--ledger").out
     assert "the ethics board" in shown
     assert "with notes, recoded" in shown
@@ -165,7 +209,8 @@ def test_the_ledger_tells_what_left_when_and_for_whom(call: Call, live: str, tmp
 def test_an_export_that_cannot_be_recorded_says_so(
     call: Call, live: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.export.export.StoreConnection", sqlite3.Blob)  # as if it were read only
+    # as if it were read only
+    monkeypatch.setattr("sar_tui.export.export.StoreConnection", sqlite3.Blob)
     called = call("export", "--all", "--to", tmp_path / "out")
     assert (called.code, ids(tmp_path / "out")) == (1, {live})
     assert "not in its ledger" in called.err

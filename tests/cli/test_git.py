@@ -1,4 +1,6 @@
-"""Data of people and git: nothing is added after a day of use in a checkout, and tracked data are warned of."""
+"""Data of people and git: nothing is added after a day of use in a checkout, and tracked data are
+warned of.
+"""
 
 import os
 import shutil
@@ -22,13 +24,17 @@ def git(folder: Path, *words: str) -> str:
     """Run git in a folder, without the settings of who runs the tests."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     plain = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull}
-    done = subprocess.run(["git", "-C", folder, *words], env=kept | plain, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["git", "-C", folder, *words], env=kept | plain, capture_output=True, text=True, check=True
+    )
     return done.stdout
 
 
 @pytest.fixture
 def checkout(tmp_path: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A checkout with its sample recording, from which the program is started as `make run` does."""
+    """A checkout with its sample recording, from which the program is started as `make run`
+    does.
+    """
     folder = tmp_path / "checkout"
     (folder / "data").mkdir(parents=True)
     shutil.copy(REPOSITORY / ".gitignore", folder)
@@ -46,7 +52,12 @@ def programme(checkout: Path, call: Call) -> None:
     """A programme of P01."""
     file = checkout.parent / "programme.toml"
     file.write_text('task = "keyboard"\n[parameters]\nattempts = 2\n')
-    assert call("programme", "import", "P01", "keyboard", file, "--reason", "Tires early", "--new").code == 0
+    assert (
+        call(
+            "programme", "import", "P01", "keyboard", file, "--reason", "Tires early", "--new"
+        ).code
+        == 0
+    )
 
 
 def test_the_sample_recording_is_tracked(checkout: Path) -> None:
@@ -58,7 +69,18 @@ def test_the_sample_recording_is_tracked(checkout: Path) -> None:
 def test_after_a_day_of_use_git_adds_nothing(checkout: Path, call: Call) -> None:
     for words in (
         ("simulate", "keyboard", "--user", "average", "--seed", 1, "--attempts", 2, "-p", "P01"),
-        ("simulate", "keyboard", "--user", "poor", "--attempts", 2, "-p", "P02", "--speech", "file:data/said"),
+        (
+            "simulate",
+            "keyboard",
+            "--user",
+            "poor",
+            "--attempts",
+            2,
+            "-p",
+            "P02",
+            "--speech",
+            "file:data/said",
+        ),
         ("backup", "--verify"),
         ("export", "--all", "--simulated"),
         ("export", "--all", "--simulated", "--format", "bids"),
@@ -99,7 +121,9 @@ def test_an_export_goes_into_the_data_folder_by_default(checkout: Path, call: Ca
     ],
 )
 @pytest.mark.usefixtures("programme")
-def test_who_writes_where_git_would_add_it_is_told(checkout: Path, call: Call, words: tuple[str, ...]) -> None:
+def test_who_writes_where_git_would_add_it_is_told(
+    checkout: Path, call: Call, words: tuple[str, ...]
+) -> None:
     call("simulate", "keyboard", "--user", "average", "--attempts", 1, "-p", "P01")
     called = call(*words)
     assert called.code == 0
@@ -117,7 +141,9 @@ def test_the_doctor_warns_of_data_that_git_tracks_or_would_add(checkout: Path, c
     call("simulate", "keyboard", "--user", "average", "--attempts", 1)
 
     def told() -> tuple[str, str]:
-        found = next(row for row in call("doctor", "--json").json["checks"] if row["name"] == "Data and git")
+        found = next(
+            row for row in call("doctor", "--json").json["checks"] if row["name"] == "Data and git"
+        )
         return found["state"], found["found"]
 
     assert told() == ("ok", "git neither tracks data of people here, nor would add it")
@@ -136,21 +162,35 @@ def test_data_of_people_is_recognised_anywhere_in_a_checkout(checkout: Path, cal
     call("backup", "--to", "old/copy.db")
     call("link", "invite", "operator", "--name", "OP1", "--host", "127.0.0.1")
     (checkout / "table.csv").write_text("a,b\n1,2\n")
-    git(checkout, "add", "-f", "study", "keys", "old", "table.csv", "operator-OP1.sar-link", "data/link")
+    git(
+        checkout,
+        "add",
+        "-f",
+        "study",
+        "keys",
+        "old",
+        "table.csv",
+        "operator-OP1.sar-link",
+        "data/link",
+    )
     found = data_in_git(checkout, checkout / "data")
     assert not found.would_add
     assert {path.as_posix() for path in found.tracked} >= {
         "study/sar-tui-export.json", "keys/codes.csv", "old/copy.db", "operator-OP1.sar-link",
         "data/link/authority.key",
     }  # fmt: skip
-    assert not {"table.csv", "data/README.md", ".gitignore"} & {path.as_posix() for path in found.tracked}
+    assert not {"table.csv", "data/README.md", ".gitignore"} & {
+        path.as_posix() for path in found.tracked
+    }
 
 
 def test_this_checkout_tracks_no_data_of_people() -> None:
     assert data_in_git(REPOSITORY, None).tracked == ()
 
 
-def test_another_program_named_in_a_strangers_repository_is_not_started(checkout: Path, tmp_path: Path) -> None:
+def test_another_program_named_in_a_strangers_repository_is_not_started(
+    checkout: Path, tmp_path: Path
+) -> None:
     hook = tmp_path / "hook"
     hook.write_text(f"#!/bin/sh\ntouch {tmp_path / 'ran'}\n")
     hook.chmod(0o700)

@@ -32,7 +32,9 @@ def edges(call: Call) -> set[tuple[str, str, str, str]]:
     ],
     ids=lambda edge: f"{edge[0]} to {edge[1]}",
 )
-def test_the_loop_is_the_thesis_figure(edges: set[tuple[str, str, str, str]], edge: tuple[str, str, str, str]) -> None:
+def test_the_loop_is_the_thesis_figure(
+    edges: set[tuple[str, str, str, str]], edge: tuple[str, str, str, str]
+) -> None:
     assert edge in edges
 
 
@@ -59,7 +61,9 @@ def test_the_drawing_goes_down_the_loop(call: Call) -> None:
     called = call("graph", "keyboard")
     assert called.code == 0
     way = ["keyboard", "perception", "event_handler", "action_center", "arbiter", "screen"]
-    boxes = [line.split("│")[1].strip() for line in called.out.splitlines() if line.startswith("  │ ")]
+    boxes = [
+        line.split("│")[1].strip() for line in called.out.splitlines() if line.startswith("  │ ")
+    ]
     assert boxes[:6] == way
     assert {"memory", "recorder"} <= set(boxes)
     assert "┄┄▶ memory" in called.out
@@ -70,7 +74,9 @@ def test_a_view_that_listens_is_shown_beside_the_screen(call: Call) -> None:
     nodes = {node["name"]: node for node in call("graph", "pairs", "--json").json["nodes"]}
     assert (nodes["view"]["kind"], nodes["screen"]["kind"]) == ("output", "output")
     assert "event_handler/prompt" in nodes["view"]["hears"]
-    assert "view" not in [node["name"] for node in call("graph", "keyboard", "--json").json["nodes"]]
+    assert "view" not in [
+        node["name"] for node in call("graph", "keyboard", "--json").json["nodes"]
+    ]
 
 
 def test_an_unknown_task_has_no_graph(call: Call) -> None:

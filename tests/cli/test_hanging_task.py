@@ -17,7 +17,11 @@ def looping(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     monkeypatch.setattr(plugin_watchdog, "PluginWatchdog", quick)
     call("tasks", "new", "looping", "--like", "count", "--to", tmp_path)
     folder = tmp_path / "looping"
-    edit(folder / "task.py", "        keys = SEQUENCES[situation.level - 1]", "        while True:\n            pass")
+    edit(
+        folder / "task.py",
+        "        keys = SEQUENCES[situation.level - 1]",
+        "        while True:\n            pass",
+    )
     return folder
 
 
@@ -31,7 +35,10 @@ def test_a_simulation_ends_with_a_sentence(call: Call, looping: Path) -> None:
 def test_the_check_names_what_does_not_return(call: Call, looping: Path) -> None:
     called = call("tasks", "check", looping)
     assert called.code == 1
-    assert "✗ makes the same one-line prompts when asked twice. It raised NotResponding: it took longer" in called.out
+    assert (
+        "✗ makes the same one-line prompts when asked twice. It raised NotResponding: it took "
+        "longer" in called.out
+    )
 
 
 def test_a_task_that_ignores_the_error_ends_the_command(
@@ -42,4 +49,7 @@ def test_a_task_that_ignores_the_error_ends_the_command(
     codes: list[int] = []
     monkeypatch.setattr(common.os, "_exit", codes.append)
     common.give_up("task stubborn")
-    assert (codes, capsys.readouterr().err) == ([1], "The task stubborn does not return from its own code.\n")
+    assert (codes, capsys.readouterr().err) == (
+        [1],
+        "The task stubborn does not return from its own code.\n",
+    )

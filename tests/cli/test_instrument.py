@@ -11,9 +11,14 @@ def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
         in call("instrument", "add", "P01", "FMA-UE", 45, "--on", "2026-05-01").out
     )
     shown = call("progress", "P01").out
-    assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in " ".join(shown.split())
+    assert "34 on 2026-03-01, 45 on 2026-05-01; change +11. Reaches MDC 6.8 points" in " ".join(
+        shown.split()
+    )
     spanish = " ".join(call("progress", "P01", "--note", "--language", "es").out.split())
-    assert "34 el 2026-03-01, 45 el 2026-05-01; cambio +11. Alcanza MDC 6,8 puntos, 1 a 6 semanas" in spanish
+    assert (
+        "34 el 2026-03-01, 45 el 2026-05-01; cambio +11. Alcanza MDC 6,8 puntos, 1 a 6 semanas"
+        in spanish
+    )
     assert "doi:10.1177/15459683231186985" in spanish
     (found,) = call("progress", "P01", "--json").json["instruments"]
     assert (found["instrument"]["name"], found["change"]) == ("FMA-UE", 11.0)
@@ -23,7 +28,9 @@ def test_scores_appear_in_progress_with_their_sources(call: Call) -> None:
 def test_the_list_has_every_instrument(call: Call) -> None:
     listed = call("instrument", "list").out
     assert [name for name in INSTRUMENTS if name not in listed] == []
-    assert [each["name"] for each in call("instrument", "list", "--json").json["instruments"]] == list(INSTRUMENTS)
+    assert [
+        each["name"] for each in call("instrument", "list", "--json").json["instruments"]
+    ] == list(INSTRUMENTS)
 
 
 def test_a_score_that_cannot_be_is_told_in_a_sentence(call: Call) -> None:

@@ -15,7 +15,9 @@ from tests.program import Call
 resource = pytest.importorskip("resource")
 
 
-def limited(data: Path, *words: object, bytes: int, program: Path | None = None) -> subprocess.CompletedProcess[str]:
+def limited(
+    data: Path, *words: object, bytes: int, program: Path | None = None
+) -> subprocess.CompletedProcess[str]:
     """Run the program where no file may be larger than some bytes."""
     place = {"PYTHONPATH": str(program)} if program else {}
     return subprocess.run(
@@ -29,10 +31,14 @@ def limited(data: Path, *words: object, bytes: int, program: Path | None = None)
     )
 
 
-def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(
+    call: Call, simulated: str, tmp_path: Path
+) -> None:
     done = limited(tmp_path / "data", "backup", bytes=8192)
     assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.endswith("This login may write no file larger than 8,192 bytes (ulimit -f).\n")
+    assert done.stderr.endswith(
+        "This login may write no file larger than 8,192 bytes (ulimit -f).\n"
+    )
     assert done.stderr.count("\n") == 1
     assert call("check").code == 0
 
@@ -40,7 +46,9 @@ def test_a_file_that_may_not_grow_is_one_sentence_with_the_limit(call: Call, sim
 def test_a_run_under_a_limit_leaves_no_module_that_is_cut_short(tmp_path: Path) -> None:
     ignored = shutil.ignore_patterns("__pycache__")
     for name in ("sar_tui", "tasks", "themes"):
-        shutil.copytree(Path(sar_tui.__file__).parents[1] / name, tmp_path / "checkout" / name, ignore=ignored)
+        shutil.copytree(
+            Path(sar_tui.__file__).parents[1] / name, tmp_path / "checkout" / name, ignore=ignored
+        )
     limited(tmp_path / "data", "tasks", bytes=4096, program=tmp_path / "checkout")
     kept = [path.name for path in (tmp_path / "checkout").rglob("*.pyc")]
     assert "commands.cpython" not in " ".join(kept)
@@ -56,11 +64,15 @@ def test_a_module_that_is_cut_short_is_one_sentence_that_says_what_to_do(
     monkeypatch.setattr("sar_tui.store.sessions.listing", fail)
     called = call("sessions")
     assert (called.code, called.out) == (1, "")
-    assert called.err.startswith("A module that Python keeps compiled is cut short, as by a full disk.")
+    assert called.err.startswith(
+        "A module that Python keeps compiled is cut short, as by a full disk."
+    )
     assert "-m compileall -fq" in called.err
 
 
-def test_a_thread_that_cannot_be_started_is_one_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_thread_that_cannot_be_started_is_one_sentence(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(_: Thread) -> None:
         raise RuntimeError("can't start new thread")
 

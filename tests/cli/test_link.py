@@ -22,7 +22,11 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def invited(
-    call: Call, *more: object, name: str = "anna", role: str = "operator", host: str = "lab-pc.local"
+    call: Call,
+    *more: object,
+    name: str = "anna",
+    role: str = "operator",
+    host: str = "lab-pc.local",
 ) -> Called:
     return call("link", "invite", role, "--name", name, "--host", host, *more)
 
@@ -44,7 +48,10 @@ def test_json_of_an_invitation_contains_no_key(call: Call, here: Path) -> None:
     called = invited(call, "--to", here / "x.sar-link", "--days", 3, "--json", role="observer")
     assert sorted(called.json) == ["endpoints", "expires", "file", "name", "role"]
     assert called.json["endpoints"] == ["lab-pc.local:7447"]
-    assert read(here / "x.sar-link").expires.isoformat().replace("+00:00", "Z") == called.json["expires"]
+    assert (
+        read(here / "x.sar-link").expires.isoformat().replace("+00:00", "Z")
+        == called.json["expires"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -56,7 +63,9 @@ def test_json_of_an_invitation_contains_no_key(call: Call, here: Path) -> None:
         ({"host": "lab-pc:0"}, "no valid port"),
     ],
 )
-def test_invalid_invitation_is_refused(call: Call, here: Path, wrong: dict[str, str], message: str) -> None:
+def test_invalid_invitation_is_refused(
+    call: Call, here: Path, wrong: dict[str, str], message: str
+) -> None:
     called = invited(call, **wrong)
     assert called.code == 2
     assert message in called.err

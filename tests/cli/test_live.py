@@ -1,4 +1,6 @@
-"""``sar-tui``, ``run`` and ``resume``: what the app is opened with. The app itself is tested elsewhere."""
+"""``sar-tui``, ``run`` and ``resume``: what the app is opened with. The app itself is tested
+elsewhere.
+"""
 
 import importlib.util
 import sqlite3
@@ -30,7 +32,9 @@ def runtime() -> Iterator[str]:
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch, runtime: str, tmp_path: Path) -> list[dict[str, Any]]:
-    """Fake a terminal and an app, with two participants; return the arguments of each opening. The app exits with 7."""
+    """Fake a terminal and an app, with two participants; return the arguments of each opening. The
+    app exits with 7.
+    """
     with closing(connect(tmp_path / "data")) as database:
         for code in ("P01", "P02"):
             participants.add(database, code)
@@ -46,7 +50,9 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str, tmp_path: Path) -> lis
         markers: Sequence[str] = (),
         sync_flash: bool = False,
     ) -> int:
-        calls.append({"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link})
+        calls.append(
+            {"folder": folder, "catalogue": catalogue, "plan": plan, "resume": resume, "link": link}
+        )
         calls[-1]["patient"] = patient
         calls[-1]["markers"] = markers
         calls[-1]["joinable"] = joinable_sessions(folder)
@@ -56,19 +62,27 @@ def opened(monkeypatch: pytest.MonkeyPatch, runtime: str, tmp_path: Path) -> lis
     monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
     monkeypatch.setenv("TERM", "xterm-256color")
     stream = SimpleNamespace(isatty=lambda: True)
-    monkeypatch.setattr("sar_tui.cli.common.sys", SimpleNamespace(stdin=stream, stdout=stream, stderr=stream))
+    monkeypatch.setattr(
+        "sar_tui.cli.common.sys", SimpleNamespace(stdin=stream, stdout=stream, stderr=stream)
+    )
     return calls
 
 
 def interrupted(call: Call, folder: Path) -> str:
     """Id of a live session that was interrupted."""
-    session = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json["session"]
+    session = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json[
+        "session"
+    ]
     with sqlite3.connect(folder / "data" / "sar-tui.db") as connection:
-        connection.execute("UPDATE sessions SET mode='live', status='running' WHERE id=?", (session,))
+        connection.execute(
+            "UPDATE sessions SET mode='live', status='running' WHERE id=?", (session,)
+        )
     return str(session)
 
 
-def test_without_a_command_the_app_opens(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_without_a_command_the_app_opens(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path
+) -> None:
     assert call().code == 7
     (how,) = opened
     assert (how["folder"], how["plan"], how["resume"]) == (tmp_path / "data", None, None)
@@ -77,7 +91,12 @@ def test_without_a_command_the_app_opens(call: Call, opened: list[dict[str, Any]
 def test_run_seats_two_left_and_right(call: Call, opened: list[dict[str, Any]]) -> None:
     assert call("run", "pairs", "-p", "p01", "-p", "p02", "--set", "policy=race").code == 7
     plan = opened[0]["plan"]
-    assert (plan.task.name, plan.participant, plan.partner, plan.parameters.policy) == ("pairs", "P01", "P02", "race")
+    assert (plan.task.name, plan.participant, plan.partner, plan.parameters.policy) == (
+        "pairs",
+        "P01",
+        "P02",
+        "race",
+    )
 
 
 JOINT = ("run", "pairs", "-p", "p01", "-p", "p02", "--set", "policy=joint attention")
@@ -97,11 +116,16 @@ def test_a_cue_that_no_output_can_show_is_refused(
 ) -> None:
     called = call(*JOINT, "--set", f"cue_by={cue}", "--outputs", outputs)
     assert (called.code, opened) == (2, [])
-    needed = f"Joint attention needs an output that shows where the agent {does}: add screen to the outputs."
+    needed = (
+        f"Joint attention needs an output that shows where the agent {does}: add screen to "
+        "the outputs."
+    )
     assert needed in called.err
 
 
-@pytest.mark.parametrize(("outputs", "cue"), [("screen", "gaze"), ("speech,screen", "both"), ("servo", "gesture")])
+@pytest.mark.parametrize(
+    ("outputs", "cue"), [("screen", "gaze"), ("speech,screen", "both"), ("servo", "gesture")]
+)
 def test_a_cue_that_an_output_can_show_is_given(
     call: Call, opened: list[dict[str, Any]], outputs: str, cue: str
 ) -> None:
@@ -112,7 +136,8 @@ def test_a_task_for_two_is_not_begun_with_one(call: Call, opened: list[dict[str,
     called = call("run", "pairs", "-p", "p01")
     assert (called.code, opened) == (2, [])
     assert called.err == (
-        "The task pairs is for two: name the participant on the left, and then the one on the right.\n"
+        "The task pairs is for two: name the participant on the left, and then the one on the "
+        "right.\n"
     )
 
 
@@ -126,19 +151,29 @@ def test_run_plans_a_live_session(call: Call, opened: list[dict[str, Any]]) -> N
     assert plan.parameters.attempts == 3
 
 
-def test_run_starts_from_the_participants_settings(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_run_starts_from_the_participants_settings(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path
+) -> None:
     database = connect(tmp_path / "data")
     kept = Programme({"attempts": 6, "prompts_per_attempt": 8}, "high-contrast")
     programmes.save(database, "P01", "keyboard", kept, after=0)
     database.close()
     call("run", "keyboard", "-p", "P01", "--set", "attempts=2")
     plan = opened[0]["plan"]
-    assert (plan.parameters.attempts, plan.parameters.prompts_per_attempt, plan.theme) == (2, 8, "high-contrast")
+    assert (plan.parameters.attempts, plan.parameters.prompts_per_attempt, plan.theme) == (
+        2,
+        8,
+        "high-contrast",
+    )
 
 
-def test_a_motion_sensor_can_be_named(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_a_motion_sensor_can_be_named(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path
+) -> None:
     database = connect(tmp_path / "data")
-    programmes.save(database, "P01", "reaching", Programme({"imu": "phidget:1", "attempts": 3}), after=0)
+    programmes.save(
+        database, "P01", "reaching", Programme({"imu": "phidget:1", "attempts": 3}), after=0
+    )
     database.close()
     assert call("run", "reaching", "-p", "P01", "--imu", "simulated:tremor").code == 7
     assert call("run", "reaching", "-p", "P01", "--set", "imu=simulated:tremor").code == 7
@@ -213,7 +248,11 @@ def test_resume_goes_on_with_the_session_that_is_named(
 
 @pytest.mark.parametrize("arguments", [[], ["last"]], ids=["nothing", "last"])
 def test_resume_without_an_id_says_whose_session_it_is_and_asks(
-    call: Call, opened: list[dict[str, Any]], tmp_path: Path, answers: list[bool], arguments: list[str]
+    call: Call,
+    opened: list[dict[str, Any]],
+    tmp_path: Path,
+    answers: list[bool],
+    arguments: list[str],
 ) -> None:
     session = interrupted(call, tmp_path)
     call("simulate", "keyboard", "--user", "poor", "--attempts", 1)
@@ -261,7 +300,9 @@ def test_resume_without_an_interrupted_session_is_bad_input(
     assert opened == []
 
 
-def test_timing_is_measured_with_what_was_asked(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_timing_is_measured_with_what_was_asked(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     asked = []
 
     def run(folder: Path, trials: int, as_json: bool) -> int:
@@ -274,15 +315,20 @@ def test_timing_is_measured_with_what_was_asked(call: Call, monkeypatch: pytest.
     assert call("timing", "--trials", 1).code == 2
 
 
-# --- operators -------------------------------------------------------------------------------------------------
+# --- operators
+# -------------------------------------------------------------------------------------------------
 
 
-def test_a_session_that_is_not_asked_to_opens_no_link(call: Call, opened: list[dict[str, Any]], runtime: str) -> None:
+def test_a_session_that_is_not_asked_to_opens_no_link(
+    call: Call, opened: list[dict[str, Any]], runtime: str
+) -> None:
     assert call("run", "keyboard", "-p", "P01").code == 7
     assert (opened[0]["link"], opened[0]["joinable"]) == (None, [])
 
 
-def test_a_session_that_operators_may_join_is_found_while_it_runs(call: Call, opened: list[dict[str, Any]]) -> None:
+def test_a_session_that_operators_may_join_is_found_while_it_runs(
+    call: Call, opened: list[dict[str, Any]]
+) -> None:
     assert call("run", "keyboard", "-p", "P01", "--operator").code == 7
     (how,) = opened
     assert [(live.session, live.task, live.participants) for live in how["joinable"]] == [
@@ -294,7 +340,9 @@ def test_a_session_that_operators_may_join_is_found_while_it_runs(call: Call, op
     assert live_sessions() == []
 
 
-def test_a_resumed_session_can_be_joined_too(call: Call, opened: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_a_resumed_session_can_be_joined_too(
+    call: Call, opened: list[dict[str, Any]], tmp_path: Path
+) -> None:
     session = interrupted(call, tmp_path)
     assert call("resume", session, "--operator").code == 7
     assert [live.session for live in opened[0]["joinable"]] == [session]
@@ -323,7 +371,8 @@ def test_without_the_packages_of_the_link_it_is_reported_what_to_install(
     assert "pip install -e '.[link]'" in called.err
 
 
-# --- a participant who is not known ---------------------------------------------------------------------------------
+# --- a participant who is not known
+# ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("answer", "code", "plans"), [(False, 1, []), (True, 7, ["P0L"])])
@@ -337,7 +386,9 @@ def test_an_unknown_code_is_asked_about_before_the_screen_changes(
 ) -> None:
     asked: list[str] = []
     monkeypatch.setattr("sar_tui.cli.common.is_interactive", lambda: True)
-    monkeypatch.setattr("sar_tui.cli.common.typer.confirm", lambda text, **_: asked.append(text) or answer)
+    monkeypatch.setattr(
+        "sar_tui.cli.common.typer.confirm", lambda text, **_: asked.append(text) or answer
+    )
     monkeypatch.setattr("sar_tui.cli.common.print", lambda *_, **__: None, raising=False)
     assert call("run", "keyboard", "-p", "P0l").code == code
     assert asked == ["There is no participant P0L. Is it P01? Is P0L a new participant?"]

@@ -31,7 +31,9 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[Sequence[str]]:
 
     monkeypatch.setattr("sar_tui.app.app.run_app", run_app)
     stream = SimpleNamespace(isatty=lambda: True)
-    monkeypatch.setattr("sar_tui.cli.common.sys", SimpleNamespace(stdin=stream, stdout=stream, stderr=stream))
+    monkeypatch.setattr(
+        "sar_tui.cli.common.sys", SimpleNamespace(stdin=stream, stdout=stream, stderr=stream)
+    )
     return calls
 
 
@@ -53,10 +55,15 @@ def test_nothing_is_sent_unless_asked_for(call: Call, opened: list[Sequence[str]
 
 @pytest.mark.parametrize("command", [(), RUN])
 def test_the_app_and_a_session_can_begin_with_a_flash(
-    call: Call, opened: list[Sequence[str]], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+    call: Call,
+    opened: list[Sequence[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    command: tuple[str, ...],
 ) -> None:
     flashes: list[bool] = []
-    monkeypatch.setattr("sar_tui.app.app.run_app", lambda *_, sync_flash, **__: flashes.append(sync_flash))
+    monkeypatch.setattr(
+        "sar_tui.app.app.run_app", lambda *_, sync_flash, **__: flashes.append(sync_flash)
+    )
     assert call(*command, "--sync-flash").code == 0
     assert call(*command).code == 0
     assert flashes == [True, False]
@@ -78,15 +85,22 @@ def test_markers_go_after_a_command(call: Call, opened: list[Sequence[str]]) -> 
 
 
 @pytest.mark.parametrize(
-    ("address", "package", "extra"), [("lsl", "pylsl", "lsl"), ("serial:/dev/ttyUSB0", "serial", "serial")]
+    ("address", "package", "extra"),
+    [("lsl", "pylsl", "lsl"), ("serial:/dev/ttyUSB0", "serial", "serial")],
 )
 def test_a_missing_package_is_named_before_the_screen_changes(
-    call: Call, opened: list[Any], monkeypatch: pytest.MonkeyPatch, address: str, package: str, extra: str
+    call: Call,
+    opened: list[Any],
+    monkeypatch: pytest.MonkeyPatch,
+    address: str,
+    package: str,
+    extra: str,
 ) -> None:
     find = importlib.util.find_spec
     module = {"lsl": "lsl", "serial": "serial_line"}[extra]
     monkeypatch.setattr(
-        f"sar_tui.outputs.markers.{module}.find_spec", lambda name: None if name == package else find(name)
+        f"sar_tui.outputs.markers.{module}.find_spec",
+        lambda name: None if name == package else find(name),
     )
     called = call(*RUN, "--markers", address)
     assert (called.code, opened) == (1, [])
@@ -98,27 +112,36 @@ def test_test_markers_are_sent(call: Call) -> None:
         called = call("markers", receiver.address, "--count", 3, "--every", 0)
         received = [receiver.next() for _ in range(3)]
     assert (called.code, called.out) == (0, f"{receiver.address}: 3 sent, 0 lost.\n")
-    assert [(marker["event"], marker["number"]) for marker in received] == [("test", n) for n in (1, 2, 3)]
+    assert [(marker["event"], marker["number"]) for marker in received] == [
+        ("test", n) for n in (1, 2, 3)
+    ]
 
 
-def test_show_says_where_markers_went_and_how_many_arrived(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_show_says_where_markers_went_and_how_many_arrived(
+    call: Call, simulated: str, tmp_path: Path
+) -> None:
     common = {"destination": "lsl", "at": 1}
     for change in (
         MarkersChanged(**common, state="open", detail="LSL's clock minus the session's: 5 ns"),
         MarkersChanged(**common, state="failing", detail="It broke."),
-        MarkersChanged(**common, state="closed", sent=7, lost=2, unheard=1, late_ms=0.25, latest_ms=1.5),
+        MarkersChanged(
+            **common, state="closed", sent=7, lost=2, unheard=1, late_ms=0.25, latest_ms=1.5
+        ),
     ):
         record(tmp_path, simulated, MARKERS.name, **msgspec.structs.asdict(change))
     assert (
-        "Markers to lsl: 7 sent, 2 lost; 1 sent while nobody listened; prompts sent 0.2 ms after their onset, at most "
-        "1.5 ms. It broke. LSL's clock minus the session's: 5 ns." in " ".join(call("show", simulated).out.split())
+        "Markers to lsl: 7 sent, 2 lost; 1 sent while nobody listened; prompts sent 0.2 ms after "
+        "their onset, at most "
+        "1.5 ms. It broke. LSL's clock minus the session's: 5 ns."
+        in " ".join(call("show", simulated).out.split())
     )
     (summary,) = call("show", simulated, "--json").json["markers"]
     assert (summary["sent"], summary["lost"], summary["unfinished"]) == (7, 2, 0)
     opened = msgspec.structs.asdict(MarkersChanged(destination="udp://h:1", at=1, state="open"))
     record(tmp_path, simulated, MARKERS.name, **opened)
-    assert "Markers to udp://h:1: 0 sent, 0 lost; not counted in a run that was killed or is not over." in " ".join(
-        call("show", simulated).out.split()
+    assert (
+        "Markers to udp://h:1: 0 sent, 0 lost; not counted in a run that was killed or is not over."
+        in " ".join(call("show", simulated).out.split())
     )
     with connect_to_read(tmp_path / "data") as database:
         assert marker_summaries(database, "another") == []

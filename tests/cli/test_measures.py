@@ -22,9 +22,13 @@ def steady(tmp_path: Path) -> Path:
     return write_documented(tmp_path / "mytasks", "steady")
 
 
-def test_a_measure_has_its_title_unit_and_decimals_in_show_the_summary_and_progress(call: Call, steady: Path) -> None:
+def test_a_measure_has_its_title_unit_and_decimals_in_show_the_summary_and_progress(
+    call: Call, steady: Path
+) -> None:
     where = ("--tasks", steady.parent)
-    simulated = call("simulate", "steady", "--user", "average", "--attempts", 3, "--seed", 1, "-p", "P01", *where)
+    simulated = call(
+        "simulate", "steady", "--user", "average", "--attempts", 3, "--seed", 1, "-p", "P01", *where
+    )
     assert simulated.code == 0
     assert "variability" in simulated.out
 
@@ -37,7 +41,9 @@ def test_a_measure_has_its_title_unit_and_decimals_in_show_the_summary_and_progr
     assert mean in simulated.out
 
     (line,) = call("progress", "P01", "--json", *where).json["lines"]
-    assert line["measured"] == [{"name": "variability_ms", "title": "variability", "unit": "ms", "decimals": 0}]
+    assert line["measured"] == [
+        {"name": "variability_ms", "title": "variability", "unit": "ms", "decimals": 0}
+    ]
     told = call("progress", "P01", *where).out
     assert "variability (ms)" in told
     assert f" {fmean(values):.0f}\n" in told
@@ -47,7 +53,9 @@ def test_a_measure_has_its_title_unit_and_decimals_in_show_the_summary_and_progr
     assert GuardedView(kind(build(kind.Parameters, {}))).facts(ended) == [mean]
 
 
-def test_an_undeclared_measure_is_stored_and_has_its_name_in_progress(call: Call, steady: Path) -> None:
+def test_an_undeclared_measure_is_stored_and_has_its_name_in_progress(
+    call: Call, steady: Path
+) -> None:
     edit(steady / "task.py", '"variability", unit="ms", decimals=0', '"variability"')
     edit(steady / "task.py", '"variability_ms", ', '"other", ')
     where = ("--tasks", steady.parent)
@@ -73,7 +81,11 @@ def test_tasks_show_lists_details_and_measures(call: Call, steady: Path) -> None
 
 
 def test_a_declaration_of_another_type_is_a_sentence(call: Call, steady: Path) -> None:
-    edit(steady / "task.py", '(Measure("variability_ms", "variability", unit="ms", decimals=0),)', '("variability",)')
+    edit(
+        steady / "task.py",
+        '(Measure("variability_ms", "variability", unit="ms", decimals=0),)',
+        '("variability",)',
+    )
     said = call("tasks", "check", steady)
     assert said.code == 1
     assert "its measured are not a tuple of Measure" in said.out

@@ -1,4 +1,6 @@
-"""``sar-tui merge``: sessions of another site are shown, replayed and exported here, and changed only there."""
+"""``sar-tui merge``: sessions of another site are shown, replayed and exported here, and changed
+only there.
+"""
 
 import csv
 import gzip
@@ -26,16 +28,33 @@ def zurich(call: Call, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def bern(call: Call, tmp_path: Path, zurich: Path) -> Path:
-    """Another folder, with two simulated sessions of its own P01, one of pairs who are called by their codes."""
+    """Another folder, with two simulated sessions of its own P01, one of pairs who are called by
+    their codes.
+    """
     folder = tmp_path / "bern"
-    call("simulate", "keyboard", "--user", "poor", "--attempts", 4, "-p", "P01", "--seed", 1, "--data", folder)
+    call(
+        "simulate",
+        "keyboard",
+        "--user",
+        "poor",
+        "--attempts",
+        4,
+        "-p",
+        "P01",
+        "--seed",
+        1,
+        "--data",
+        folder,
+    )
     call("simulate", "pairs", "--user", "average", "--attempts", 1, "-p", "P01", "-p", "P02", "--data", folder,
          "--set", "address=code")  # fmt: skip
     call("site", "BERN", "--data", folder)
     return folder
 
 
-def test_sessions_of_both_are_listed_and_those_of_a_code_stay_apart(call: Call, zurich: Path, bern: Path) -> None:
+def test_sessions_of_both_are_listed_and_those_of_a_code_stay_apart(
+    call: Call, zurich: Path, bern: Path
+) -> None:
     called = call("merge", bern / "sar-tui.db")
     assert (called.code, called.err) == (0, "")
     assert called.out.startswith("From BERN: 2 new sessions.\nAs it was before: ")
@@ -48,39 +67,64 @@ def test_sessions_of_both_are_listed_and_those_of_a_code_stay_apart(call: Call, 
     assert call("merge", bern).out == "From BERN: nothing that this database did not have.\n"
     if os.name == "posix":
         backups = list((zurich / "backups").iterdir())
-        assert [stat.S_IMODE(path.stat().st_mode) for path in (zurich / "sar-tui.db", *backups)] == [0o600] * 2
+        assert [
+            stat.S_IMODE(path.stat().st_mode) for path in (zurich / "sar-tui.db", *backups)
+        ] == [0o600] * 2
 
 
-def test_a_session_that_was_merged_is_shown_replayed_and_exported(call: Call, bern: Path, tmp_path: Path) -> None:
+def test_a_session_that_was_merged_is_shown_replayed_and_exported(
+    call: Call, bern: Path, tmp_path: Path
+) -> None:
     there = {row["id"] for row in call("sessions", "--data", bern, "--json").json["sessions"]}
     call("merge", bern)
     for session in there:
         here = call("show", session, "--json").json
         original = call("show", session, "--json", "--data", bern).json
-        assert [here[name] for name in ("attempts", "trials")] == [original[name] for name in ("attempts", "trials")]
+        assert [here[name] for name in ("attempts", "trials")] == [
+            original[name] for name in ("attempts", "trials")
+        ]
         assert "P01@BERN" in call("show", session).out
         assert call("replay", session, "--json").json["identical"]
     assert call("progress", "p01@bern").out.startswith("P01@BERN · ")
     to = tmp_path / "out"
     assert call("export", "-p", "P01@BERN", "--simulated", "--to", to).code == 0
     with (to / "sessions.csv").open(encoding="utf-8", newline="") as file:
-        assert {(row["participant"], row["site"]) for row in csv.DictReader(file)} == {("P01@BERN", "BERN")}
+        assert {(row["participant"], row["site"]) for row in csv.DictReader(file)} == {
+            ("P01@BERN", "BERN")
+        }
     recoded = tmp_path / "recoded"
-    assert call("export", "--all", "--mixed", "--recode", tmp_path / "map.csv", "--to", recoded).code == 0
+    assert (
+        call("export", "--all", "--mixed", "--recode", tmp_path / "map.csv", "--to", recoded).code
+        == 0
+    )
     texts = [path.read_text(encoding="utf-8") for path in recoded.glob("*.csv")]
     assert not any("P01" in text for text in texts)
 
 
-def test_what_another_site_recorded_is_changed_only_there(call: Call, zurich: Path, bern: Path) -> None:
+def test_what_another_site_recorded_is_changed_only_there(
+    call: Call, zurich: Path, bern: Path
+) -> None:
     play(bern, "abcdef0123", status="interrupted")
     with closing(connect(bern)) as database:
-        event = adverse_events.report(database, "P01", onset="2026-01-01", what="fell", severity="mild").event
+        event = adverse_events.report(
+            database, "P01", onset="2026-01-01", what="fell", severity="mild"
+        ).event
     assert call("merge", bern).code == 0
     for command in (
         ("run", "keyboard", "-p", "P01@BERN"),
         ("resume", "abcdef0123"),
         ("programme", "import", "P01@BERN", "keyboard", "--preset", "mild", "--reason", "rested"),
-        ("adverse", "add", "P01@BERN", "--onset", "2026-01-01", "--what", "fell", "--severity", "mild"),
+        (
+            "adverse",
+            "add",
+            "P01@BERN",
+            "--onset",
+            "2026-01-01",
+            "--what",
+            "fell",
+            "--severity",
+            "mild",
+        ),
         ("adverse", "amend", f"{event}@BERN", "--outcome", "well"),
         ("instrument", "add", "P01@BERN", "FMA-UE", "34", "--on", "2026-01-01"),
         ("simulate", "keyboard", "--user", "average", "-p", "P01@BERN"),
@@ -110,12 +154,16 @@ def test_a_record_that_only_this_site_could_have_written_is_named_and_left_out(
 ) -> None:
     with closing(connect(bern)) as database:
         database.execute(
-            "INSERT INTO programmes VALUES ('P01@ZURICH','keyboard',1,'2026-01-01','','','{\"attempts\":99}','calm',"
+            "INSERT INTO programmes VALUES "
+            "('P01@ZURICH','keyboard',1,'2026-01-01','','','{\"attempts\":99}','calm',"
             "'ZURICH')"
         )
     called = call("merge", bern)
     assert called.code == 1
-    said = "The version 1 of the programme of P01 for keyboard is ZURICH's by what BERN has, and is not so here."
+    said = (
+        "The version 1 of the programme of P01 for keyboard is ZURICH's by what BERN has, and "
+        "is not so here."
+    )
     assert f"! {said} It is left out.\n" in called.out
     assert called.out.startswith("From BERN: 2 new sessions.")
     with closing(connect(zurich)) as database:
@@ -166,12 +214,17 @@ def test_a_database_that_cannot_be_merged_is_refused_in_a_sentence(
         assert called.err.count("\n") == 1
     assert "are of one site" in call("merge", bern, "--same", "P01=P02").err
     assert "takes two codes" in call("merge", bern, "--same", "P01").err
-    assert "would be the same person" in call("merge", bern, "--same", "P01@BERN=P01", "--same", "P02@BERN=P01").err
+    assert (
+        "would be the same person"
+        in call("merge", bern, "--same", "P01@BERN=P01", "--same", "P02@BERN=P01").err
+    )
     assert (zurich / "sar-tui.db").read_bytes() == before
     assert not list(zurich.glob(".merge-*"))
 
 
-def test_a_database_of_an_earlier_version_is_brought_up_to_date_in_a_copy(call: Call, tmp_path: Path) -> None:
+def test_a_database_of_an_earlier_version_is_brought_up_to_date_in_a_copy(
+    call: Call, tmp_path: Path
+) -> None:
     call("site", "ZURICH")
     packed = Path(__file__).parents[1] / "store" / "earlier.db.gz"
     earlier = tmp_path / "earlier.db"
@@ -179,7 +232,9 @@ def test_a_database_of_an_earlier_version_is_brought_up_to_date_in_a_copy(call: 
     assert "--site BERN" in call("merge", earlier).err
     assert call("merge", earlier, "--site", "bern").out.startswith("From BERN: 5 new sessions")
     assert earlier.read_bytes() == before
-    assert [path.name for path in tmp_path.iterdir() if path.name.startswith("earlier")] == ["earlier.db"]
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith("earlier")] == [
+        "earlier.db"
+    ]
     for row in call("sessions", "--json").json["sessions"]:
         assert row["participant"].endswith("@BERN")
         assert call("replay", row["id"], "--json").json["events"] > 0
@@ -193,13 +248,17 @@ def test_a_site_without_a_code_is_asked_for_one(call: Call, tmp_path: Path) -> N
     assert "sar-tui site BERN" in called.err
 
 
-def test_two_databases_of_one_site_are_merged_only_if_that_is_said(call: Call, zurich: Path, tmp_path: Path) -> None:
+def test_two_databases_of_one_site_are_merged_only_if_that_is_said(
+    call: Call, zurich: Path, tmp_path: Path
+) -> None:
     laptop = site(tmp_path / "laptop", "ZURICH")
     play(laptop, "abcdef0123")
     assert "add --one-site" in call("merge", laptop).err
     assert call("merge", laptop, "--one-site").code == 0
     assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 2
-    assert "leave out --one-site" in call("merge", site(tmp_path / "basel", "BASEL"), "--one-site").err
+    assert (
+        "leave out --one-site" in call("merge", site(tmp_path / "basel", "BASEL"), "--one-site").err
+    )
 
 
 def test_the_other_database_is_only_read(call: Call, zurich: Path, bern: Path) -> None:
@@ -211,7 +270,9 @@ def test_the_other_database_is_only_read(call: Call, zurich: Path, bern: Path) -
     assert files() == before
 
 
-def test_the_code_of_a_site_stays_once_data_was_merged(call: Call, zurich: Path, bern: Path) -> None:
+def test_the_code_of_a_site_stays_once_data_was_merged(
+    call: Call, zurich: Path, bern: Path
+) -> None:
     call("merge", bern)
     called = call("site", "GENF")
     assert called.code == 2
@@ -225,7 +286,9 @@ def test_a_person_with_two_codes_is_listed(call: Call, zurich: Path, bern: Path)
     assert call("merge", "--json").json["same"] == [["P01@BERN", "P01@ZURICH"]]
 
 
-def test_without_another_database_it_says_so_if_there_is_nothing_to_list(call: Call, zurich: Path) -> None:
+def test_without_another_database_it_says_so_if_there_is_nothing_to_list(
+    call: Call, zurich: Path
+) -> None:
     assert call("merge") == (0, "Nothing contradicts, and nobody has two codes.\n", "")
 
 
@@ -233,12 +296,23 @@ def test_without_another_database_it_says_so_if_there_is_nothing_to_list(call: C
 def test_options_about_another_database_need_one(call: Call, option: tuple[str, ...]) -> None:
     refused = call("merge", *option)
     assert refused.code == 2
-    assert refused.err == "--site and --one-site are about another database: name it, such as sar-tui merge bern.db.\n"
+    assert (
+        refused.err
+        == "--site and --one-site are about another database: name it, such as sar-tui merge "
+        "bern.db.\n"
+    )
 
 
-def test_of_a_person_with_two_codes_the_other_one_is_told(call: Call, bern: Path, tmp_path: Path) -> None:
+def test_of_a_person_with_two_codes_the_other_one_is_told(
+    call: Call, bern: Path, tmp_path: Path
+) -> None:
     call("merge", bern, "--same", "P01@BERN=P01")
     assert len(call("sessions", "-p", "P01", "--json").json["sessions"]) == 3
-    assert call("sessions", "-p", "P01@BERN").out == "P01@BERN is P01 here: sar-tui sessions -p P01\n"
+    assert (
+        call("sessions", "-p", "P01@BERN").out == "P01@BERN is P01 here: sar-tui sessions -p P01\n"
+    )
     refused = call("export", "-p", "P01@BERN", "--simulated", "--to", tmp_path / "out")
-    assert (refused.code, refused.err) == (2, "P01@BERN is P01 here: ask for the sessions of P01.\n")
+    assert (refused.code, refused.err) == (
+        2,
+        "P01@BERN is P01 here: ask for the sessions of P01.\n",
+    )

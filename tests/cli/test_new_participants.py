@@ -1,4 +1,6 @@
-"""A code that nobody has is asked about, or needs --new: a typing error would divide a person's record."""
+"""A code that nobody has is asked about, or needs --new: a typing error would divide a person's
+record.
+"""
 
 from contextlib import closing
 from pathlib import Path
@@ -36,12 +38,15 @@ def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 @pytest.mark.parametrize("record", RECORDS)
-def test_a_typing_error_is_refused_with_the_nearest_code(call: Call, data: Path, record: str) -> None:
+def test_a_typing_error_is_refused_with_the_nearest_code(
+    call: Call, data: Path, record: str
+) -> None:
     known(data, "P01")
     called = call(*RECORDS[record]("p0l"))
     assert (called.code, called.out) == (2, "")
     assert called.err == (
-        "There is no participant P0L: give P01 if that is meant, or add --new for a new participant.\n"
+        "There is no participant P0L: give P01 if that is meant, or add --new for a new "
+        "participant.\n"
     )
     assert call("instrument", "remove", "P0L", "FMA-UE", "--on", "2026-03-01").code == 2
     assert call("check").code == 0
@@ -95,7 +100,11 @@ def test_each_command_that_looks_for_a_code_names_the_nearest(call: Call, data: 
         ("export", "-p", "P0l"),
     ):
         called = call(*words)
-        assert (called.code, called.out, called.err) == (2, "", "There is no participant P0L. Is it P01?\n"), words
+        assert (called.code, called.out, called.err) == (
+            2,
+            "",
+            "There is no participant P0L. Is it P01?\n",
+        ), words
 
 
 def test_of_two_participants_one_may_be_new(data: Path) -> None:

@@ -50,7 +50,9 @@ def test_the_tries_are_listed(call: Call, folder: Path) -> None:
     assert [each["result"] for each in found["tries"]] == ["wrong", "right"]
 
 
-@pytest.mark.parametrize(("line", "why"), [("", "standard input"), ("abc\n", "at least 6"), ("\n", "at least 6")])
+@pytest.mark.parametrize(
+    ("line", "why"), [("", "standard input"), ("abc\n", "at least 6"), ("\n", "at least 6")]
+)
 def test_none_or_a_short_one_is_refused(
     line: str, why: str, call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -26,7 +26,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["--patient", "P01", "sessions"], "--patient goes without a command"),
     ],
 )
-def test_what_cannot_be_used_is_refused(arguments: list[str], why: str, call: Call, folder: Path) -> None:
+def test_what_cannot_be_used_is_refused(
+    arguments: list[str], why: str, call: Call, folder: Path
+) -> None:
     Passphrase(folder).set("quiet river")
     with closing(connect(folder)) as database:
         participants.add(database, "P01")

@@ -60,13 +60,17 @@ def test_version_is_the_packages(call: Call) -> None:
 def test_help_and_version_import_nothing_heavy() -> None:
     script = (
         "import sys; from sar_tui.cli import main\n"
-        "for arguments in (['--version'], ['-h'], ['--help'], ['simulate', '--help'], ['tasks', '--help']):\n"
+        "for arguments in (['--version'], ['-h'], ['--help'], ['simulate', '--help'], ['tasks', "
+        "'--help']):\n"
         "    sys.argv = ['sar-tui', *arguments]\n"
         "    try: main()\n"
-        f"    except SystemExit as end: print(end.code, [name for name in {HEAVY!r} if name in sys.modules], "
+        f"    except SystemExit as end: print(end.code, [name for name in {HEAVY!r} if name in "
+        "sys.modules], "
         "file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr) == (0, "0 []\n" * 5)
 
 
@@ -78,7 +82,9 @@ def loaded_by(*arguments: str) -> set[str]:
         "try: main()\n"
         "except SystemExit as end: print(end.code, *sys.modules, file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     code, *modules = done.stderr.split()
     assert code == "0", done.stderr
     return set(modules)
@@ -91,7 +97,12 @@ def test_the_version_is_printed_without_the_parser_of_the_command_line() -> None
 def test_a_command_loads_no_other_command() -> None:
     modules = loaded_by("tasks")
     assert "sar_tui.cli.tasks" in modules
-    assert not modules & {"sar_tui.cli.detect", "sar_tui.cli.live", "sar_tui.cli.link", "sar_tui.cli.validate"}
+    assert not modules & {
+        "sar_tui.cli.detect",
+        "sar_tui.cli.live",
+        "sar_tui.cli.link",
+        "sar_tui.cli.validate",
+    }
     assert not modules & {"sqlite3", "sqlite_utils", "filelock", "numpy", "textual"}
 
 
@@ -104,7 +115,9 @@ def test_the_sessions_of_a_current_database_are_listed_without_the_modules_that_
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
-def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call, command: list[str]) -> None:
+def test_every_command_takes_the_data_and_tasks_folders_and_has_help(
+    call: Call, command: list[str]
+) -> None:
     called = call(*command, "--help")
     assert called.code == 0
     assert "--data DIR" in called.out
@@ -119,7 +132,10 @@ def test_every_command_takes_the_data_and_tasks_folders_and_has_help(call: Call,
         (["progress", ""], "A participant code has 1 to 32 letters"),
         (["show", ""], "There is no session with an empty name."),
         (["wizard", ""], "The session's id is missing: it is empty."),
-        (["simulate", "keyboard", "--user", "average", "--theme", ""], "There is no theme with an empty name."),
+        (
+            ["simulate", "keyboard", "--user", "average", "--theme", ""],
+            "There is no theme with an empty name.",
+        ),
         (["simulate", "", "--user", "average"], "There is no task with an empty name."),
         (["tasks", "check", ""], "a name is missing: it is empty."),
         (["themes", "check", ""], "a name is missing: it is empty."),
@@ -137,7 +153,15 @@ def test_an_empty_value_as_of_a_variable_that_is_not_set_is_bad_input(
 
 @pytest.mark.parametrize(
     "arguments",
-    [["nonsense"], ["--nonsense"], ["simulate"], ["tasks", "nonsense"], ["run", "keyboard"], ["show"], ["graph"]],
+    [
+        ["nonsense"],
+        ["--nonsense"],
+        ["simulate"],
+        ["tasks", "nonsense"],
+        ["run", "keyboard"],
+        ["show"],
+        ["graph"],
+    ],
     ids=" ".join,
 )
 def test_bad_usage_is_reported_plainly(call: Call, arguments: list[str]) -> None:
@@ -150,7 +174,9 @@ def test_bad_usage_is_reported_plainly(call: Call, arguments: list[str]) -> None
 
 
 @pytest.mark.parametrize("before", [True, False], ids=["before the command", "after it"])
-def test_the_data_folder_may_be_named_before_or_after_the_command(call: Call, tmp_path: Path, before: bool) -> None:
+def test_the_data_folder_may_be_named_before_or_after_the_command(
+    call: Call, tmp_path: Path, before: bool
+) -> None:
     option = ("--data", tmp_path / "elsewhere")
     simulate = ("simulate", "keyboard", "--user", "poor", "--attempts", 1)
     assert call(*(option + simulate if before else simulate + option)).code == 0
@@ -176,7 +202,9 @@ def test_a_folder_without_a_name_is_bad_usage_and_not_the_present_folder(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("arguments", [["--tasks", "/no/such", "tasks"], ["tasks", "--tasks", "/no/such"]])
+@pytest.mark.parametrize(
+    "arguments", [["--tasks", "/no/such", "tasks"], ["tasks", "--tasks", "/no/such"]]
+)
 def test_a_tasks_folder_that_is_not_there_is_bad_input(call: Call, arguments: list[str]) -> None:
     called = call(*arguments)
     assert (called.code, called.err) == (2, "There is no folder /no/such for tasks.\n")
@@ -214,7 +242,9 @@ def test_a_database_error_is_explained(call: Call, monkeypatch: pytest.MonkeyPat
     assert call("sessions") == (1, "", "sar-tui.db: no such table: sessions.\n")
 
 
-def test_a_module_that_cannot_be_loaded_is_reported_in_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_module_that_cannot_be_loaded_is_reported_in_a_sentence(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def break_down(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a plain mistake")
 
@@ -262,18 +292,32 @@ def test_ctrl_c_while_the_program_is_loaded_is_130_and_a_word() -> None:
         "from sar_tui.__main__ import main\n"
         "main()"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX systems")
 @pytest.mark.parametrize("how", ["--json", "table"])
 def test_a_reader_that_goes_away_is_no_error(call: Call, tmp_path: Path, how: str) -> None:
-    assert call("simulate", "keyboard", "--user", "poor", "--attempts", 4, "--data", tmp_path).code == 0
+    assert (
+        call("simulate", "keyboard", "--user", "poor", "--attempts", 4, "--data", tmp_path).code
+        == 0
+    )
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(
-        [sys.executable, "-m", "sar_tui", "show", "last", "--data", str(tmp_path), *(["--json"] * (how == "--json"))],
+        [
+            sys.executable,
+            "-m",
+            "sar_tui",
+            "show",
+            "last",
+            "--data",
+            str(tmp_path),
+            *(["--json"] * (how == "--json")),
+        ],
         stdout=writing,
         stderr=subprocess.PIPE,
         text=True,
@@ -284,8 +328,12 @@ def test_a_reader_that_goes_away_is_no_error(call: Call, tmp_path: Path, how: st
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full is Linux's")
-@pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["sessions", "--help"], ["tasks"]])
-def test_output_that_does_not_fit_on_the_disk_is_a_failure_in_a_sentence(tmp_path: Path, arguments: list[str]) -> None:
+@pytest.mark.parametrize(
+    "arguments", [["--version"], ["--help"], ["sessions", "--help"], ["tasks"]]
+)
+def test_output_that_does_not_fit_on_the_disk_is_a_failure_in_a_sentence(
+    tmp_path: Path, arguments: list[str]
+) -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "sar_tui", *arguments],
@@ -295,7 +343,10 @@ def test_output_that_does_not_fit_on_the_disk_is_a_failure_in_a_sentence(tmp_pat
             text=True,
             check=False,
         )
-    said = "The disk is full: what was to be written is not complete. Free some space, and try again.\n"
+    said = (
+        "The disk is full: what was to be written is not complete. Free some space, and try "
+        "again.\n"
+    )
     assert (done.returncode, done.stderr) == (1, said)
 
 
@@ -303,12 +354,17 @@ def test_output_that_does_not_fit_on_the_disk_is_a_failure_in_a_sentence(tmp_pat
 @pytest.mark.parametrize("arguments", ["--version", "tasks"])
 def test_a_command_whose_standard_output_is_closed_is_done_all_the_same(arguments: str) -> None:
     done = subprocess.run(
-        ["sh", "-c", f'"{sys.executable}" -m sar_tui {arguments} >&-'], stderr=subprocess.PIPE, text=True, check=False
+        ["sh", "-c", f'"{sys.executable}" -m sar_tui {arguments} >&-'],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
     )
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("arguments", [[], ["run", "keyboard", "-p", "P01"]], ids=["the app", "run"])
+@pytest.mark.parametrize(
+    "arguments", [[], ["run", "keyboard", "-p", "P01"]], ids=["the app", "run"]
+)
 @pytest.mark.parametrize("term", ["xterm", "dumb"])
 def test_without_a_terminal_the_app_is_refused(
     call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], term: str
@@ -380,7 +436,9 @@ def test_a_name_that_is_too_long_is_bad_input(
     ],
     ids=lambda arguments: " ".join(arguments).replace(NOT_TEXT, "?"),
 )
-def test_an_argument_that_is_not_text_is_bad_input(call: Call, tmp_path: Path, arguments: list[str]) -> None:
+def test_an_argument_that_is_not_text_is_bad_input(
+    call: Call, tmp_path: Path, arguments: list[str]
+) -> None:
     called = call("simulate", "keyboard", "--user", "poor", *arguments)
     assert called.code == 2
     assert "unexpected" not in called.err
@@ -416,7 +474,9 @@ def test_a_dumb_terminal_is_refused(call: Call, monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.skipif(os.name != "posix", reason="kinds of terminals")
 @pytest.mark.parametrize("term", ["", None])
-@pytest.mark.parametrize("arguments", [[], ["run", "keyboard", "-p", "P01"], ["wizard", "--wait"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "arguments", [[], ["run", "keyboard", "-p", "P01"], ["wizard", "--wait"]], ids=" ".join
+)
 def test_a_terminal_of_no_kind_is_refused(
     call: Call, monkeypatch: pytest.MonkeyPatch, term: str | None, arguments: list[str]
 ) -> None:

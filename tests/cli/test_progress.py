@@ -70,7 +70,10 @@ def test_two_sessions_are_compared(call: Call, trained: list[str]) -> None:
         (("not a code",), "A participant code has 1 to 32 letters"),
         (("P01", "--language", "fr"), "Choose one of: en, es."),
         (("P01", "--compare", "last"), "--compare takes two sessions"),
-        (("P01", "--compare", "last,zz"), "No session with a finished attempt of P01 begins with zz."),
+        (
+            ("P01", "--compare", "last,zz"),
+            "No session with a finished attempt of P01 begins with zz.",
+        ),
     ],
 )
 def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...], says: str) -> None:
@@ -82,7 +85,12 @@ def test_bad_input_is_told_in_a_sentence(call: Call, arguments: tuple[str, ...],
 def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None:
     call("instrument", "add", "P09", "BBT", 30, "--on", "2026-03-01", "--new")
     found = call("progress", "P09", "--json").json
-    assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == ("P09", [], [], 1)
+    assert (found["participant"], found["lines"], found["days"], len(found["instruments"])) == (
+        "P09",
+        [],
+        [],
+        1,
+    )
     assert (found["recent"]["days"], found["recent"]["done"]) == (0, 0)
 
 
@@ -90,7 +98,9 @@ def test_a_participant_without_sessions_has_no_lines_in_json(call: Call) -> None
 def test_a_page_is_written_for_its_owner_alone_and_never_overwritten(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "vl_convert", SimpleNamespace(vegalite_to_svg=lambda spec: "<svg ></svg>"))
+    monkeypatch.setitem(
+        sys.modules, "vl_convert", SimpleNamespace(vegalite_to_svg=lambda spec: "<svg ></svg>")
+    )
     file = tmp_path / "p01.html"
     assert call("progress", "P01", "--html", file).code == 0
     assert "<h1>P01 · Progress</h1>" in file.read_text(encoding="utf-8")
@@ -101,7 +111,9 @@ def test_a_page_is_written_for_its_owner_alone_and_never_overwritten(
 
 
 @pytest.mark.usefixtures("trained")
-def test_without_the_package_no_page_is_left(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_no_page_is_left(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
     called = call("progress", "P01", "--html", tmp_path / "p01.html")
     assert called.code == 2

@@ -29,7 +29,9 @@ Patched = Callable[[bool], io.StringIO]
 
 @pytest.fixture
 def stderr_to(monkeypatch: pytest.MonkeyPatch) -> Patched:
-    """``stderr_to(True)``: from here on standard error is a terminal; returns what is written to it."""
+    """``stderr_to(True)``: from here on standard error is a terminal; returns what is written to
+    it.
+    """
 
     def patch(is_terminal: bool) -> io.StringIO:
         stream = io.StringIO()
@@ -49,7 +51,9 @@ def count(seconds: int, *, piped: bool = False) -> None:
             show("Counting", done, 100)
 
 
-def test_a_command_that_takes_long_tells_the_share_and_the_time_left_and_leaves_no_line(stderr_to: Patched) -> None:
+def test_a_command_that_takes_long_tells_the_share_and_the_time_left_and_leaves_no_line(
+    stderr_to: Patched,
+) -> None:
     terminal = stderr_to(True)
     count(40)
     lines = terminal.getvalue().split("\r")
@@ -68,12 +72,17 @@ def test_a_short_command_shows_nothing(stderr_to: Patched) -> None:
     assert terminal.getvalue() == ""
 
 
-def test_nothing_is_written_where_output_is_piped_unless_the_command_takes_minutes(stderr_to: Patched) -> None:
+def test_nothing_is_written_where_output_is_piped_unless_the_command_takes_minutes(
+    stderr_to: Patched,
+) -> None:
     stderr = stderr_to(False)
     count(40)
     assert stderr.getvalue() == ""
     count(25, piped=True)
-    assert stderr.getvalue().splitlines() == ["Counting … 10 %, about 2 min left", "Counting … 20 %, about 1 min left"]
+    assert stderr.getvalue().splitlines() == [
+        "Counting … 10 %, about 2 min left",
+        "Counting … 20 %, about 1 min left",
+    ]
 
 
 def test_the_time_left_is_that_of_the_step_that_goes_on(stderr_to: Patched) -> None:
@@ -117,7 +126,8 @@ def test_a_step_that_tells_nothing_shows_that_time_goes_on(stderr_to: Patched) -
 
 
 @pytest.mark.parametrize(
-    ("seconds", "words"), [(0.2, "about 1 s"), (59, "about 59 s"), (119, "about 2 min"), (7200, "about 2.0 h")]
+    ("seconds", "words"),
+    [(0.2, "about 1 s"), (59, "about 59 s"), (119, "about 2 min"), (7200, "about 2.0 h")],
 )
 def test_times_are_told_as_people_say_them(seconds: float, words: str) -> None:
     assert in_words(seconds) == words
@@ -156,7 +166,9 @@ OTHERS: Sequence[tuple[object, ...]] = (
 
 
 @pytest.mark.usefixtures("at_once")
-@pytest.mark.parametrize("commands", [COMMON, pytest.param(OTHERS, marks=pytest.mark.slow)], ids=["common", "others"])
+@pytest.mark.parametrize(
+    "commands", [COMMON, pytest.param(OTHERS, marks=pytest.mark.slow)], ids=["common", "others"]
+)
 def test_each_command_that_may_take_long_tells_it(
     call: Call,
     tmp_path: Path,

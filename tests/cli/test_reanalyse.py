@@ -87,14 +87,21 @@ def test_another_detector_can_be_asked_for(call: Call) -> None:
         trial["details"]["thesis_reach_time_ms"] for trial in trials
     ]
     first, _ = printed["trials"]
-    assert first["difference_ms"] == pytest.approx(first["reach_time_ms"] - first["recorded_ms"], abs=1e-3)
+    assert first["difference_ms"] == pytest.approx(
+        first["reach_time_ms"] - first["recorded_ms"], abs=1e-3
+    )
     assert (first["details"]["detector"], first["equal"]) == ("thesis", False)
 
 
-def test_a_reach_is_measured_by_the_version_it_was_recorded_with(call: Call, tmp_path: Path) -> None:
+def test_a_reach_is_measured_by_the_version_it_was_recorded_with(
+    call: Call, tmp_path: Path
+) -> None:
     settings = ("--seed", 5, "--attempts", 2, "--set", "detector=single-axis")
     call("simulate", "reaching", "--user", "average", *settings)
-    change(tmp_path, "UPDATE trials SET details = json_remove(details, '$.measures_version') WHERE attempt = 2")
+    change(
+        tmp_path,
+        "UPDATE trials SET details = json_remove(details, '$.measures_version') WHERE attempt = 2",
+    )
     first, second = call("reanalyse", "last", "--json").json["trials"]
     assert first["details"]["measures_version"] == 2
     assert "measures_version" not in second["details"]
@@ -117,7 +124,9 @@ def test_nothing_that_was_recorded_changes(call: Call, tmp_path: Path, reached: 
     assert stored_rows(tmp_path) == before
 
 
-def test_samples_that_were_never_stored_are_reported(call: Call, tmp_path: Path, reached: str) -> None:
+def test_samples_that_were_never_stored_are_reported(
+    call: Call, tmp_path: Path, reached: str
+) -> None:
     change(tmp_path, "DELETE FROM imu_chunks")
     called = call("reanalyse", reached)
     assert called.code == 0
@@ -128,7 +137,9 @@ def test_samples_that_were_never_stored_are_reported(call: Call, tmp_path: Path,
     assert "samples" in first["flags"]
 
 
-def test_samples_from_before_a_reattachment_are_not_used(call: Call, tmp_path: Path, reached: str) -> None:
+def test_samples_from_before_a_reattachment_are_not_used(
+    call: Call, tmp_path: Path, reached: str
+) -> None:
     change(
         tmp_path,
         """UPDATE messages SET topic=(SELECT id FROM topics WHERE name='input/sensor'), message='["attached", 0]'
@@ -147,8 +158,20 @@ def test_damaged_samples_are_a_failure_in_words(call: Call, tmp_path: Path, reac
 
 
 def test_sessions_of_two_are_refused_with_a_reason(call: Call) -> None:
-    few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--set", "respond_with=reaches", "--seed", 1, "--json")
-    session = call("simulate", "pairs", "--user", "average", "--user", "average", *few).json["session"]
+    few = (
+        "--attempts",
+        1,
+        "--set",
+        "prompts_per_attempt=2",
+        "--set",
+        "respond_with=reaches",
+        "--seed",
+        1,
+        "--json",
+    )
+    session = call("simulate", "pairs", "--user", "average", "--user", "average", *few).json[
+        "session"
+    ]
     called = call("reanalyse", session)
     assert (called.code, called.out) == (2, "")
     assert called.err == (
@@ -160,10 +183,14 @@ def test_sessions_of_two_are_refused_with_a_reason(call: Call) -> None:
 def test_a_session_without_reaches_is_bad_input(call: Call, simulated: str) -> None:
     called = call("reanalyse", simulated)
     assert called.code == 2
-    assert called.err.startswith(f"The session {simulated} (keyboard) has no reach that can be found again")
+    assert called.err.startswith(
+        f"The session {simulated} (keyboard) has no reach that can be found again"
+    )
 
 
-def test_a_detector_that_no_longer_exists_is_bad_input(call: Call, tmp_path: Path, reached: str) -> None:
+def test_a_detector_that_no_longer_exists_is_bad_input(
+    call: Call, tmp_path: Path, reached: str
+) -> None:
     details = recorded(call, reached)[0]["details"] | {"detector": "clairvoyant"}
     change(tmp_path, "UPDATE trials SET details=? WHERE attempt=1", json.dumps(details))
     called = call("reanalyse", reached)

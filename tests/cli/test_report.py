@@ -17,8 +17,25 @@ from sar_tui.simulation.operator import PROFILES
 from tests.program import Call
 
 PAGE = (Path(__file__).parents[2] / "docs" / "data-dictionary.md").read_text(encoding="utf-8")
-SHORT = ("simulate", "keyboard", "--user", "average", "--set", "prompts_per_attempt=3", "--seed", 1, "--json")
-BUSY = ("--set", "operator_difficulty=approve", "--set", "operator_encouragement=veto", "--set", "threshold=700")
+SHORT = (
+    "simulate",
+    "keyboard",
+    "--user",
+    "average",
+    "--set",
+    "prompts_per_attempt=3",
+    "--seed",
+    1,
+    "--json",
+)
+BUSY = (
+    "--set",
+    "operator_difficulty=approve",
+    "--set",
+    "operator_encouragement=veto",
+    "--set",
+    "threshold=700",
+)
 
 
 def keys(value: object) -> set[str]:
@@ -53,14 +70,21 @@ def test_the_printed_report_has_operators_latencies_and_agreement(call: Call) ->
     assert f"Session {session}: keyboard, SIM, simulated." in called.out
     assert "Operators: operator.simulated. There was an operator for" in called.out
     agreed = made["agreement"]
-    assert f"Operators decided on {agreed['decided']} proposals: {agreed['accepted']} as proposed" in called.out
+    assert (
+        f"Operators decided on {agreed['decided']} proposals: {agreed['accepted']} as proposed"
+        in called.out
+    )
     assert f"{made['decision_ms']['median']:.1f}" in called.out
     assert "█" in called.out
     assert "Cohen's kappa" in called.out
     assert "(Riek 2012)" in called.out
-    assert "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty approve, " in called.out
     assert (
-        "operator_time_ms 4000, operator_ms_per_word 250, operator_timeout act, operator_lost autonomous" in called.out
+        "Plan: operator_feedback approve, operator_encouragement veto, operator_difficulty "
+        "approve, " in called.out
+    )
+    assert (
+        "operator_time_ms 4000, operator_ms_per_word 250, operator_timeout act, operator_lost "
+        "autonomous" in called.out
     )
 
 
@@ -70,7 +94,10 @@ def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_pat
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
         began, last = connection.execute("SELECT min(at_ns), max(at_ns) FROM events").fetchone()
         for topic, message in (
-            ("operator/noted", {"text": "Tired today.", "actor": who, "at": began + 27_000_000_000}),
+            (
+                "operator/noted",
+                {"text": "Tired today.", "actor": who, "at": began + 27_000_000_000},
+            ),
             ("operator/noted", {"label": "yawn", "actor": who, "at": began + 28_500_000_000}),
             ("operator/act", {"command": "pause", "reason": "pain"}),
         ):
@@ -83,7 +110,10 @@ def test_notes_marks_and_pauses_are_printed_with_their_times(call: Call, tmp_pat
     assert "1 note, 1 event mark." in out
     assert re.search(rf"27\.0 +{who} +Tired today\.", out)
     assert re.search(rf"28\.5 +{who} +yawn", out)
-    paused = f"The participant paused at {(last - began) / 1e9:.1f} s of run 1 (pain), for 0.0 s; until the run ended."
+    paused = (
+        f"The participant paused at {(last - began) / 1e9:.1f} s of run 1 (pain), for 0.0 s; "
+        "until the run ended."
+    )
     assert paused in out
 
 
@@ -104,7 +134,10 @@ def test_absences_and_deviations_are_printed(call: Call) -> None:
     assert made["absences"], "this seed's operator goes"
     out = call("report", "wizard", session).out
     first = made["absences"][0]
-    assert f"No operator from {first['at_s']:.1f} s of run 1 on, for {first['duration_s']:.1f} s" in out
+    assert (
+        f"No operator from {first['at_s']:.1f} s of run 1 on, for {first['duration_s']:.1f} s"
+        in out
+    )
     assert f"lost {made['counts']['lost']}" in out
 
 
@@ -129,10 +162,14 @@ def test_an_unreadable_record_is_one_sentence(call: Call, simulated: str, tmp_pa
         connection.execute("UPDATE messages SET topic=last_insert_rowid() WHERE seq=3")
     called = call("report", "wizard", simulated)
     assert called.code != 0
-    assert called.err == f"Message 3 of session {simulated} cannot be read by this version of sar-tui.\n"
+    assert (
+        called.err
+        == f"Message 3 of session {simulated} cannot be read by this version of sar-tui.\n"
+    )
 
 
-# --- simulate --operator ------------------------------------------------------------------------------------------
+# --- simulate --operator
+# ------------------------------------------------------------------------------------------
 
 
 def test_the_option_offers_every_profile() -> None:
@@ -142,7 +179,9 @@ def test_the_option_offers_every_profile() -> None:
 def test_with_an_operator_feedback_needs_approval_unless_set_otherwise(call: Call) -> None:
     def mode(*options: object) -> str:
         session = call(*SHORT, "--attempts", 2, *options).json["session"]
-        return str(call("show", session, "--json").json["session"]["parameters"]["operator_feedback"])
+        return str(
+            call("show", session, "--json").json["session"]["parameters"]["operator_feedback"]
+        )
 
     assert mode() == "autonomous"
     assert mode("--operator", "careful") == "approve"
@@ -151,7 +190,9 @@ def test_with_an_operator_feedback_needs_approval_unless_set_otherwise(call: Cal
 
 def test_the_same_seed_gives_the_same_report(call: Call) -> None:
     def made(seed: int) -> dict[str, object]:
-        session = call(*SHORT, "--attempts", 6, "--operator", "hasty", "--seed", seed).json["session"]
+        session = call(*SHORT, "--attempts", 6, "--operator", "hasty", "--seed", seed).json[
+            "session"
+        ]
         return {**call("report", "wizard", session, "--json").json, "session": ""}
 
     assert made(7) == made(7) != made(8)
@@ -168,21 +209,36 @@ def test_an_unknown_operator_is_bad_input_and_leaves_no_session(call: Call) -> N
 def two_operated(call: Call) -> tuple[str, str]:
     """Two sessions with an operator, and a third without one."""
     first = call(*SHORT, "--operator", "careful", "--attempts", 3, *BUSY).json["session"]
-    second = call(*SHORT, "--operator", "hasty", "--attempts", 3, "--set", "operator_feedback=approve").json["session"]
+    second = call(
+        *SHORT, "--operator", "hasty", "--attempts", 3, "--set", "operator_feedback=approve"
+    ).json["session"]
     call(*SHORT, "--attempts", 1)
     return first, second
 
 
 @pytest.mark.parametrize(
-    ("kind", "report"), [("wizard", WizardStudy), ("intervention", InterventionReport)], ids=["wizard", "intervention"]
+    ("kind", "report"),
+    [("wizard", WizardStudy), ("intervention", InterventionReport)],
+    ids=["wizard", "intervention"],
 )
 def test_json_of_several_sessions_is_described_in_the_data_dictionary(
     call: Call, two_operated: tuple[str, str], kind: str, report: type[msgspec.Struct]
 ) -> None:
     printed = call("report", kind, "--all", "--simulated", "--json").json
     assert list(printed) == list(report.__struct_fields__)
-    documented = set(re.findall(r"`([^`\n]+)`", PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0]))
-    data = {"counts", "agreement_by_kind", "valence_table", "settings", "statuses", "modes", "feedback", "outputs"}
+    documented = set(
+        re.findall(r"`([^`\n]+)`", PAGE.partition("`report wizard`: ")[2].partition("\n## ")[0])
+    )
+    data = {
+        "counts",
+        "agreement_by_kind",
+        "valence_table",
+        "settings",
+        "statuses",
+        "modes",
+        "feedback",
+        "outputs",
+    }
     data |= {"deviations", "pauses", "events"}
 
     def fields(value: object) -> set[str]:

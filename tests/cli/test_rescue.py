@@ -1,4 +1,6 @@
-"""``sar-tui rescue`` brings rescue files back; every command says that they wait, and that data was lost."""
+"""``sar-tui rescue`` brings rescue files back; every command says that they wait, and that data was
+lost.
+"""
 
 import re
 import sqlite3
@@ -33,14 +35,19 @@ def test_without_rescue_files_there_is_nothing_to_do(call: Call, tmp_path: Path)
 
 def test_a_rescue_file_is_brought_back(call: Call, waiting: str) -> None:
     called = call("rescue")
-    assert (called.code, called.out) == (0, f"Session {waiting} of P01 (keyboard) is in the database again.\n")
+    assert (called.code, called.out) == (
+        0,
+        f"Session {waiting} of P01 (keyboard) is in the database again.\n",
+    )
     listed = call("sessions", "--json")
     assert [row["id"] for row in listed.json["sessions"]] == [waiting]
     assert listed.err == ""
     assert call("rescue").out.startswith("There are no rescue files")
 
 
-def test_a_file_that_holds_nothing_new_is_put_away(call: Call, waiting: str, tmp_path: Path) -> None:
+def test_a_file_that_holds_nothing_new_is_put_away(
+    call: Call, waiting: str, tmp_path: Path
+) -> None:
     (path,) = rescue_files(tmp_path / "data")
     call("rescue")
     (done,) = (tmp_path / "data").glob("sar-tui-rescued-*.db")
@@ -49,17 +56,27 @@ def test_a_file_that_holds_nothing_new_is_put_away(call: Call, waiting: str, tmp
     assert rescue_files(tmp_path / "data") == []
 
 
-def test_a_session_that_went_on_differently_stays_in_its_file(call: Call, waiting: str, tmp_path: Path) -> None:
+def test_a_session_that_went_on_differently_stays_in_its_file(
+    call: Call, waiting: str, tmp_path: Path
+) -> None:
     (path,) = rescue_files(tmp_path / "data")
     with closing(connect(tmp_path / "data")) as database:
-        facts: Any = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}, "mode": "live"}
+        facts: Any = {
+            "theme": "calm",
+            "seed": 1,
+            "parameters": {},
+            "software": {},
+            "machine": {},
+            "mode": "live",
+        }
         sessions.create(database, waiting, task="keyboard", participant="P01", **facts)
         for _ in range(2):
             sessions.begin_run(database, waiting, software={}, machine={})
     called = call("rescue")
     assert called.code == 1
     assert called.out == (
-        f"Session {waiting} of P01 (keyboard) stays in {path}: it was resumed in the database since, and went on "
+        f"Session {waiting} of P01 (keyboard) stays in {path}: it was resumed in the database "
+        "since, and went on "
         "differently.\n"
     )
 
@@ -108,12 +125,16 @@ def test_a_session_with_a_damaged_row_stays_in_its_file(
     path = damage(tmp_path / "data", change)
     called = call("rescue")
     assert (called.code, called.err) == (1, "")
-    assert f"Session {waiting} of {who} (keyboard) stays in {path}: its rows are damaged" in called.out
+    assert (
+        f"Session {waiting} of {who} (keyboard) stays in {path}: its rows are damaged" in called.out
+    )
     assert call("sessions").code == 0
 
 
 @pytest.mark.parametrize("command", [["sessions"], ["show", "last"]])
-def test_commands_say_that_a_rescue_file_waits(call: Call, waiting: str, tmp_path: Path, command: list[str]) -> None:
+def test_commands_say_that_a_rescue_file_waits(
+    call: Call, waiting: str, tmp_path: Path, command: list[str]
+) -> None:
     (path,) = rescue_files(tmp_path / "data")
     assert call(*command).err.startswith(
         f"! {path} holds data that is not in the database. `sar-tui rescue` brings it back.\n"
@@ -129,7 +150,10 @@ def test_a_session_is_not_resumed_while_its_last_messages_are_in_a_rescue_file(
         database.execute("UPDATE sessions SET status='interrupted'")
     called = call("resume", waiting)
     assert called.code == 2
-    assert f"The last messages of session {waiting} are in {path}. Run `sar-tui rescue` first." in called.err
+    assert (
+        f"The last messages of session {waiting} are in {path}. Run `sar-tui rescue` first."
+        in called.err
+    )
 
 
 def test_commands_and_doctor_say_that_data_was_lost(call: Call, crashed: Path) -> None:

@@ -27,7 +27,9 @@ from tests.program import Call
 def serving(*arguments: object) -> "Iterator[subprocess.Popen[str]]":
     """Run the command, and kill it afterwards."""
     command = [sys.executable, "-m", "sar_tui", "serve", *map(str, arguments)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
         try:
             yield process
         finally:
@@ -40,9 +42,12 @@ def line(stream: IO[str] | None) -> str:
 
 
 @pytest.mark.parametrize(
-    ("number", "code", "said"), [(signal.SIGINT, 130, "Stopped.\n"), (signal.SIGTERM, 128 + signal.SIGTERM, "")]
+    ("number", "code", "said"),
+    [(signal.SIGINT, 130, "Stopped.\n"), (signal.SIGTERM, 128 + signal.SIGTERM, "")],
 )
-def test_serves_until_a_signal(number: signal.Signals, code: int, said: str, tmp_path: Path) -> None:
+def test_serves_until_a_signal(
+    number: signal.Signals, code: int, said: str, tmp_path: Path
+) -> None:
     with serving("observer", "--port", 0, "--data", tmp_path) as process:
         address, _, token = line(process.stdout).strip().partition("/?token=")
         assert address.startswith("http://127.0.0.1:")
@@ -102,8 +107,13 @@ def test_invalid_options_are_refused(call: Call, arguments: list[str], said: str
     assert said in called.err
 
 
-def test_something_that_is_no_invitation_is_refused_before_anything_is_served(call: Call, tmp_path: Path) -> None:
-    with tempfile.TemporaryDirectory(prefix="sar-") as folder, socket.socket(socket.AF_UNIX) as listening:
+def test_something_that_is_no_invitation_is_refused_before_anything_is_served(
+    call: Call, tmp_path: Path
+) -> None:
+    with (
+        tempfile.TemporaryDirectory(prefix="sar-") as folder,
+        socket.socket(socket.AF_UNIX) as listening,
+    ):
         listening.bind(f"{folder}/a.sock")
         for path, said in (
             (f"{folder}/a.sock", "is not a file"),
@@ -118,13 +128,20 @@ def test_something_that_is_no_invitation_is_refused_before_anything_is_served(ca
 def test_a_session_that_is_not_there_is_refused_before_anything_is_served(
     call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(discovery, "joinable_sessions", lambda data: [JoinableSession("abc1", "keyboard", "l1", 1)])
+    monkeypatch.setattr(
+        discovery, "joinable_sessions", lambda data: [JoinableSession("abc1", "keyboard", "l1", 1)]
+    )
     called = call("serve", "operator", "--port", 0, "--session", "nonsense")
     assert (called.code, called.out) == (2, "")
-    assert called.err == "No session that can be joined begins with nonsense. These can: abc1 (keyboard).\n"
+    assert (
+        called.err
+        == "No session that can be joined begins with nonsense. These can: abc1 (keyboard).\n"
+    )
 
 
-def test_an_operators_invitation_is_not_served_to_observers(call: Call, data: Path, tmp_path: Path) -> None:
+def test_an_operators_invitation_is_not_served_to_observers(
+    call: Call, data: Path, tmp_path: Path
+) -> None:
     path = tmp_path / "anna.sar-link"
     invitation.write(invite_guests(data).anna, path)
     called = call("serve", "observer", "--port", 0, "--link", path)
@@ -133,8 +150,11 @@ def test_an_operators_invitation_is_not_served_to_observers(call: Call, data: Pa
 
 
 @pytest.mark.parametrize("missing", ["textual_serve", "aiohttp"])
-def test_missing_extra_is_reported(call: Call, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
-    monkeypatch.setattr(sar_tui, "serve", sar_tui.serve)  # restores the attribute, as the import below sets it
+def test_missing_extra_is_reported(
+    call: Call, monkeypatch: pytest.MonkeyPatch, missing: str
+) -> None:
+    # restores the attribute, as the import below sets it
+    monkeypatch.setattr(sar_tui, "serve", sar_tui.serve)
     for name in [name for name in sys.modules if name.startswith("sar_tui.serve")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
@@ -152,7 +172,12 @@ def test_missing_link_packages_are_reported(call: Call, monkeypatch: pytest.Monk
 
 
 def test_name_of_an_operator(call: Call, tmp_path: Path) -> None:
-    assert _program("operator", "s1", None, Home(tmp_path), "anna")[-4:] == ["--name", "anna", "--", "s1"]
+    assert _program("operator", "s1", None, Home(tmp_path), "anna")[-4:] == [
+        "--name",
+        "anna",
+        "--",
+        "s1",
+    ]
     called = call("serve", "operator", "--port", 0, "--name", "Anna B.")
     assert called.code == 2
     assert "is not a valid name" in called.err
@@ -163,4 +188,7 @@ def test_arguments_of_the_program_cannot_be_injected(tmp_path: Path) -> None:
     program = _program("observer", "--link; rm -rf /", None, home)
     assert program[1:6] == ["-P", "-m", "sar_tui", "wizard", "--observe"]
     assert program[-4:] == ["--tasks", str(tmp_path / "tasks"), "--", "--link; rm -rf /"]
-    assert _program("agent", None, tmp_path / "an invitation", home)[-2:] == ["--link", str(tmp_path / "an invitation")]
+    assert _program("agent", None, tmp_path / "an invitation", home)[-2:] == [
+        "--link",
+        str(tmp_path / "an invitation"),
+    ]

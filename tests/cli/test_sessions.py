@@ -31,17 +31,26 @@ def test_sessions_json_has_the_columns_of_the_table(call: Call, simulated: str) 
         "machine",
         "mode",
     } <= set(row)
-    assert (row["id"], row["participant"], row["status"], row["mode"]) == (simulated, "P01", "completed", "simulated")
+    assert (row["id"], row["participant"], row["status"], row["mode"]) == (
+        simulated,
+        "P01",
+        "completed",
+        "simulated",
+    )
     assert row["parameters"]["attempts"] == 4
 
 
 def test_sessions_can_be_one_participants(call: Call, simulated: str) -> None:
-    assert [row["id"] for row in call("sessions", "-p", "p01", "--json").json["sessions"]] == [simulated]
+    assert [row["id"] for row in call("sessions", "-p", "p01", "--json").json["sessions"]] == [
+        simulated
+    ]
     assert call("sessions", "-p", "P99") == (2, "", "There is no participant P99.\n")
 
 
 def test_sessions_are_listed_newest_first(call: Call, simulated: str) -> None:
-    newer = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json["session"]
+    newer = call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "--json").json[
+        "session"
+    ]
     printed = call("sessions").out
     assert printed.index(newer) < printed.index(simulated)
     assert "completed, simulated" in printed
@@ -64,13 +73,22 @@ def test_show_json_has_session_attempts_and_trials(call: Call, simulated: str) -
     assert len(printed["trials"]) == 80
     (screen,) = printed["outputs"]
     assert (screen["output"], screen["failed"], screen["why"]) == ("screen", 0, "")
-    assert {"attempt", "trial", "stimulus", "response", "correct", "reaction_time_ms", "timing", "details"} <= set(
-        printed["trials"][0]
-    )
+    assert {
+        "attempt",
+        "trial",
+        "stimulus",
+        "response",
+        "correct",
+        "reaction_time_ms",
+        "timing",
+        "details",
+    } <= set(printed["trials"][0])
 
 
 @pytest.mark.parametrize("name", ["last", "whole", "beginning"])
-def test_a_session_is_found_by_its_id_its_beginning_or_last(call: Call, simulated: str, name: str) -> None:
+def test_a_session_is_found_by_its_id_its_beginning_or_last(
+    call: Call, simulated: str, name: str
+) -> None:
     named = {"last": "last", "whole": simulated, "beginning": simulated[:5]}[name]
     assert call("show", named, "--json").json["session"]["id"] == simulated
 
@@ -78,12 +96,22 @@ def test_a_session_is_found_by_its_id_its_beginning_or_last(call: Call, simulate
 def test_show_prints_facts_attempts_plot_and_timing(call: Call, simulated: str) -> None:
     called = call("show", "last")
     assert (called.code, called.err) == (0, "")
-    for part in (simulated, "P01", "keyboard", "positive", "╌ goal 1000", "level   ", "of 80 trials have a flag"):
+    for part in (
+        simulated,
+        "P01",
+        "keyboard",
+        "positive",
+        "╌ goal 1000",
+        "level   ",
+        "of 80 trials have a flag",
+    ):
         assert part in called.out
     assert "\x1b" not in called.out
 
 
-def test_show_says_what_became_of_each_attempt_as_its_plot_does(call: Call, tmp_path: Path, simulated: str) -> None:
+def test_show_says_what_became_of_each_attempt_as_its_plot_does(
+    call: Call, tmp_path: Path, simulated: str
+) -> None:
     change(tmp_path, "UPDATE attempts SET outcome='failure'")
     change(tmp_path, "UPDATE attempts SET metric=NULL WHERE attempt=1")
     change(tmp_path, "UPDATE attempts SET metric=goal + 100 WHERE attempt=2")
@@ -114,7 +142,9 @@ def test_show_works_when_the_task_is_gone(call: Call, tmp_path: Path, simulated:
     assert "reaction time (ms)" in called.out, "what the task declared is kept with the session"
 
 
-def test_infinite_results_of_earlier_versions_are_no_results(call: Call, tmp_path: Path, simulated: str) -> None:
+def test_infinite_results_of_earlier_versions_are_no_results(
+    call: Call, tmp_path: Path, simulated: str
+) -> None:
     change(tmp_path, "UPDATE attempts SET metric=9e999 WHERE attempt=2")
     change(tmp_path, "UPDATE attempts SET metric=-9e999 WHERE attempt=3")
     called = call("show", simulated)
@@ -137,7 +167,10 @@ def test_show_a_session_without_attempts(call: Call, tmp_path: Path, simulated: 
 @pytest.mark.parametrize("name", ["zzz", "last"])
 def test_an_unknown_session_is_bad_input(call: Call, name: str) -> None:
     called = call("show", name)
-    assert (called.code, called.err) == (2, f"There is no session {name}. `sar-tui sessions` lists them.\n")
+    assert (called.code, called.err) == (
+        2,
+        f"There is no session {name}. `sar-tui sessions` lists them.\n",
+    )
 
 
 @pytest.mark.parametrize(("unit", "label"), [("ms", "reaction time (ms)"), ("", "reaction time")])
@@ -145,7 +178,8 @@ def test_a_metric_is_labelled_with_its_unit_if_it_has_one(unit: str, label: str)
     assert Metric("reaction_time", unit, "lower").label == label
 
 
-# --- outputs ---------------------------------------------------------------------------------------------------------
+# --- outputs
+# ---------------------------------------------------------------------------------------------------------
 
 
 def record(folder: Path, session: str, topic: str, **message: object) -> None:
@@ -160,26 +194,65 @@ def record(folder: Path, session: str, topic: str, **message: object) -> None:
     )
 
 
-def test_show_ends_with_a_line_for_each_output_that_failed(call: Call, tmp_path: Path, simulated: str) -> None:
+def test_show_ends_with_a_line_for_each_output_that_failed(
+    call: Call, tmp_path: Path, simulated: str
+) -> None:
     card, busy = "There is no sound card [yet].", "It is busy."
     for output in ("speech", "tones"):
         record(tmp_path, simulated, "output/opened", output=output, address=output, can=["say"])
-    for action, state, detail in (("a1", "failed", card), ("a2", "failed", busy), ("a3", "failed", card)):
-        record(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state="queued", at=1)
+    for action, state, detail in (
+        ("a1", "failed", card),
+        ("a2", "failed", busy),
+        ("a3", "failed", card),
+    ):
+        record(
+            tmp_path,
+            simulated,
+            "output/report",
+            output="speech",
+            action=action,
+            deed="say",
+            state="queued",
+            at=1,
+        )
         record(
             tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=2,
             detail=detail,
         )  # fmt: skip
     for action, state in (("a4", "done"), ("a5", "aborted"), ("a6", "queued")):
-        record(tmp_path, simulated, "output/report", output="speech", action=action, deed="say", state=state, at=3)
-    record(tmp_path, simulated, "output/report", output="tones", action="a1", deed="tone", state="done", at=3)
+        record(
+            tmp_path,
+            simulated,
+            "output/report",
+            output="speech",
+            action=action,
+            deed="say",
+            state=state,
+            at=3,
+        )
+    record(
+        tmp_path,
+        simulated,
+        "output/report",
+        output="tones",
+        action="a1",
+        deed="tone",
+        state="done",
+        at=3,
+    )
 
-    assert call("show", simulated).out.rstrip().split("\n")[-1] == f"! speech: 3 of 5 failed ({card})"
+    assert (
+        call("show", simulated).out.rstrip().split("\n")[-1] == f"! speech: 3 of 5 failed ({card})"
+    )
     outputs = {each["output"]: each for each in call("show", simulated, "--json").json["outputs"]}
     assert outputs["speech"] == {
         "output": "speech", "address": "speech", "done": 1, "aborted": 1, "failed": 3, "why": card, "not_closed": "",
     }  # fmt: skip
-    assert (outputs["tones"]["done"], outputs["tones"]["failed"], outputs["tones"]["why"]) == (1, 0, "")
+    assert (outputs["tones"]["done"], outputs["tones"]["failed"], outputs["tones"]["why"]) == (
+        1,
+        0,
+        "",
+    )
 
 
 def test_show_omits_outputs_that_worked(call: Call, simulated: str) -> None:
@@ -189,11 +262,16 @@ def test_show_omits_outputs_that_worked(call: Call, simulated: str) -> None:
 @pytest.mark.parametrize(
     ("policy", "line"),
     [
-        ("target", "After attempt 1: level 1 → 3. 5 of 5 prompts reached the goal; the target is 70 %."),
+        (
+            "target",
+            "After attempt 1: level 1 → 3. 5 of 5 prompts reached the goal; the target is 70 %.",
+        ),
         ("percentile", " ms. The goal is the last result at this level."),
     ],
 )
-def test_the_reasons_of_changes_are_shown_under_policies_that_need_them(call: Call, policy: str, line: str) -> None:
+def test_the_reasons_of_changes_are_shown_under_policies_that_need_them(
+    call: Call, policy: str, line: str
+) -> None:
     settings = ["--set", f"difficulty_policy={policy}", "--set", "prompts_per_attempt=5"]
     call("simulate", "keyboard", "--user", "competent", "--attempts", "2", "--seed", "1", *settings)
     assert line in call("show", "last").out
@@ -205,13 +283,22 @@ def test_by_default_no_reasons_are_listed(call: Call) -> None:
 
 
 def test_rests_that_had_to_be_taken_are_listed(call: Call) -> None:
-    settings = ["--set", "prompts_per_attempt=1", "--set", "rest_after_attempts=2", "--set", "rest_seconds=30"]
+    settings = [
+        "--set",
+        "prompts_per_attempt=1",
+        "--set",
+        "rest_after_attempts=2",
+        "--set",
+        "rest_seconds=30",
+    ]
     call("simulate", "keyboard", "--user", "competent", "--attempts", "5", "--seed", "1", *settings)
     rests = [line for line in call("show", "last").out.splitlines() if "a rest of" in line]
     assert rests == ["After attempt 2: a rest of 30 s.", "After attempt 4: a rest of 30 s."]
 
 
-@pytest.mark.parametrize("damage", ["substr(parameters, 1, 100)", "CAST(parameters || x'ff' AS TEXT)", "''"])
+@pytest.mark.parametrize(
+    "damage", ["substr(parameters, 1, 100)", "CAST(parameters || x'ff' AS TEXT)", "''"]
+)
 @pytest.mark.parametrize("command", [["sessions"], ["show", "last"], ["report", "wizard", "last"]])
 def test_a_damaged_text_in_the_database_is_reported_as_damage(
     call: Call, tmp_path: Path, simulated: str, command: list[str], damage: str
@@ -219,12 +306,17 @@ def test_a_damaged_text_in_the_database_is_reported_as_damage(
     change(tmp_path, f"UPDATE sessions SET parameters={damage} WHERE id=?", simulated)
     called = call(*command)
     assert (called.code, called.out) == (2, "")
-    assert "sar-tui.db is damaged. Restore a backup, save what can be read (`sar-tui check --repair`)" in called.err
+    assert (
+        "sar-tui.db is damaged. Restore a backup, save what can be read (`sar-tui check --repair`)"
+        in called.err
+    )
 
 
 def test_reported_changes_stand_beside_their_mdc95(call: Call) -> None:
     settings = {"difficulty_policy": "fixed", "attempts": 20, "prompts_per_attempt": 5}
     sets = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     call("simulate", "keyboard", "--user", "competent", "--seed", 6, *sets)
-    (said,) = (line for line in call("show", "last").out.splitlines() if "feedback reported" in line)
+    (said,) = (
+        line for line in call("show", "last").out.splitlines() if "feedback reported" in line
+    )
     assert said == "After attempt 13, feedback reported: reaction time -0.231 s (MDC95 0.226 s)."

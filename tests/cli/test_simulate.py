@@ -24,15 +24,21 @@ def test_json_is_the_session_and_the_rows_of_its_attempts(call: Call, tmp_path: 
     assert [row["attempt"] for row in printed["attempts"]] == [1, 2, 3]
     assert all(set(row) == COLUMNS for row in printed["attempts"])
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
-        rows = connection.execute("SELECT metric FROM attempts WHERE session=?", (printed["session"],)).fetchall()
+        rows = connection.execute(
+            "SELECT metric FROM attempts WHERE session=?", (printed["session"],)
+        ).fetchall()
     assert [row["metric"] for row in printed["attempts"]] == [metric for (metric,) in rows]
 
 
 def test_show_lists_what_a_therapist_has_marked(call: Call, tmp_path: Path) -> None:
-    session = call("simulate", "reaching", "--user", "average", "--attempts", 2, "--seed", 1, "--json").json["session"]
+    session = call(
+        "simulate", "reaching", "--user", "average", "--attempts", 2, "--seed", 1, "--json"
+    ).json["session"]
     assert "Marked" not in call("show", session).out
     with sqlite3.connect(tmp_path / "data" / "sar-tui.db") as connection:
-        connection.execute("UPDATE trials SET details=json_set(details, '$.mark', 'assisted') WHERE attempt=2")
+        connection.execute(
+            "UPDATE trials SET details=json_set(details, '$.mark', 'assisted') WHERE attempt=2"
+        )
     assert "Marked by the therapist: attempt 2 assisted." in call("show", session).out
 
 
@@ -69,18 +75,34 @@ def test_user_choices_are_the_simulated_people() -> None:
 def test_the_code_defaults_to_sim_and_is_stored_in_capitals(call: Call) -> None:
     call(*AVERAGE, "--attempts", 1)
     call(*AVERAGE, "--attempts", 1, "-p", "p07")
-    assert {row["participant"] for row in call("sessions", "--json").json["sessions"]} == {"SIM", "P07"}
+    assert {row["participant"] for row in call("sessions", "--json").json["sessions"]} == {
+        "SIM",
+        "P07",
+    }
 
 
 def test_settings_theme_and_people_can_be_changed(call: Call) -> None:
-    options = ("--set", "prompts_per_attempt=3", "--set", "practice_attempts=1", "--theme", "high-contrast")
+    options = (
+        "--set",
+        "prompts_per_attempt=3",
+        "--set",
+        "practice_attempts=1",
+        "--theme",
+        "high-contrast",
+    )
     printed = call(*AVERAGE, "--attempts", 2, *options, "--json").json
-    assert [(row["practice"], row["trials"]) for row in printed["attempts"]] == [(True, 3), (False, 3), (False, 3)]
+    assert [(row["practice"], row["trials"]) for row in printed["attempts"]] == [
+        (True, 3),
+        (False, 3),
+        (False, 3),
+    ]
     assert call("show", printed["session"], "--json").json["session"]["theme"] == "high-contrast"
 
 
 def test_attempts_beats_set(call: Call) -> None:
-    assert len(call(*AVERAGE, "--attempts", 1, "--set", "attempts=5", "--json").json["attempts"]) == 1
+    assert (
+        len(call(*AVERAGE, "--attempts", 1, "--set", "attempts=5", "--json").json["attempts"]) == 1
+    )
 
 
 def test_fatigue_slows_and_practice_speeds_up(call: Call) -> None:
@@ -99,8 +121,14 @@ def test_fatigue_slows_and_practice_speeds_up(call: Call) -> None:
         (["--set", "atempts=3"], "Did you mean attempts?"),
         (["--set", "attempts=many"], "Attempts is a whole number, 1 to 200, not many."),
         (["--attempts", "0"], "Attempts is a whole number, 1 to 200, not 0."),
-        (["--set", "start_level=4", "--set", "max_level=2"], "Start level (4) must be between 1 and 2."),
-        (["--theme", "nope"], "There is no theme nope. Choose one of: calm, high-contrast, playful."),
+        (
+            ["--set", "start_level=4", "--set", "max_level=2"],
+            "Start level (4) must be between 1 and 2.",
+        ),
+        (
+            ["--theme", "nope"],
+            "There is no theme nope. Choose one of: calm, high-contrast, playful.",
+        ),
         (["-p", "Jane Doe"], "Never use a name."),
         (["--seed", "-1"], "--seed"),
         (["--fatigue", "9"], "--fatigue"),
@@ -116,7 +144,9 @@ def test_bad_input_is_2_and_leaves_no_session(call: Call, options: list[str], sa
 
 
 def test_bad_parameters_point_to_the_list_of_them(call: Call) -> None:
-    assert "`sar-tui tasks show keyboard` lists what can be set." in call(*AVERAGE, "--set", "x=1").err
+    assert (
+        "`sar-tui tasks show keyboard` lists what can be set." in call(*AVERAGE, "--set", "x=1").err
+    )
 
 
 def test_an_unknown_task_is_bad_input(call: Call) -> None:
@@ -125,13 +155,17 @@ def test_an_unknown_task_is_bad_input(call: Call) -> None:
     assert (called.code, called.err) == (2, f"There is no task juggling. Choose one of: {names}.\n")
 
 
-def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(call: Call, tmp_path: Path) -> None:
+def test_a_task_that_breaks_in_mid_session_is_a_failure_that_keeps_what_was_done(
+    call: Call, tmp_path: Path
+) -> None:
     call("tasks", "new", "brittle", "--like", "count", "--to", tmp_path)
     path = tmp_path / "brittle" / "task.py"
     text = path.read_text()
     assert "keys = SEQUENCES[situation.level - 1]" in text
     path.write_text(
-        text.replace("keys = SEQUENCES[situation.level - 1]", "keys = SEQUENCES[2 - situation.attempt * 9]")
+        text.replace(
+            "keys = SEQUENCES[situation.level - 1]", "keys = SEQUENCES[2 - situation.attempt * 9]"
+        )
     )
     called = call("simulate", "brittle", "--user", "poor", "--tasks", tmp_path)
     assert called.code == 1
@@ -160,10 +194,25 @@ class Hoarse:
         return lambda _: Voice()  # type: ignore[return-value]
 
 
-def test_an_output_that_failed_is_reported_at_the_end(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_output_that_failed_is_reported_at_the_end(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [Hoarse()])
-    options = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--outputs", "screen,hoarse", "--seed", 1)
-    hoarse = next(each for each in call(*AVERAGE, *options, "--json").json["outputs"] if each["output"] == "hoarse")
+    options = (
+        "--attempts",
+        1,
+        "--set",
+        "prompts_per_attempt=2",
+        "--outputs",
+        "screen,hoarse",
+        "--seed",
+        1,
+    )
+    hoarse = next(
+        each
+        for each in call(*AVERAGE, *options, "--json").json["outputs"]
+        if each["output"] == "hoarse"
+    )
     assert (hoarse["address"], hoarse["done"]) == ("hoarse", 0)
     assert hoarse["failed"] >= 3, "a greeting, an answer, a goodbye"
     assert "the throat is dry" in hoarse["why"]
@@ -171,13 +220,28 @@ def test_an_output_that_failed_is_reported_at_the_end(call: Call, monkeypatch: p
     assert call(*AVERAGE, *options).out.rstrip().split("\n")[-1] == warning
 
 
-# --- two participants ------------------------------------------------------------------------------------------------
+# --- two participants
+# ------------------------------------------------------------------------------------------------
 
 
 def test_two_users_sit_left_and_right(call: Call) -> None:
-    called = call("simulate", "pairs", "--user", "competent", "--user", "poor", "--attempts", 3, "--seed", 2, "--json")
+    called = call(
+        "simulate",
+        "pairs",
+        "--user",
+        "competent",
+        "--user",
+        "poor",
+        "--attempts",
+        3,
+        "--seed",
+        2,
+        "--json",
+    )
     attempts = called.json["attempts"]
-    assert [(row["attempt"], row["seat"]) for row in attempts] == [(n, seat) for n in (1, 2, 3) for seat in "AB"]
+    assert [(row["attempt"], row["seat"]) for row in attempts] == [
+        (n, seat) for n in (1, 2, 3) for seat in "AB"
+    ]
     means = {seat: sum(row["metric"] for row in attempts if row["seat"] == seat) for seat in "AB"}
     assert means["A"] < means["B"]
     (row,) = call("sessions", "-p", "sim-b", "--json").json["sessions"]
@@ -185,7 +249,20 @@ def test_two_users_sit_left_and_right(call: Call) -> None:
 
 
 def test_a_session_of_two_is_reported_seat_by_seat(call: Call) -> None:
-    called = call("simulate", "pairs", "--user", "average", "-p", "p01", "-p", "p02", "--attempts", 2, "--seed", 2)
+    called = call(
+        "simulate",
+        "pairs",
+        "--user",
+        "average",
+        "-p",
+        "p01",
+        "-p",
+        "p02",
+        "--attempts",
+        2,
+        "--seed",
+        2,
+    )
     assert called.code == 0
     assert "seat" in called.out.splitlines()[0]
     assert "Seat A: 2 attempts" in called.out
@@ -195,21 +272,36 @@ def test_a_session_of_two_is_reported_seat_by_seat(call: Call) -> None:
     assert shown.count("reaction time (ms)") == 2
 
 
-PLAYED = ("simulate", "pairs", "--user", "competent", "--user", "poor", "--attempts", 2, "--seed", 2)
+PLAYED = (
+    "simulate",
+    "pairs",
+    "--user",
+    "competent",
+    "--user",
+    "poor",
+    "--attempts",
+    2,
+    "--seed",
+    2,
+)
 
 
 @pytest.mark.parametrize(
     ("policy", "quality", "says"),
     [("race", "won", "Ahead in {} of 24."), ("cooperative", "together", "Together in {} of 24.")],
 )
-def test_wins_and_joint_responses_of_two_are_counted(call: Call, policy: str, quality: str, says: str) -> None:
+def test_wins_and_joint_responses_of_two_are_counted(
+    call: Call, policy: str, quality: str, says: str
+) -> None:
     attempts = call(*PLAYED, "--set", f"policy={policy}", "--json").json["attempts"]
     shown = call("show", "last").out
     for seat in "AB":
         counted = sum(row["qualities"][quality] for row in attempts if row["seat"] == seat)
         assert says.format(round(counted)) in shown
     if policy == "cooperative":
-        assert [row["qualities"]["together"] for row in attempts] == [row["correct"] for row in attempts]
+        assert [row["qualities"]["together"] for row in attempts] == [
+            row["correct"] for row in attempts
+        ]
 
 
 def test_the_congruency_effect_is_reported_for_each_seat(call: Call) -> None:
@@ -217,14 +309,20 @@ def test_the_congruency_effect_is_reported_for_each_seat(call: Call) -> None:
     attempts = call(*PLAYED, *given).json["attempts"]
     shown = call("show", "last").out
     for seat in "AB":
-        one, other = (row["qualities"]["congruency_effect_ms"] for row in attempts if row["seat"] == seat)
+        one, other = (
+            row["qualities"]["congruency_effect_ms"] for row in attempts if row["seat"] == seat
+        )
         effect = f"{(one + other) / 2:.0f} ms"
-        assert f"Congruency effect {effect}: incongruent minus congruent, mean of 2 attempts." in shown
+        assert (
+            f"Congruency effect {effect}: incongruent minus congruent, mean of 2 attempts." in shown
+        )
 
 
 def test_the_plots_of_two_have_the_same_axis(call: Call) -> None:
     call("simulate", "pairs", "--user", "competent", "--user", "poor", "--attempts", 3, "--seed", 2)
-    ticks = [line.split("┤")[0].strip() for line in call("show", "last").out.splitlines() if "┤" in line]
+    ticks = [
+        line.split("┤")[0].strip() for line in call("show", "last").out.splitlines() if "┤" in line
+    ]
     half = len(ticks) // 2
     assert half > 2
     assert ticks[:half] == ticks[half:]
@@ -233,18 +331,26 @@ def test_the_plots_of_two_have_the_same_axis(call: Call) -> None:
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (("keyboard", "--user", "poor", "--user", "poor"), "The task keyboard is for 1: give --user no more often.\n"),
+        (
+            ("keyboard", "--user", "poor", "--user", "poor"),
+            "The task keyboard is for 1: give --user no more often.\n",
+        ),
         (
             ("keyboard", "--user", "poor", "-p", "a", "-p", "b"),
             "The task keyboard is for one: name one participant only.\n",
         ),
-        (("pairs", "--user", "poor", "-p", "a", "-p", "A"), "A cannot sit at both seats: name two participants.\n"),
+        (
+            ("pairs", "--user", "poor", "-p", "a", "-p", "A"),
+            "A cannot sit at both seats: name two participants.\n",
+        ),
         (
             ("pairs", "--user", "poor", "-p", "a", "-p", "b", "-p", "c"),
             "At most two participants can take part.\n",
         ),
     ],
 )
-def test_too_many_and_the_same_twice_are_bad_input(call: Call, arguments: tuple[str, ...], why: str) -> None:
+def test_too_many_and_the_same_twice_are_bad_input(
+    call: Call, arguments: tuple[str, ...], why: str
+) -> None:
     called = call("simulate", *arguments)
     assert (called.code, called.err) == (2, why)

@@ -25,7 +25,8 @@ def test_a_code_that_others_may_know_stays(call: Call, simulated: str, tmp_path:
     call("site", "BERN")
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         database.execute(
-            "INSERT INTO exports (exported_at, exported_by, recipient, format, sessions, options, manifest)"
+            "INSERT INTO exports (exported_at, exported_by, recipient, format, sessions, options, "
+            "manifest)"
             " VALUES ('', '', '', 'parquet', '[]', '{}', '')"
         )
         database.commit()

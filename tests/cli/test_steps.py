@@ -36,11 +36,16 @@ text = "Anything else?"
 
 @pytest.fixture
 def asked(call: Call, tmp_path: Path) -> Path:
-    """Return the data folder of a simulated session with questions from a file and from the settings."""
+    """Return the data folder of a simulated session with questions from a file and from the
+    settings.
+    """
     file = tmp_path / "steps.toml"
     file.write_text(STEPS)
     data = tmp_path / "data"
-    assert call(*KEYBOARD, *SHORT, "--steps", file, "--set", "questions=effort", "--data", data).code == 0
+    assert (
+        call(*KEYBOARD, *SHORT, "--steps", file, "--set", "questions=effort", "--data", data).code
+        == 0
+    )
     return data
 
 
@@ -68,11 +73,15 @@ def test_typed_words_leave_only_with_notes(call: Call, asked: Path, tmp_path: Pa
     assert typed[1] == "answered"
     for more, has_words in (((), False), (("--with-notes",), True)):
         folder = tmp_path / f"export{has_words}"
-        assert call("export", "--all", "--simulated", *more, "--data", asked, "--to", folder).code == 0
+        assert (
+            call("export", "--all", "--simulated", *more, "--data", asked, "--to", folder).code == 0
+        )
         with (folder / "answers.csv").open() as file:
             table = list(csv.DictReader(file))
         assert ("words" in table[0]) is has_words
-        assert [row["labels"] for row in table if row["step"] == "mood"] == ["very bad; very good"] * 2
+        assert [row["labels"] for row in table if row["step"] == "mood"] == [
+            "very bad; very good"
+        ] * 2
         assert all(0 <= float(row["value"]) <= 100 for row in table if row["value"])
         assert (typed[0].strip('"') in (folder / "answers.csv").read_text()) is has_words
 
@@ -98,11 +107,17 @@ def test_answers_are_shown_with_the_session(call: Call, asked: Path) -> None:
 
 def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) -> None:
     file = tmp_path / "steps.toml"
-    consent = 'name="consent"\nkind="choice"\ntext="Do you agree?"\nlabels=["no", "yes"]\nrequired="yes"\nbefore=true'
+    consent = (
+        'name="consent"\nkind="choice"\ntext="Do you agree?"\nlabels=["no", '
+        '"yes"]\nrequired="yes"\nbefore=true'
+    )
     file.write_text(f"{STEPS}\n[[steps]]\n{consent}\n")
     done = call(*KEYBOARD, *SHORT, "--steps", file, "--set", "language=es", "--json").json
     answers = call("show", done["session"], "--json").json["answers"]
-    assert [(row["step"], row["answer"]) for row in answers[:2]] == [("consent", "yes"), ("read", None)]
+    assert [(row["step"], row["answer"]) for row in answers[:2]] == [
+        ("consent", "yes"),
+        ("read", None),
+    ]
     assert call("replay", done["session"]).code == 0
     file.write_text(f"[[steps]]\n{consent.replace('before=true', 'every=1')}\n")
     refused = call(*KEYBOARD, "--steps", file)
@@ -110,7 +125,14 @@ def test_simulated_people_agree_to_what_is_required(call: Call, tmp_path: Path) 
 
 
 def test_answers_are_told_in_words() -> None:
-    row = {"attempt": 0, "seat": "A", "status": "answered", "text": "Fun?", "kind": "likert", "labels": ["no", "yes"]}
+    row = {
+        "attempt": 0,
+        "seat": "A",
+        "status": "answered",
+        "text": "Fun?",
+        "kind": "likert",
+        "labels": ["no", "yes"],
+    }
     rows = [
         row | {"answer": 2},
         row | {"attempt": 3, "kind": "choices", "answer": ["no", "yes"]},
@@ -130,7 +152,9 @@ def test_answers_are_told_in_words() -> None:
     )
 
 
-def test_two_steps_of_one_name_are_refused_wherever_they_come_from(call: Call, tmp_path: Path) -> None:
+def test_two_steps_of_one_name_are_refused_wherever_they_come_from(
+    call: Call, tmp_path: Path
+) -> None:
     file = tmp_path / "steps.toml"
     file.write_text(STEPS.replace('"mood"', '"effort"'))
     called = call(*KEYBOARD, *SHORT, "--steps", file, "--set", "questions=effort")
@@ -138,7 +162,18 @@ def test_two_steps_of_one_name_are_refused_wherever_they_come_from(call: Call, t
 
 
 def test_show_counts_the_attempts_of_answers_as_its_table_does(call: Call) -> None:
-    settings = ("--set", "questions=effort", "--set", "questions_every=1", "--set", "practice_attempts=1")
+    settings = (
+        "--set",
+        "questions=effort",
+        "--set",
+        "questions_every=1",
+        "--set",
+        "practice_attempts=1",
+    )
     done = call(*KEYBOARD, *SHORT, *settings, "--json")
     shown = " ".join(call("show", done.json["session"]).out.split())
-    assert [f"After attempt {number}: How hard" in shown for number in (1, 2, 3)] == [False, True, True]
+    assert [f"After attempt {number}: How hard" in shown for number in (1, 2, 3)] == [
+        False,
+        True,
+        True,
+    ]

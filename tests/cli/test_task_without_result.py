@@ -1,4 +1,6 @@
-"""A task without a result in the commands: simulated, listed, shown, exported and reported, without a traceback."""
+"""A task without a result in the commands: simulated, listed, shown, exported and reported, without
+a traceback.
+"""
 
 from pathlib import Path
 
@@ -20,13 +22,21 @@ def rated(call: Call, tmp_path: Path) -> tuple[Path, str]:
 
 def test_it_is_listed_without_a_metric(call: Call, rated: tuple[Path, str]) -> None:
     tasks, _ = rated
-    (listed,) = [row for row in call("tasks", "--json", "--tasks", tasks).json["tasks"] if row["name"] == "pleasant"]
+    (listed,) = [
+        row
+        for row in call("tasks", "--json", "--tasks", tasks).json["tasks"]
+        if row["name"] == "pleasant"
+    ]
     assert listed["metric"] is None
-    assert call("tasks", "show", "pleasant", "--json", "--tasks", tasks).json["task"]["metric"] is None
+    assert (
+        call("tasks", "show", "pleasant", "--json", "--tasks", tasks).json["task"]["metric"] is None
+    )
     assert "How pleasant?" in call("tasks", "--tasks", tasks).out
 
 
-def test_a_session_is_shown_without_results_goals_and_plot(call: Call, rated: tuple[Path, str]) -> None:
+def test_a_session_is_shown_without_results_goals_and_plot(
+    call: Call, rated: tuple[Path, str]
+) -> None:
     tasks, session = rated
     shown = call("show", session, "--tasks", tasks)
     assert shown.code == 0
@@ -39,12 +49,20 @@ def test_a_session_is_shown_without_results_goals_and_plot(call: Call, rated: tu
     assert all(set(row["qualities"]) == {"mean_rating"} for row in rows)
 
 
-def test_progress_has_its_sessions_and_says_nothing_of_a_goal(call: Call, rated: tuple[Path, str]) -> None:
+def test_progress_has_its_sessions_and_says_nothing_of_a_goal(
+    call: Call, rated: tuple[Path, str]
+) -> None:
     tasks, _ = rated
     told = call("progress", "P01", "--tasks", tasks)
-    assert (told.code, "100%" in told.out, "level at goal is not known" in told.out) == (0, True, False)
+    assert (told.code, "100%" in told.out, "level at goal is not known" in told.out) == (
+        0,
+        True,
+        False,
+    )
     (line,) = call("progress", "P01", "--json", "--tasks", tasks).json["lines"]
-    assert [(each["attempts"], each["reached"], each["mean"]) for each in line["sessions"]] == [(3, None, None)]
+    assert [(each["attempts"], each["reached"], each["mean"]) for each in line["sessions"]] == [
+        (3, None, None)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -56,7 +74,9 @@ def test_progress_has_its_sessions_and_says_nothing_of_a_goal(call: Call, rated:
         "progress P01 --html {folder}/page.html",
     ],
 )
-def test_other_commands_take_it(call: Call, rated: tuple[Path, str], tmp_path: Path, command: str) -> None:
+def test_other_commands_take_it(
+    call: Call, rated: tuple[Path, str], tmp_path: Path, command: str
+) -> None:
     tasks, session = rated
     called = call(*command.format(session=session, folder=tmp_path).split(), "--tasks", tasks)
     assert (called.code, called.err) == (0, "")
@@ -66,7 +86,17 @@ def test_other_commands_take_it(call: Call, rated: tuple[Path, str], tmp_path: P
 @pytest.mark.parametrize("kind", ["csv", "bids", "psych-ds", "parquet", "mat", "elan"])
 def test_it_is_exported(call: Call, rated: tuple[Path, str], tmp_path: Path, kind: str) -> None:
     tasks, session = rated
-    called = call("export", session, "--simulated", "--format", kind, "--to", tmp_path / "out", "--tasks", tasks)
+    called = call(
+        "export",
+        session,
+        "--simulated",
+        "--format",
+        kind,
+        "--to",
+        tmp_path / "out",
+        "--tasks",
+        tasks,
+    )
     assert (called.code, called.err) == (0, "")
 
 

@@ -38,26 +38,37 @@ def change(tapping: Path) -> Change:
     return changed
 
 
-# --- listed and shown ----------------------------------------------------------------------------------------
+# --- listed and shown
+# ----------------------------------------------------------------------------------------
 
 
 def test_tasks_are_listed_with_title_summary_and_metric(call: Call) -> None:
     called = call("tasks")
     assert called.code == 0
-    for part in ("keyboard", "Keyboard reaction", "Press the key that appears", "reaction time (ms, lower is better)"):
+    for part in (
+        "keyboard",
+        "Keyboard reaction",
+        "Press the key that appears",
+        "reaction time (ms, lower is better)",
+    ):
         assert part in called.out
 
 
 def test_tasks_json(call: Call) -> None:
     tasks = {task["name"]: task for task in call("tasks", "--json").json["tasks"]}
     assert list(tasks) == sorted(tasks)
-    assert (tasks["keyboard"]["title"], tasks["keyboard"]["trains"]) == ("Keyboard reaction", "Reaction")
+    assert (tasks["keyboard"]["title"], tasks["keyboard"]["trains"]) == (
+        "Keyboard reaction",
+        "Reaction",
+    )
     assert tasks["keyboard"]["metric"]["better"] == "lower"
     assert tasks["pairs"]["metric"]["name"] == "reaction_time"
     assert tasks["reaching"]["metric"]["name"] == "reach_time"
 
 
-def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(call: Call, tmp_path: Path) -> None:
+def test_a_task_that_replaces_a_built_in_one_is_named_and_its_sessions_say_so(
+    call: Call, tmp_path: Path
+) -> None:
     own = tmp_path / "own" / "keyboard"
     shutil.copytree(task_folder(Catalogue().task("keyboard")), own)
     says = f"keyboard: your own in {own} replaces the built-in one."
@@ -84,10 +95,19 @@ def test_a_task_that_fails_to_load_is_listed_with_its_reason(call: Call, change:
 def test_a_task_shows_its_parameters(call: Call) -> None:
     called = call("tasks", "show", "keyboard")
     assert called.code == 0
-    for part in ("prompts_per_attempt", "1 to 200", "Number of keys in an attempt.", "100 to 60000 ms"):
+    for part in (
+        "prompts_per_attempt",
+        "1 to 200",
+        "Number of keys in an attempt.",
+        "100 to 60000 ms",
+    ):
         assert part in called.out
     words = called.out.split()
-    own, heading, common = words.index("sequence_length"), words.index("Session"), words.index("attempts")
+    own, heading, common = (
+        words.index("sequence_length"),
+        words.index("Session"),
+        words.index("attempts"),
+    )
     assert own < heading < common
 
 
@@ -103,27 +123,44 @@ def test_showing_an_unknown_task_is_bad_input(call: Call) -> None:
     assert call("tasks", "show", "juggling").code == 2
 
 
-# --- created -------------------------------------------------------------------------------------------------
+# --- created
+# -------------------------------------------------------------------------------------------------
 
 
 def test_a_new_task_passes_its_check_and_runs(call: Call, tapping: Path) -> None:
     called = call("tasks", "check", tapping)
     assert called.code == 0
     assert "✗" not in called.out
-    rows = call("simulate", "drumming", "--user", "competent", "--seed", 1, "--tasks", tapping.parent, "--json").json
+    rows = call(
+        "simulate",
+        "drumming",
+        "--user",
+        "competent",
+        "--seed",
+        1,
+        "--tasks",
+        tapping.parent,
+        "--json",
+    ).json
     assert {row["metric_unit"] for row in rows["attempts"]} == {"taps/s"}
     assert len({row["level"] for row in rows["attempts"]}) > 1
 
 
-def test_without_a_pattern_a_new_task_has_one_prompt_and_one_key(call: Call, tmp_path: Path) -> None:
+def test_without_a_pattern_a_new_task_has_one_prompt_and_one_key(
+    call: Call, tmp_path: Path
+) -> None:
     assert call("tasks", "new", "pressing", "--to", tmp_path).code == 0
     assert "Choice reaction" in (tmp_path / "pressing" / "README.md").read_text()
-    called = call("simulate", "pressing", "--user", "average", "--attempts", 2, "--tasks", tmp_path, "--json")
+    called = call(
+        "simulate", "pressing", "--user", "average", "--attempts", 2, "--tasks", tmp_path, "--json"
+    )
     assert {row["metric_unit"] for row in called.json["attempts"]} == {"ms"}
 
 
 @pytest.mark.parametrize("like", first(2, ["choice", "gonogo", "count", "imu", "questionnaire"]))
-def test_each_pattern_is_a_working_task_with_a_test_beside_it(call: Call, tmp_path: Path, like: str) -> None:
+def test_each_pattern_is_a_working_task_with_a_test_beside_it(
+    call: Call, tmp_path: Path, like: str
+) -> None:
     assert call("tasks", "new", "mine", "--like", like, "--to", tmp_path).code == 0
     sources = [path.read_text() for path in (tmp_path / "mine").iterdir()]
     assert not any("xample" in source.replace("a working example", "") for source in sources)
@@ -148,7 +185,16 @@ def test_creating_a_task_prints_how_to_try_it(call: Call, tapping: Path) -> None
 
 def test_people_tap_at_their_own_rate(call: Call, tapping: Path) -> None:
     def rate(user: str) -> float:
-        fixed = ("--set", "difficulty_policy=fixed", "--attempts", 3, "--seed", 1, "--tasks", tapping.parent)
+        fixed = (
+            "--set",
+            "difficulty_policy=fixed",
+            "--attempts",
+            3,
+            "--seed",
+            1,
+            "--tasks",
+            tapping.parent,
+        )
         rows = call("simulate", "drumming", "--user", user, *fixed, "--json").json["attempts"]
         return float(sum(row["metric"] for row in rows))
 
@@ -171,7 +217,8 @@ def test_an_existing_folder_is_never_overwritten(call: Call, tapping: Path) -> N
     assert (tapping / "task.py").read_text() == "mine"
 
 
-# --- checked -------------------------------------------------------------------------------------------------
+# --- checked
+# -------------------------------------------------------------------------------------------------
 
 
 def test_the_bundled_task_passes_its_check(call: Call) -> None:
@@ -185,7 +232,9 @@ def test_the_bundled_task_passes_its_check(call: Call) -> None:
 def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path: Path) -> None:
     printed = call("tasks", "check", tapping, "--json").json
     assert (printed["task"], printed["passed"]) == ("drumming", True)
-    assert all(set(row) == {"check", "ok", "problem", "warning"} and row["ok"] for row in printed["checks"])
+    assert all(
+        set(row) == {"check", "ok", "problem", "warning"} and row["ok"] for row in printed["checks"]
+    )
     assert not (tmp_path / "data").exists()
 
 
@@ -213,7 +262,9 @@ def test_checks_as_json_leave_no_data_behind(call: Call, tapping: Path, tmp_path
         ("value=right / seconds", "value=right / seconds + __import__('time').monotonic()", "✗ gives the same result"),
     ],
 )  # fmt: skip
-def test_each_breach_of_the_contract_is_named(call: Call, change: Change, old: str, new: str, says: str) -> None:
+def test_each_breach_of_the_contract_is_named(
+    call: Call, change: Change, old: str, new: str, says: str
+) -> None:
     called = call("tasks", "check", change(old, new))
     assert called.code == 1
     assert says in called.out
@@ -221,7 +272,10 @@ def test_each_breach_of_the_contract_is_named(call: Call, change: Change, old: s
 
 
 def test_empty_texts_are_named(change: Change) -> None:
-    folder = change("    def stimulus", "    def goal(self, level: int) -> str:\n        return ''\n\n    def stimulus")
+    folder = change(
+        "    def stimulus",
+        "    def goal(self, level: int) -> str:\n        return ''\n\n    def stimulus",
+    )
     problems = [problem for done in itertools.islice(check(folder), 6) for problem in done.problems]
     assert problems == ["The goal is empty at level 1."]
 
@@ -230,7 +284,9 @@ def test_a_task_whose_sensor_cannot_be_named_is_told_so(call: Call, tmp_path: Pa
     call("tasks", "new", "lifting", "--like", "imu", "--to", tmp_path)
     task = tmp_path / "lifting" / "task.py"
     task.write_text(task.read_text().replace("    imu: Annotated[", "    sensor: Annotated["))
-    problems = [problem for done in itertools.islice(check(task.parent), 3) for problem in done.problems]
+    problems = [
+        problem for done in itertools.islice(check(task.parent), 3) for problem in done.problems
+    ]
     assert problems == ["It has a motion sensor, and no parameter imu (a str) that names it."]
 
 
@@ -245,8 +301,21 @@ def test_checking_a_missing_folder_is_bad_input(call: Call, tmp_path: Path) -> N
     assert call("tasks", "check", tmp_path / "nowhere").code == 2
 
 
-def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(call: Call, tapping: Path) -> None:
-    done = call("simulate", "drumming", "--user", "poor", "--attempts", 1, "--seed", 1, "--tasks", tapping.parent)
+def test_a_session_of_a_task_that_is_not_found_says_what_is_missing(
+    call: Call, tapping: Path
+) -> None:
+    done = call(
+        "simulate",
+        "drumming",
+        "--user",
+        "poor",
+        "--attempts",
+        1,
+        "--seed",
+        1,
+        "--tasks",
+        tapping.parent,
+    )
     assert f"--tasks {tapping.parent}` shows more" in done.out
     shown = call("show", "last")
     assert shown.code == 0
@@ -268,8 +337,12 @@ def test_a_declared_measure_that_no_attempt_has_is_named(tapping: Path) -> None:
     source = task.read_text().replace(
         "import msgspec\n", "import msgspec\n\nfrom sar_tui.model.measure import Measure\n"
     )
-    source = source.replace("    Details =", '    measured = (Measure("pace_ms", "pace", unit="ms"),)\n    Details =')
+    source = source.replace(
+        "    Details =", '    measured = (Measure("pace_ms", "pace", unit="ms"),)\n    Details ='
+    )
     task.write_text(source + '\n    def measures(self, results):\n        return {"pace": 1.0}\n')
     (told,) = (done for done in check(tapping) if done.check == "has the measures that it declares")
-    said = "No attempt had pace_ms: so no column shows it. Attempts had pace, which are not declared."
+    said = (
+        "No attempt had pace_ms: so no column shows it. Attempts had pace, which are not declared."
+    )
     assert (told.ok, told.warning) == (True, said)

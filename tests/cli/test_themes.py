@@ -25,7 +25,9 @@ def evening(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def change(evening: Path) -> Change:
-    """Return a function ``change("theme.toml", old, new)`` that edits the new theme and returns its folder."""
+    """Return a function ``change("theme.toml", old, new)`` that edits the new theme and returns its
+    folder.
+    """
 
     def changed(file: str, old: str, new: str) -> Path:
         edit(evening / file, old, new)
@@ -42,7 +44,8 @@ def own_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return tmp_path / "config" / "sar-tui" / "themes"
 
 
-# --- listed ----------------------------------------------------------------------------------------------------------
+# --- listed
+# ----------------------------------------------------------------------------------------------------------
 
 
 def test_themes_are_listed_with_title_languages_and_summary(call: Call) -> None:
@@ -65,14 +68,21 @@ def test_themes_json(call: Call) -> None:
     }
 
 
-def test_an_incomplete_theme_is_listed_with_what_to_do(call: Call, own_themes: Path, change: Change) -> None:
+def test_an_incomplete_theme_is_listed_with_what_to_do(
+    call: Call, own_themes: Path, change: Change
+) -> None:
     shutil.copytree(change("theme.toml", "sleeping = '''", "asleep = '''"), own_themes / "evening")
-    assert "! evening has problems, so replacements are used: sar-tui themes check evening" in call("themes").out
+    assert (
+        "! evening has problems, so replacements are used: sar-tui themes check evening"
+        in call("themes").out
+    )
     row = next(row for row in call("themes", "--json").json["themes"] if row["name"] == "evening")
     assert "There is no face for sleeping." in row["repairs"]
 
 
-def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(call: Call, own_themes: Path, evening: Path) -> None:
+def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(
+    call: Call, own_themes: Path, evening: Path
+) -> None:
     (evening / "phrases.en.toml").unlink()
     shutil.copytree(evening, own_themes / "evening")
     called = call("themes")
@@ -82,7 +92,8 @@ def test_a_theme_that_cannot_be_read_is_listed_with_its_reason(call: Call, own_t
     assert set(call("themes", "--json").json["themes"][-1]) == {"name", "error"}
 
 
-# --- created ---------------------------------------------------------------------------------------------------------
+# --- created
+# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("model", ["calm", "high-contrast", "playful"])
@@ -93,18 +104,27 @@ def test_a_new_theme_passes_its_check(call: Call, tmp_path: Path, model: str) ->
     checked = call("themes", "check", tmp_path / "warm-light")
     assert checked.code == 0
     assert "✗" not in checked.out
-    assert tomllib.loads((tmp_path / "warm-light" / "theme.toml").read_text(encoding="utf-8"))["title"] == "Warm light"
+    assert (
+        tomllib.loads((tmp_path / "warm-light" / "theme.toml").read_text(encoding="utf-8"))["title"]
+        == "Warm light"
+    )
 
 
-def test_a_new_theme_keeps_the_comments_of_its_template(catalogue: Catalogue, evening: Path) -> None:
+def test_a_new_theme_keeps_the_comments_of_its_template(
+    catalogue: Catalogue, evening: Path
+) -> None:
     model = catalogue.theme_folder("playful")
     for file in model.iterdir():
         copy = (evening / file.name).read_text(encoding="utf-8")
-        assert copy == file.read_text(encoding="utf-8").replace('title = "Playful"', 'title = "Evening"')
+        assert copy == file.read_text(encoding="utf-8").replace(
+            'title = "Playful"', 'title = "Evening"'
+        )
         assert "# " in copy
 
 
-def test_a_new_theme_is_created_in_the_users_folder_by_default(call: Call, own_themes: Path) -> None:
+def test_a_new_theme_is_created_in_the_users_folder_by_default(
+    call: Call, own_themes: Path
+) -> None:
     called = call("themes", "new", "evening")
     assert called.code == 0
     assert "sar-tui themes check evening" in called.out
@@ -184,7 +204,8 @@ def test_an_unwritable_place_is_reported(call: Call, tmp_path: Path) -> None:
     assert "cannot be used: Not a directory." in called.err
 
 
-# --- checked ---------------------------------------------------------------------------------------------------------
+# --- checked
+# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
@@ -207,9 +228,15 @@ def test_contrast_is_measured_and_printed(call: Call) -> None:
 
 def test_checks_as_json(call: Call, evening: Path) -> None:
     printed = call("themes", "check", evening, "--json").json
-    assert (printed["theme"], printed["passed"], printed["languages"]) == ("evening", True, ["en", "es"])
+    assert (printed["theme"], printed["passed"], printed["languages"]) == (
+        "evening",
+        True,
+        ["en", "es"],
+    )
     assert printed["english"] == {}
-    assert all(set(row) == {"check", "ok", "problems", "found"} and row["ok"] for row in printed["checks"])
+    assert all(
+        set(row) == {"check", "ok", "problems", "found"} and row["ok"] for row in printed["checks"]
+    )
     assert {contrast["color"] for contrast in printed["contrasts"]} == {
         "text", "muted", "accent", "positive", "neutral", "negative",
     }  # fmt: skip
@@ -258,10 +285,17 @@ def test_each_breach_of_the_contract_is_named(
 
 
 def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, evening: Path) -> None:
-    (evening / "words.es.toml").write_text('"Press: {key}" = "¡Pulsa {key}!"\n"Help" = "¿Qué es esto?"\n', "utf-8")
+    (evening / "words.es.toml").write_text(
+        '"Press: {key}" = "¡Pulsa {key}!"\n"Help" = "¿Qué es esto?"\n', "utf-8"
+    )
     called = call("themes", "check", evening)
-    assert (called.code, "✓ has valid texts for the screens in es (2 texts)" in called.out) == (0, True)
-    (evening / "words.es.toml").write_text('"level {level}" = "{nivel}"\n"Halp" = "Ayuda"\n"Quit" = 3', "utf-8")
+    assert (called.code, "✓ has valid texts for the screens in es (2 texts)" in called.out) == (
+        0,
+        True,
+    )
+    (evening / "words.es.toml").write_text(
+        '"level {level}" = "{nivel}"\n"Halp" = "Ayuda"\n"Quit" = 3', "utf-8"
+    )
     (evening / "words.fr.toml").write_text('"Help = ', "utf-8")
     called = call("themes", "check", evening)
     assert called.code == 1
@@ -275,7 +309,9 @@ def test_screen_texts_of_a_theme_are_checked_in_every_language(call: Call, eveni
         assert expected in called.out
 
 
-def test_each_language_is_checked_even_if_another_cannot_be_read(call: Call, change: Change) -> None:
+def test_each_language_is_checked_even_if_another_cannot_be_read(
+    call: Call, change: Change
+) -> None:
     folder = change("phrases.es.toml", "greeting = [", "greeting = ")
     assert "✓ has every phrase in en" in call("themes", "check", folder).out
 
@@ -299,7 +335,10 @@ def test_a_folder_without_a_theme_fails_its_check(call: Call, tmp_path: Path) ->
 def test_checking_an_unknown_theme_is_bad_input(call: Call) -> None:
     called = call("themes", "check", "noon")
     assert called.code == 2
-    assert called.err == "There is no theme or folder noon. Choose one of: calm, high-contrast, playful.\n"
+    assert (
+        called.err
+        == "There is no theme or folder noon. Choose one of: calm, high-contrast, playful.\n"
+    )
 
 
 def test_slots_and_markup_are_printed_literally(call: Call, change: Change) -> None:

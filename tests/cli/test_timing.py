@@ -23,15 +23,24 @@ def figures(median: float = 0.3, robust: float = 0.1, p99: float = 1.0) -> Error
     return ErrorStatistics(100, median, median, robust, robust, robust, p99, p99)
 
 
-def measures(errors: dict[str, list[float]], source: str = "flush") -> Callable[..., dict[str, list[Trial]]]:
+def measures(
+    errors: dict[str, list[float]], source: str = "flush"
+) -> Callable[..., dict[str, list[Trial]]]:
     """Return a fake measurement with these errors; `make bench` runs the real one."""
 
     def take_turns(
-        programs: Sequence[Program], trials: int, blocks: int, folder: Path, on_press: Callable[[str], None]
+        programs: Sequence[Program],
+        trials: int,
+        blocks: int,
+        folder: Path,
+        on_press: Callable[[str], None],
     ) -> dict[str, list[Trial]]:
         return {
             program.name: [
-                Trial(errors[program.name][number % len(errors[program.name])], {"onset_source": source})
+                Trial(
+                    errors[program.name][number % len(errors[program.name])],
+                    {"onset_source": source},
+                )
                 for number in range(trials)
             ]
             for program in programs
@@ -42,10 +51,13 @@ def measures(errors: dict[str, list[float]], source: str = "flush") -> Callable[
 
 @pytest.fixture
 def fine(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BASELINE.name: [0.1, 0.2]}))
+    monkeypatch.setattr(
+        timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3, 0.4], BASELINE.name: [0.1, 0.2]})
+    )
 
 
-# --- the verdict -------------------------------------------------------------------------------------------
+# --- the verdict
+# -------------------------------------------------------------------------------------------
 
 
 def test_small_errors_at_a_local_terminal_are_fit() -> None:
@@ -64,7 +76,9 @@ def test_small_errors_at_a_local_terminal_are_fit() -> None:
         (figures(p99=21.0), "not fit", "in a hundred is off by 21.0 ms"),
     ],
 )
-def test_the_worst_figure_decides_and_is_named(measured: ErrorStatistics, verdict: str, word: str) -> None:
+def test_the_worst_figure_decides_and_is_named(
+    measured: ErrorStatistics, verdict: str, word: str
+) -> None:
     found, reasons = judge(measured, GOOD, Circumstances())
     assert found == verdict
     assert word in " ".join(reasons)
@@ -79,7 +93,9 @@ def test_the_worst_figure_decides_and_is_named(measured: ErrorStatistics, verdic
         (Circumstances(stamped_at_flush=0.99), "fit with care", "stamped"),
     ],
 )
-def test_circumstances_that_no_figure_shows_affect_the_verdict(here: Circumstances, verdict: str, word: str) -> None:
+def test_circumstances_that_no_figure_shows_affect_the_verdict(
+    here: Circumstances, verdict: str, word: str
+) -> None:
     found, reasons = judge(figures(), GOOD, here)
     assert found == verdict
     assert word in " ".join(reasons)
@@ -96,7 +112,8 @@ def test_the_baseline_shows_whether_the_machine_or_the_program_is_the_cause() ->
     assert "please report it" in " ".join(judge(figures(p99=9), GOOD, Circumstances())[1])
 
 
-# --- the command --------------------------------------------------------------------------------------------
+# --- the command
+# --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("fine")
@@ -112,12 +129,19 @@ def test_it_says_in_words_whether_the_machine_is_fit(call: Call) -> None:
 def test_json_holds_the_figures_the_reasons_and_the_bare_loop(call: Call) -> None:
     found = call("timing", "--trials", 30, "--json").json["timing"]
     assert set(found) == KEPT | {"reasons", "bare"}
-    assert (found["trials"], found["median_ms"], found["verdict"], found["reasons"]) == (30, 0.3, "fit", [])
+    assert (found["trials"], found["median_ms"], found["verdict"], found["reasons"]) == (
+        30,
+        0.3,
+        "fit",
+        [],
+    )
     assert found["bare"]["median_ms"] == 0.15
 
 
 @pytest.mark.usefixtures("fine")
-def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user(call: Call, tmp_path: Path) -> None:
+def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user(
+    call: Call, tmp_path: Path
+) -> None:
     call("timing")
     call("timing", "--trials", 12)
     path = tmp_path / "data" / "timing.json"
@@ -128,9 +152,13 @@ def test_the_figures_are_stored_for_later_sessions_and_readable_only_by_the_user
     assert [file.name for file in path.parent.iterdir()] == ["timing.json"]
 
 
-def test_onsets_not_stamped_at_flush_are_reported(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_onsets_not_stamped_at_flush_are_reported(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(
-        timing, "take_turns", measures({SAR_TUI.name: [0.2, 0.3], BASELINE.name: [0.2, 0.1]}, "refresh")
+        timing,
+        "take_turns",
+        measures({SAR_TUI.name: [0.2, 0.3], BASELINE.name: [0.2, 0.1]}, "refresh"),
     )
     assert call("timing", "--json").json["timing"]["verdict"] == "fit with care"
 

@@ -1,4 +1,6 @@
-"""Sessions with a sensor on the trunk, from the command line: simulated, replayed, exported, refused."""
+"""Sessions with a sensor on the trunk, from the command line: simulated, replayed, exported,
+refused.
+"""
 
 import csv
 import sqlite3
@@ -16,7 +18,11 @@ Call = Callable[..., Any]
 def leans(folder: Path) -> list[float]:
     (file,) = folder.glob("*.db")
     with closing(sqlite3.connect(file)) as database:
-        return [lean for (lean,) in database.execute("SELECT trunk_excursion_deg FROM v_reaches") if lean is not None]
+        return [
+            lean
+            for (lean,) in database.execute("SELECT trunk_excursion_deg FROM v_reaches")
+            if lean is not None
+        ]
 
 
 def simulate(call: Call, folder: Path, user: str, *more: str) -> None:
@@ -25,7 +31,9 @@ def simulate(call: Call, folder: Path, user: str, *more: str) -> None:
 
 
 @pytest.mark.slow
-def test_people_who_compensate_lean_farther_and_the_session_replays(call: Call, tmp_path: Path) -> None:
+def test_people_who_compensate_lean_farther_and_the_session_replays(
+    call: Call, tmp_path: Path
+) -> None:
     for user in ("poor", "competent"):
         simulate(call, tmp_path / user, user)
         assert call("replay", "last", "--data", tmp_path / user).code == 0
@@ -34,9 +42,16 @@ def test_people_who_compensate_lean_farther_and_the_session_replays(call: Call, 
     assert len(leans(tmp_path / "poor")) > 2
 
 
-def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(call: Call, tmp_path: Path) -> None:
+def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(
+    call: Call, tmp_path: Path
+) -> None:
     simulate(call, tmp_path / "data", "average")
-    assert call("export", "--all", "--simulated", "--data", tmp_path / "data", "--to", tmp_path / "csv").code == 0
+    assert (
+        call(
+            "export", "--all", "--simulated", "--data", tmp_path / "data", "--to", tmp_path / "csv"
+        ).code
+        == 0
+    )
     with (tmp_path / "csv" / "imu_streams.csv").open() as file:
         streams = {row["part"]: row["stream"] for row in csv.DictReader(file)}
     assert sorted(streams) == ["hand", "trunk"]
@@ -44,22 +59,38 @@ def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(call: Cal
         assert {row["stream"] for row in csv.DictReader(file)} == set(streams.values())
     assert (
         call(
-            "export", "--all", "--simulated", "--format", "bids", "--data", tmp_path / "data", "--to", tmp_path / "bids"
+            "export",
+            "--all",
+            "--simulated",
+            "--format",
+            "bids",
+            "--data",
+            tmp_path / "data",
+            "--to",
+            tmp_path / "bids",
         ).code
         == 0
     )
     places = set()
     for channels in (tmp_path / "bids").rglob("*_channels.tsv"):
         rows = csv.DictReader(channels.read_text().splitlines(), delimiter="\t")
-        places |= {(row["tracked_point"], row["placement"]) for row in rows if row["type"] == "GYRO"}
+        places |= {
+            (row["tracked_point"], row["placement"]) for row in rows if row["type"] == "GYRO"
+        }
     assert places == {("hand", "back of the hand"), ("trunk", "sternum")}
 
 
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        (("pairs", "-p", "P01", "-p", "P02", "--imu-trunk", "simulated"), "The task pairs uses no sensor on the trunk"),
-        (("keyboard", "-p", "P01", "--imu-trunk", "simulated"), "The task keyboard uses no sensor on the trunk"),
+        (
+            ("pairs", "-p", "P01", "-p", "P02", "--imu-trunk", "simulated"),
+            "The task pairs uses no sensor on the trunk",
+        ),
+        (
+            ("keyboard", "-p", "P01", "--imu-trunk", "simulated"),
+            "The task keyboard uses no sensor on the trunk",
+        ),
         (("reaching", "-p", "P01", "--imu-trunk", "nothing"), 'There is no sensor "nothing"'),
         (
             ("reaching", "-p", "P01", "--imu", "phidget:7", "--imu-trunk", "phidget:7"),
@@ -67,7 +98,9 @@ def test_an_export_tells_the_sensor_on_the_hand_from_that_on_the_trunk(call: Cal
         ),
     ],
 )
-def test_a_trunk_sensor_that_cannot_be_used_is_refused(call: Call, given: tuple[str, ...], sentence: str) -> None:
+def test_a_trunk_sensor_that_cannot_be_used_is_refused(
+    call: Call, given: tuple[str, ...], sentence: str
+) -> None:
     refused = call("run", *given)
     assert refused.code == 2
     assert sentence in refused.err

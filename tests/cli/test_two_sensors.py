@@ -21,9 +21,19 @@ def test_each_seats_sensor_is_named(call: Call, opened: list[Plan]) -> None:
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (("--imu", "simulated"), "The task pairs uses no motion sensor with these settings: leave out --imu"),
-        ((*REACHES,), "Both sensors are named phidget. Say which belongs to whom: --imu phidget:SERIAL for the left"),
-        ((*REACHES, "--imu", "simulated", "--set", "imu_b=wiimote"), 'There is no sensor "wiimote".'),
+        (
+            ("--imu", "simulated"),
+            "The task pairs uses no motion sensor with these settings: leave out --imu",
+        ),
+        (
+            (*REACHES,),
+            "Both sensors are named phidget. Say which belongs to whom: --imu phidget:SERIAL for "
+            "the left",
+        ),
+        (
+            (*REACHES, "--imu", "simulated", "--set", "imu_b=wiimote"),
+            'There is no sensor "wiimote".',
+        ),
         ((*REACHES, "--imu", "simulated:unheard-of"), 'There is no simulated hand "unheard-of".'),
     ],
 )
@@ -40,7 +50,16 @@ def test_invalid_sensor_options_are_refused(
 def test_two_who_reach_are_simulated_at_the_command_line_too(call: Call) -> None:
     few = ("--attempts", 1, "--set", "prompts_per_attempt=2", "--seed", 1, "--json")
     reported = call(
-        "simulate", "pairs", *REACHES, "--set", "policy=cooperative", "--user", "average", "--user", "poor", *few
+        "simulate",
+        "pairs",
+        *REACHES,
+        "--set",
+        "policy=cooperative",
+        "--user",
+        "average",
+        "--user",
+        "poor",
+        *few,
     )
     assert reported.code == 0
     assert {attempt["seat"] for attempt in reported.json["attempts"]} == {"A", "B"}

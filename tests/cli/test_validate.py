@@ -50,7 +50,10 @@ def test_detection_is_validated_under_each_difficulty(call: Call) -> None:
     assert {"clean", "tilted", "twitch", "all combined", "slow, submovements"} <= set(rows)
     for row in rows.values():
         assert row["reaches"] == 3
-        assert (row["orientation_exactly_one_percent"], row["orientation_endless_percent"]) == (100.0, 0.0)
+        assert (row["orientation_exactly_one_percent"], row["orientation_endless_percent"]) == (
+            100.0,
+            0.0,
+        )
     assert rows["clean"]["thesis_exactly_one_percent"] == 100.0
     assert rows["all combined"]["thesis_exactly_one_percent"] == 0.0
     assert rows["all combined"]["thesis_error_median_ms"] is None
@@ -66,7 +69,9 @@ def test_modularity_is_counted_for_each_task(call: Call) -> None:
         assert row["shared"] == row["framework_lines"] / (row["framework_lines"] + row["own_lines"])
         assert row["shared"] >= 0.75
         assert row["strict_shared"] <= row["shared"]
-    assert rows["reaching"]["framework_lines"] > rows["keyboard"]["framework_lines"], "a sensor and movement science"
+    assert rows["reaching"]["framework_lines"] > rows["keyboard"]["framework_lines"], (
+        "a sensor and movement science"
+    )
     assert rows["reaching"]["strict_shared"] < rows["keyboard"]["strict_shared"]
 
 
@@ -75,7 +80,10 @@ def test_the_feedback_of_the_thesis_is_plotted_counted_and_judged(call: Call) ->
     called = call("validate", "--only", "figure-4.14")
     assert (called.code, called.err) == (0, "")
     assert called.out.count("reaction time (ms)") == 2
-    assert "✓ With feedback after every three, the attempts 3, 6, 9 … have it, and no others." in called.out
+    assert (
+        "✓ With feedback after every three, the attempts 3, 6, 9 … have it, and no others."
+        in called.out
+    )
     rows = call("validate", "--only", "figure-4.14", "--json").json["figure-4.14"]
     assert {(row["every"], row["attempt"]) for row in rows if row["feedback"] == "none"} == {
         (3, attempt) for attempt in range(1, 21) if attempt % 3
@@ -88,7 +96,9 @@ def test_people_see_one_example_of_each_kind_and_programs_see_all(call: Call) ->
     assert len(rows) == 120
     printed = call("validate", "--only", "figure-4.13").out
     kinds = {(row["form"], row["feedback"], row["degree"]) for row in rows}
-    lines = [line for line in printed.splitlines() if line.startswith(("qualitative ", "quantitative "))]
+    lines = [
+        line for line in printed.splitlines() if line.startswith(("qualitative ", "quantitative "))
+    ]
     assert len(lines) == len(kinds)
 
 
@@ -113,13 +123,15 @@ def test_an_unknown_name_lists_the_validations(call: Call, only: str, says: str)
     assert all(name in called.err for name in VALIDATIONS)
 
 
-def test_a_failed_claim_is_reported_and_exits_with_1(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_claim_is_reported_and_exits_with_1(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(table_4_1.TIME_MS, "fixed-threshold", 100.0)
     called = call("validate", "--only", "table-4.1")
     assert called.code == 1
     assert (
-        "✗ The fixed-threshold detector's reach times are within 100 ms of the table's. But reach 1: -110.5 ms,"
-        in called.out
+        "✗ The fixed-threshold detector's reach times are within 100 ms of the table's. But reach "
+        "1: -110.5 ms," in called.out
     )
     as_json = call("validate", "--only", "table-4.1", "--json")
     assert as_json.code == 1
@@ -128,7 +140,9 @@ def test_a_failed_claim_is_reported_and_exits_with_1(call: Call, monkeypatch: py
 
 
 @pytest.mark.slow
-def test_the_difficulty_in_which_a_claim_fails_is_named(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_difficulty_in_which_a_claim_fails_is_named(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(reach, "DURATION_MS", 10.0)
     called = call("validate", "--only", "reach", "--reaches", 2)
     assert called.code == 1
@@ -136,7 +150,9 @@ def test_the_difficulty_in_which_a_claim_fails_is_named(call: Call, monkeypatch:
     assert "But clean: -" in called.out
 
 
-def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_detector_that_finds_too_few_fails_its_claim(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(table_4_1, "detect", lambda recording, name: ())
     called = call("validate", "--only", "table-4.1")
     assert called.code == 1
@@ -144,7 +160,9 @@ def test_a_detector_that_finds_too_few_fails_its_claim(call: Call, monkeypatch: 
     assert "reach 8: none" in called.out
 
 
-def test_rows_and_output_can_be_saved(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_rows_and_output_can_be_saved(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr(policies, "SCHEDULES", {"summary": policies.SCHEDULES["summary"]})
     to = tmp_path / "new" / "results"
     called = call("validate", "--only", "table-4.1,policies", "--to", to)
@@ -160,7 +178,9 @@ def test_rows_and_output_can_be_saved(call: Call, monkeypatch: pytest.MonkeyPatc
         ("5", "Due every 5 attempts; 5 since the last."),
         ("10", "Due every 5 attempts; 5 since the last."),
     ]
-    assert "✓ The fixed-threshold detector finds eight reaches." in (to / "table-4.1.txt").read_text(encoding="utf-8")
+    assert "✓ The fixed-threshold detector finds eight reaches." in (
+        to / "table-4.1.txt"
+    ).read_text(encoding="utf-8")
 
 
 def test_existing_files_are_not_overwritten(call: Call, tmp_path: Path) -> None:
@@ -196,7 +216,9 @@ def test_figures_tables_and_one_page_are_written(call: Call, tmp_path: Path) -> 
     }  # fmt: skip
     page = (folder / "validation.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2
-    assert page.count("<table") == page.count('<div class="wide"><table') > 0, "wide tables scroll by themselves"
+    assert page.count("<table") == page.count('<div class="wide"><table') > 0, (
+        "wide tables scroll by themselves"
+    )
     assert "claims hold." in page
     assert not re.search("<script|src=|href=", page)
     again = call("validate", "--only", "table-4.1", "--to", folder)
@@ -211,11 +233,17 @@ def test_without_the_package_for_figures_all_else_is_written_and_the_page_draws_
     called = call("validate", "--only", "figure-4.8", "--to", folder)
     assert called.code == 0
     assert called.err.count("pip install -e '.[report]'") == 1
-    assert {path.name for path in folder.iterdir()} == {"figure-4.8.csv", "figure-4.8.txt", "validation.html"}
+    assert {path.name for path in folder.iterdir()} == {
+        "figure-4.8.csv",
+        "figure-4.8.txt",
+        "validation.html",
+    }
     assert "rad/s about z over s" in (folder / "validation.html").read_text(encoding="utf-8")
 
 
-def test_the_state_of_each_part_is_written_and_not_told_by_colour_alone(call: Call, tmp_path: Path) -> None:
+def test_the_state_of_each_part_is_written_and_not_told_by_colour_alone(
+    call: Call, tmp_path: Path
+) -> None:
     assert call("validate", "--only", "figure-4.15", "--to", tmp_path).code == 0
     drawing = (tmp_path / "figure-4.15.svg").read_text(encoding="utf-8")
     assert (drawing.count(">added</text>"), drawing.count(">the same</text>") > 5) == (4, True)
@@ -260,7 +288,9 @@ def test_the_quick_form_is_the_default_and_the_full_one_is_asked_for(
     ]
 
 
-def test_the_time_left_is_told_where_output_is_piped(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_time_left_is_told_where_output_is_piped(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sar_tui.cli.progress_line._PIPED_S", 0.0)
     called = call("validate", "--only", "figure-4.8,table-4.1", "--json")
     assert called.json.keys() == {"figure-4.8", "table-4.1"}

@@ -67,7 +67,9 @@ ARGUMENTS = [
 ]
 
 
-@pytest.mark.parametrize("arguments", ARGUMENTS, ids=lambda arguments: " ".join(map(ascii, arguments))[:60])
+@pytest.mark.parametrize(
+    "arguments", ARGUMENTS, ids=lambda arguments: " ".join(map(ascii, arguments))[:60]
+)
 def test_a_refused_argument_is_quoted_visibly(call: Call, arguments: list[str]) -> None:
     called = call(*arguments)
     assert called.code == 2
@@ -76,14 +78,18 @@ def test_a_refused_argument_is_quoted_visibly(call: Call, arguments: list[str]) 
 
 def test_a_cell_of_a_recording_is_quoted_visibly(call: Call, tmp_path: Path) -> None:
     file = tmp_path / "recording.csv"
-    file.write_text(f"t,wx,wy,wz,ax,ay,az\n0,0,0,0,0,0,0\n0.01,{HOSTILE.replace(chr(10), '')},0,0,0,0,0\n")
+    file.write_text(
+        f"t,wx,wy,wz,ax,ay,az\n0,0,0,0,0,0,0\n0.01,{HOSTILE.replace(chr(10), '')},0,0,0,0,0\n"
+    )
     called = call("detect", file)
     assert called.code == 2
     assert leaks(called.err) == []
     assert "␛]0;owned␇" in called.err
 
 
-def test_texts_of_a_theme_are_printed_visibly(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_texts_of_a_theme_are_printed_visibly(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     themes = tmp_path / "config" / "sar-tui" / "themes"
     monkeypatch.setattr("sar_tui.plugins.user_folder", lambda: themes.parent)
     evening = make("evening", "calm", themes, Catalogue())
@@ -98,16 +104,31 @@ def test_texts_of_a_theme_are_printed_visibly(call: Call, tmp_path: Path, monkey
     checked = call("themes", "check", evening)
     assert checked.code == 1
     assert leaks(checked.out) == []
-    assert "title in theme.toml has control characters: U+0007, U+001B, U+009B, U+2028, U+202E, U+2066." in checked.out
+    assert (
+        "title in theme.toml has control characters: U+0007, U+001B, U+009B, U+2028, U+202E, "
+        "U+2066." in checked.out
+    )
 
 
 def test_stored_notes_are_printed_visibly(call: Call, data: Path) -> None:
-    words = ("--attempts", 2, "--set", "prompts_per_attempt=3", "--operator", "careful", "--seed", 1, "--json")
+    words = (
+        "--attempts",
+        2,
+        "--set",
+        "prompts_per_attempt=3",
+        "--operator",
+        "careful",
+        "--seed",
+        1,
+        "--json",
+    )
     session = call("simulate", "keyboard", "--user", "average", *words).json["session"]
     with closing(sqlite3.connect(data / "sar-tui.db")) as database, database:
         seq, at = database.execute("SELECT max(seq) + 1, max(at_ns) FROM events").fetchone()
         note = json.dumps({"text": HOSTILE, "actor": "operator.simulated", "at": at})
-        database.execute("INSERT INTO events VALUES (?, ?, 1, ?, 'operator/noted', ?)", (session, seq, at, note))
+        database.execute(
+            "INSERT INTO events VALUES (?, ?, 1, ?, 'operator/noted', ?)", (session, seq, at, note)
+        )
     called = call("report", "wizard", session)
     assert leaks(called.out) == []
     assert SHOWN in called.out
@@ -125,8 +146,14 @@ def test_a_name_of_a_file_that_is_not_text_is_quoted(tmp_path: Path) -> None:
 
 
 def test_a_traceback_is_printed_visibly(tmp_path: Path) -> None:
-    script = f"import sys; from sar_tui.cli import main; sys.argv = ['sar-tui', 'show', {HOSTILE!r}]; main()"
-    broken = "import sar_tui.store.sessions as s\ndef find(*_): raise RuntimeError(_[-1])\ns.find = find\n"
+    script = (
+        "import sys; from sar_tui.cli import main; sys.argv = ['sar-tui', 'show', "
+        f"{HOSTILE!r}]; main()"
+    )
+    broken = (
+        "import sar_tui.store.sessions as s\ndef find(*_): raise RuntimeError(_[-1])\ns.find "
+        "= find\n"
+    )
     done = subprocess.run(
         [sys.executable, "-c", broken + script],
         env={**os.environ, "SAR_TUI_DEBUG": "1", "SAR_TUI_DATA": str(tmp_path)},
@@ -138,7 +165,8 @@ def test_a_traceback_is_printed_visibly(tmp_path: Path) -> None:
     assert leaks(done.stderr) == []
 
 
-# --- the parts -------------------------------------------------------------------------------------------------------
+# --- the parts
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_stream_keeps_lines_and_columns() -> None:

@@ -19,7 +19,10 @@ from tests.link.tls_fixtures import invite_guests
 from tests.program import Call
 
 HERE = Path("data")
-ONE, OTHER = JoinableSession("abc1", "keyboard", "l1", 1), JoinableSession("abd2", "reaching", "l2", 2)
+ONE, OTHER = (
+    JoinableSession("abc1", "keyboard", "l1", 1),
+    JoinableSession("abd2", "reaching", "l2", 2),
+)
 
 
 def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
@@ -40,7 +43,11 @@ def live(monkeypatch: pytest.MonkeyPatch, *sessions: JoinableSession) -> None:
     ],
 )
 def test_bad_input_is_refused_in_a_sentence(
-    call: Call, monkeypatch: pytest.MonkeyPatch, arguments: list[str], sessions: list[JoinableSession], said: str
+    call: Call,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    sessions: list[JoinableSession],
+    said: str,
 ) -> None:
     live(monkeypatch, *sessions)
     called = call("wizard", *arguments)
@@ -48,7 +55,9 @@ def test_bad_input_is_refused_in_a_sentence(
     assert said in called.err
 
 
-def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_only_session_is_joined_and_several_are_offered_on_the_screen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     live(monkeypatch, ONE)
     assert session_to_show(None, None, HERE, wait=False, observe=False) == ONE
     live(monkeypatch, ONE, OTHER)
@@ -95,13 +104,19 @@ def test_observers_of_one_user_have_different_names(monkeypatch: pytest.MonkeyPa
 def test_a_session_of_another_data_folder_is_not_joined_but_named(
     call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    elsewhere = JoinableSession("abc1", "keyboard", "l1", 1, discovery.folder_name(tmp_path / "elsewhere"), ("P07",))
+    elsewhere = JoinableSession(
+        "abc1", "keyboard", "l1", 1, discovery.folder_name(tmp_path / "elsewhere"), ("P07",)
+    )
     monkeypatch.setattr(discovery, "live_sessions", lambda: [elsewhere])
     for arguments in ([], ["abc1"]):
         called = call("wizard", *arguments)
         assert (called.code, called.out) == (2, "")
         assert called.err.endswith(f"to join it, add --data {tmp_path / 'elsewhere'}.\n")
-    here = JoinableSession("abd2", "reaching", "l2", 2, discovery.folder_name(tmp_path / "data"), ("P08",))
+    here = JoinableSession(
+        "abd2", "reaching", "l2", 2, discovery.folder_name(tmp_path / "data"), ("P08",)
+    )
     monkeypatch.setattr(discovery, "live_sessions", lambda: [elsewhere, here])
     assert session_to_show(None, None, tmp_path / "data", wait=True, observe=False) == here
-    assert session_to_show(None, None, tmp_path / "elsewhere", wait=True, observe=False) == elsewhere
+    assert (
+        session_to_show(None, None, tmp_path / "elsewhere", wait=True, observe=False) == elsewhere
+    )

@@ -18,7 +18,17 @@ from sar_tui.plugins import Catalogue
 from sar_tui.timing.closed_loop import BASELINE, SAR_TUI, Block
 from sar_tui.validation import modularity
 
-HOSTILE = ("sar_tui", "queue", "numpy", "msgspec", "json", "sqlite3", "typing_extensions", "textual", "tasks")
+HOSTILE = (
+    "sar_tui",
+    "queue",
+    "numpy",
+    "msgspec",
+    "json",
+    "sqlite3",
+    "typing_extensions",
+    "textual",
+    "tasks",
+)
 """Modules that would run in place of the libraries of these names."""
 PROGRAMS = {
     "voice": lambda folder: voice_process.PROGRAM,
@@ -33,7 +43,9 @@ PROGRAMS = {
 
 @pytest.fixture
 def hostile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder, with files that replace libraries where Python imports from it. They leave ``ran``."""
+    """The current folder, with files that replace libraries where Python imports from it. They
+    leave ``ran``.
+    """
     folder = tmp_path / "hostile"
     folder.mkdir()
     for name in HOSTILE:
@@ -53,17 +65,25 @@ def test_the_files_would_run_without_the_safe_path(hostile: Path) -> None:
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_a_child_program_imports_nothing_from_the_current_folder(name: str, hostile: Path, tmp_path: Path) -> None:
+def test_a_child_program_imports_nothing_from_the_current_folder(
+    name: str, hostile: Path, tmp_path: Path
+) -> None:
     run(PROGRAMS[name](tmp_path))
     assert not (hostile / "ran").exists()
 
 
-def test_what_a_task_loads_is_not_taken_from_the_current_folder(hostile: Path, catalogue: Catalogue) -> None:
+def test_what_a_task_loads_is_not_taken_from_the_current_folder(
+    hostile: Path, catalogue: Catalogue
+) -> None:
     assert modularity.load("keyboard", catalogue).package
     assert not (hostile / "ran").exists()
 
 
 def test_every_child_that_runs_python_is_made_by_one_function() -> None:
     package = Path(sar_tui.__file__).parent
-    users = [path for path in package.rglob("*.py") if re.search(r"[\[(]sys\.executable", path.read_text())]
+    users = [
+        path
+        for path in package.rglob("*.py")
+        if re.search(r"[\[(]sys\.executable", path.read_text())
+    ]
     assert [path.relative_to(package).as_posix() for path in users] == ["drivers/child_process.py"]

@@ -14,15 +14,31 @@ from tests.program import Call
 @pytest.fixture
 def programme(call: Call, tmp_path: Path) -> None:
     (tmp_path / "p.toml").write_text('task = "keyboard"\n[parameters]\nattempts = 2\n')
-    assert call("programme", "import", "P01", "keyboard", tmp_path / "p.toml", "--reason", "Tires", "--new").code == 0
+    assert (
+        call(
+            "programme",
+            "import",
+            "P01",
+            "keyboard",
+            tmp_path / "p.toml",
+            "--reason",
+            "Tires",
+            "--new",
+        ).code
+        == 0
+    )
 
 
 @pytest.mark.usefixtures("programme")
 @pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
-def test_programmes_and_presets_that_are_exported_are_for_their_owner_only(call: Call, tmp_path: Path) -> None:
+def test_programmes_and_presets_that_are_exported_are_for_their_owner_only(
+    call: Call, tmp_path: Path
+) -> None:
     old = os.umask(0)
     try:
-        assert call("programme", "export", "P01", "keyboard", "--to", tmp_path / "out.toml").code == 0
+        assert (
+            call("programme", "export", "P01", "keyboard", "--to", tmp_path / "out.toml").code == 0
+        )
         assert call("programme", "export", "P01", "keyboard", "--preset", "mine").code == 0
     finally:
         os.umask(old)
@@ -30,7 +46,9 @@ def test_programmes_and_presets_that_are_exported_are_for_their_owner_only(call:
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 
-def test_two_backups_in_one_second_are_two_files(call: Call, simulated: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_backups_in_one_second_are_two_files(
+    call: Call, simulated: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     class Still(datetime):
         @classmethod
         def now(cls, tz: object = None) -> "Still":

@@ -25,5 +25,7 @@ with ThreadPoolExecutor(2) as pool:
 
 
 def test_two_threads_make_the_first_channels_at_once() -> None:
-    done = subprocess.run([sys.executable, "-c", TWO_THREADS], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", TWO_THREADS], capture_output=True, text=True, check=False
+    )
     assert (done.stdout, done.stderr) == ("Spatial RCServo\n", "")

@@ -35,7 +35,9 @@ class Caller:
         return self.bridge.publish("/out", {"data": text})
 
     def wait_until_connected(self, server: RosBridge) -> None:
-        wait_until(lambda: self.bridge.is_connected and server.has_subscriber("/in"), "it is connected")
+        wait_until(
+            lambda: self.bridge.is_connected and server.has_subscriber("/in"), "it is connected"
+        )
 
     def wait_until_away(self) -> None:
         wait_until(lambda: not self.bridge.is_connected, "the loss is noticed")
@@ -74,7 +76,9 @@ def free_port() -> int:
         return int(taken.getsockname()[1])
 
 
-def test_it_advertises_and_subscribes_before_it_publishes(server: RosBridge, call: Callable[[int], Caller]) -> None:
+def test_it_advertises_and_subscribes_before_it_publishes(
+    server: RosBridge, call: Callable[[int], Caller]
+) -> None:
     caller = call(server.port)
     caller.wait_until_connected(server)
     assert caller.say("hello")
@@ -88,7 +92,9 @@ def test_it_advertises_and_subscribes_before_it_publishes(server: RosBridge, cal
     wait_until(lambda: caller.received == [{"data": "hello yourself"}])
 
 
-def test_it_can_be_reopened_after_a_restart_of_the_server(server: RosBridge, call: Callable[[int], Caller]) -> None:
+def test_it_can_be_reopened_after_a_restart_of_the_server(
+    server: RosBridge, call: Callable[[int], Caller]
+) -> None:
     for session in ("first", "second", "third"):
         caller = call(server.port)
         caller.wait_until_connected(server)
@@ -100,7 +106,9 @@ def test_it_can_be_reopened_after_a_restart_of_the_server(server: RosBridge, cal
     assert server.data("/out") == ["first", "second", "third"]
 
 
-def test_two_at_a_time_do_not_disturb_each_other(server: RosBridge, call: Callable[[int], Caller]) -> None:
+def test_two_at_a_time_do_not_disturb_each_other(
+    server: RosBridge, call: Callable[[int], Caller]
+) -> None:
     one, other = call(server.port), call(server.port)
     one.wait_until_connected(server)
     other.wait_until_connected(server)
@@ -159,7 +167,9 @@ def test_nothing_queues_while_the_server_is_away_and_all_works_when_it_returns(
     assert caller.changes == [True, False, True]
 
 
-def test_a_server_that_starts_later_is_found(impatient: None, call: Callable[[int], Caller]) -> None:
+def test_a_server_that_starts_later_is_found(
+    impatient: None, call: Callable[[int], Caller]
+) -> None:
     server = RosBridge()
     server.port = free_port()
     caller = call(server.port)
@@ -209,7 +219,9 @@ def test_a_connection_made_after_closing_is_closed(
     assert server.received == []
 
 
-def test_another_kind_of_server_is_no_connection_and_no_error(call: Callable[[int], Caller]) -> None:
+def test_another_kind_of_server_is_no_connection_and_no_error(
+    call: Callable[[int], Caller],
+) -> None:
     attempts: list[bytes] = []
 
     def refuse(listener: socket.socket) -> None:
@@ -240,7 +252,9 @@ def test_another_kind_of_server_is_no_connection_and_no_error(call: Callable[[in
         '{"op": "call_service", "service": "/in", "args": []}',
     ],
 )
-def test_nonsense_from_the_server_does_no_harm(server: RosBridge, call: Callable[[int], Caller], nonsense: str) -> None:
+def test_nonsense_from_the_server_does_no_harm(
+    server: RosBridge, call: Callable[[int], Caller], nonsense: str
+) -> None:
     caller = call(server.port)
     wait_until(lambda: server.has_subscriber("/in"))
     server.send(nonsense)
@@ -250,7 +264,9 @@ def test_nonsense_from_the_server_does_no_harm(server: RosBridge, call: Callable
     assert caller.say("me too")
 
 
-def test_a_missing_package_is_reported_with_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_reported_with_how_to_install_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     hide_roslibpy(monkeypatch)
     caller = Caller(9090)
     wait_until(lambda: caller.changes == [False])
@@ -265,7 +281,10 @@ def test_a_transport_that_cannot_be_activated_is_reported(monkeypatch: pytest.Mo
     monkeypatch.setattr("roslibpy.comm.select_factory", refuse)
     caller = Caller(9090)
     wait_until(lambda: caller.changes == [False])
-    assert caller.bridge.problem == "The connection to ROS cannot be made: Cannot activate the 'asyncio' transport"
+    assert (
+        caller.bridge.problem
+        == "The connection to ROS cannot be made: Cannot activate the 'asyncio' transport"
+    )
     caller.bridge.close()
 
 
@@ -309,8 +328,13 @@ def test_a_program_prints_nothing_about_its_connection_and_ends_in_any_state_of_
 
 
 def test_no_websocket_module_is_loaded_before_a_connection_is_opened() -> None:
-    program = "import sys, sar_tui.drivers.rosbridge, sar_tui.outputs.ros, sar_tui.inputs.ros; print(*sys.modules)"
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    program = (
+        "import sys, sar_tui.drivers.rosbridge, sar_tui.outputs.ros, sar_tui.inputs.ros; "
+        "print(*sys.modules)"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert not {"roslibpy", "autobahn", "twisted", "txaio"} & set(run.stdout.split())
 
 
@@ -318,7 +342,10 @@ def test_no_websocket_module_is_loaded_before_a_connection_is_opened() -> None:
     ("text", "expected"),
     [
         ("ros://robot", Address("robot", 9090, "", {})),
-        ("//192.0.2.7:9091/imu/data?rate=100", Address("192.0.2.7", 9091, "/imu/data", {"rate": "100"})),
+        (
+            "//192.0.2.7:9091/imu/data?rate=100",
+            Address("192.0.2.7", 9091, "/imu/data", {"rate": "100"}),
+        ),
         (" ros://[::1]:80?a=/x&b=y ", Address("::1", 80, "", {"a": "/x", "b": "y"})),
     ],
 )
@@ -328,7 +355,16 @@ def test_an_address_is_parsed(text: str, expected: Address) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "robot", "http://robot", "ros://", "ros://robot:99999", "ros://me:secret@robot", "ros://robot?a", "ros://a b"],
+    [
+        "",
+        "robot",
+        "http://robot",
+        "ros://",
+        "ros://robot:99999",
+        "ros://me:secret@robot",
+        "ros://robot?a",
+        "ros://a b",
+    ],
 )
 def test_an_invalid_address_is_refused_with_an_example(text: str) -> None:
     with pytest.raises(AddressError, match="Use ros://HOST"):

@@ -24,7 +24,8 @@ from tests.end_to_end.participant_terminal import ScreenReader, command, rows, r
 Row = dict[str, Any]
 _SIZE = 100, 30
 _COLUMNS = tuple(
-    "id kind proposed final decision actor mode ground reason proposed_ns shown_ns decided_ns started_ns".split()
+    "id kind proposed final decision actor mode ground reason proposed_ns shown_ns decided_ns "
+    "started_ns".split()
 )
 
 
@@ -36,7 +37,8 @@ def key_of(id: str) -> str:
 
 
 class SessionTerminals:
-    """Terminals of a participant and an operator at one session, with a private folder for its socket.
+    """Terminals of a participant and an operator at one session, with a private folder for its
+    socket.
 
     Use it as a context manager: its programs end with it. Reading one terminal reads all of them.
     """
@@ -53,7 +55,10 @@ class SessionTerminals:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self._ends.close()
 
@@ -63,7 +68,9 @@ class SessionTerminals:
 
     def panel(self, *flags: str) -> "Panel":
         """Start a panel."""
-        return Panel(self, self.start_program(command("wizard", *flags, "--data", str(self.data)), *_SIZE))
+        return Panel(
+            self, self.start_program(command("wizard", *flags, "--data", str(self.data)), *_SIZE)
+        )
 
     def both(self, **parameters: object) -> "tuple[Participant, Panel]":
         """Start a session and the panel of Ana, who takes control."""
@@ -96,28 +103,41 @@ class SessionTerminals:
         """Read the terminals until a condition holds."""
         deadline = time.monotonic() + seconds
         while not holds():
-            assert time.monotonic() < deadline, "\n".join((f"waited in vain until {what}", *self.screens()))
+            assert time.monotonic() < deadline, "\n".join(
+                (f"waited in vain until {what}", *self.screens())
+            )
             self.look()
 
     def screens(self) -> list[str]:
         """Return the text on each terminal."""
         return [ScreenReader(terminal, *size).text() for terminal, size in self._terminals.items()]
 
-    # --- the database --------------------------------------------------------------------------------------------
+    # --- the database
+    # --------------------------------------------------------------------------------------------
 
     def reported(self, topic: str) -> list[Row]:
         """Return the stored messages of a topic, in order."""
-        found = rows(self.data, "SELECT message FROM events WHERE topic=? ORDER BY session, seq", topic)
+        found = rows(
+            self.data, "SELECT message FROM events WHERE topic=? ORDER BY session, seq", topic
+        )
         return [json.loads(message) for (message,) in found]
 
     def actions(self, kind: str) -> list[Row]:
         """Return the ``actions`` of a kind, in the order in which they were proposed or decided."""
-        query = f"SELECT {', '.join(_COLUMNS)} FROM actions WHERE kind=? ORDER BY coalesce(proposed_ns, decided_ns)"
+        query = (
+            f"SELECT {', '.join(_COLUMNS)} FROM actions WHERE kind=? ORDER BY "
+            "coalesce(proposed_ns, decided_ns)"
+        )
         found = [dict(zip(_COLUMNS, row, strict=True)) for row in rows(self.data, query, kind)]
-        return [row | {name: row[name] and json.loads(row[name]) for name in ("proposed", "final")} for row in found]
+        return [
+            row | {name: row[name] and json.loads(row[name]) for name in ("proposed", "final")}
+            for row in found
+        ]
 
     def presence(self) -> list[tuple[str, str]]:
-        """Return the operators who joined, left or were lost, in order. These terminals prove nobody's presence."""
+        """Return the operators who joined, left or were lost, in order. These terminals prove
+        nobody's presence.
+        """
         changes = self.reported("operator/presence")
         return [(each["actor"], each["state"]) for each in changes if each["state"] != "unproven"]
 
@@ -149,13 +169,16 @@ class Participant:
     def answer(self, prompts: int) -> None:
         """Answer this many further prompts, and press Enter where a prompt requires it."""
         self.terminal.settle(silence_ms=50)
-        if "Press Enter" in self._reader.text():  # the request may have been read while another terminal was watched
+        # the request may have been read while another terminal was watched
+        if "Press Enter" in self._reader.text():
             self.terminal.confirm()
             self.script.forget_enter()
         self.script.run(len(self.script.presses) + prompts)
 
     def sees(self, text: str) -> bool:
-        """Return True if all words of a text are on the screen in order; beside the agent they span several lines."""
+        """Return True if all words of a text are on the screen in order; beside the agent they span
+        several lines.
+        """
         screen = iter(plain(self._reader.text()).split())
         return all(word in screen for word in plain(text).split())
 
@@ -203,16 +226,24 @@ class Panel:
         return [plain(line) for line in self._reader.text().splitlines()]
 
     def wait_for_proposal(self, after: str = "") -> Row:
-        """Wait for a proposal other than ``after`` until the panel accepts a decision, and return it."""
+        """Wait for a proposal other than ``after`` until the panel accepts a decision, and return
+        it.
+        """
         terminals = self._terminals
         terminals.until(
-            lambda: (terminals.pending_proposal() or {"id": after})["id"] != after, "a proposal waits for the operator"
+            lambda: (terminals.pending_proposal() or {"id": after})["id"] != after,
+            "a proposal waits for the operator",
         )
         pending_proposal = terminals.pending_proposal()
         assert pending_proposal
         id = pending_proposal["id"]
-        terminals.until(lambda: _shown_at(terminals, id), f"the proposal {id} stands on the operator's screen")
-        terminals.until(lambda: time.monotonic_ns() > _shown_at(terminals, id) + TOO_SOON + MS, "it can have been read")
+        terminals.until(
+            lambda: _shown_at(terminals, id), f"the proposal {id} stands on the operator's screen"
+        )
+        terminals.until(
+            lambda: time.monotonic_ns() > _shown_at(terminals, id) + TOO_SOON + MS,
+            "it can have been read",
+        )
         return pending_proposal
 
     def kill(self, number: int = signal.SIGKILL) -> None:
@@ -222,12 +253,16 @@ class Panel:
 
 def _shown_at(terminals: SessionTerminals, id: str) -> int:
     """Return the time when a proposal was on the operator's screen; 0 if it never was."""
-    return next((int(each["at"]) for each in terminals.reported("operator/seen") if each["action"] == id), 0)
+    return next(
+        (int(each["at"]) for each in terminals.reported("operator/seen") if each["action"] == id), 0
+    )
 
 
 def plain(text: str) -> str:
     """Return the words of a text without line breaks and box drawings."""
-    return " ".join("".join(each if each.isalnum() or each in "'.,:!?%-" else " " for each in text).split())
+    return " ".join(
+        "".join(each if each.isalnum() or each in "'.,:!?%-" else " " for each in text).split()
+    )
 
 
 def is_running(pid: int) -> bool:
@@ -244,7 +279,13 @@ def children(pid: int) -> dict[int, str]:
     for entry in Path("/proc").glob("[0-9]*"):
         try:
             parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
-            words = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
+            words = (
+                (entry / "cmdline")
+                .read_bytes()
+                .replace(b"\0", b" ")
+                .decode(errors="replace")
+                .strip()
+            )
         except (OSError, ValueError):  # it has ended meanwhile
             continue
         if parent == pid:

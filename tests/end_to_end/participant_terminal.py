@@ -29,13 +29,17 @@ def _new(words: Sequence[str]) -> list[str]:
         return []
     values = {name: value for name, value in pairwise(words) if name in ("-p", "--data")}
     database = Path(values["--data"]) / "sar-tui.db"
-    known = database.exists() and rows(database.parent, "SELECT 1 FROM participants WHERE code=?", values["-p"])
+    known = database.exists() and rows(
+        database.parent, "SELECT 1 FROM participants WHERE code=?", values["-p"]
+    )
     return [] if known else ["--new"]
 
 
 def run_command(data: Path, participant: str = "P01", **parameters: object) -> list[str]:
     settings = [f"--set={name}={value}" for name, value in (QUICK | parameters).items()]
-    return command("run", "keyboard", "-p", participant, "--data", str(data), "--seed", "7", *settings)
+    return command(
+        "run", "keyboard", "-p", participant, "--data", str(data), "--seed", "7", *settings
+    )
 
 
 def see_the_summary(terminal: Terminal) -> None:
@@ -54,7 +58,9 @@ def see_the_agent_still(terminal: Terminal, data: Path, seconds: float = 60) -> 
     while not acting or acting[-1]:
         assert time.monotonic() < deadline, "the agent goes on and on"
         terminal.settle(silence_ms=50)
-        reported = rows(data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq")
+        reported = rows(
+            data, "SELECT message FROM events WHERE topic='arbiter/acting' ORDER BY seq"
+        )
         acting = [json.loads(message)["acting"] for (message,) in reported]
 
 
@@ -94,7 +100,9 @@ def only_session(data: Path) -> str:
 
 
 def replays_identically(data: Path, *options: str) -> bool:
-    """Return True if the only session comes out as recorded when it is replayed, and has messages."""
+    """Return True if the only session comes out as recorded when it is replayed, and has
+    messages.
+    """
     words = command("replay", only_session(data), "--data", str(data), "--json", *options)
     called = subprocess.run(words, capture_output=True, text=True, check=False)
     result = json.loads(called.stdout or "{}")

@@ -1,7 +1,9 @@
-"""A terminal at the end of a line: runs a program in a pseudo-terminal of its own, and answers it as a terminal does.
+"""A terminal at the end of a line: runs a program in a pseudo-terminal of its own, and answers it
+as a terminal does.
 
-``python -m tests.end_to_end.terminal_relay PROGRAM ...``. Stopped (SIGSTOP), nothing of the program is read any more.
-After SIGUSR1 it is a server whose ssh client is frozen: it takes output, but shows and answers nothing until SIGUSR2.
+``python -m tests.end_to_end.terminal_relay PROGRAM ...``. Stopped (SIGSTOP), nothing of the program
+is read any more. After SIGUSR1 it is a server whose ssh client is frozen: it takes output, but
+shows and answers nothing until SIGUSR2.
 """
 
 import os
@@ -24,7 +26,9 @@ def relay(program: list[str]) -> int:
     os.set_blocking(1, False)
     held = outgoing = b""
     while True:
-        readable, writable, _ = select.select([line, *([] if frozen else [0])], [1] if outgoing else [], [])
+        readable, writable, _ = select.select(
+            [line, *([] if frozen else [0])], [1] if outgoing else [], []
+        )
         if writable:
             outgoing = outgoing[os.write(1, outgoing) :]
         if 0 in readable:

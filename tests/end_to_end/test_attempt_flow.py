@@ -1,4 +1,6 @@
-"""Tasks of the page whose prompts follow from each other: in a terminal, killed, resumed, and replayed."""
+"""Tasks of the page whose prompts follow from each other: in a terminal, killed, resumed, and
+replayed.
+"""
 
 import json
 import sqlite3
@@ -22,13 +24,26 @@ LEFT: Keys = ((150, "left"),)
 RIGHT: Keys = ((150, "right"),)
 
 
-def play(tmp_path: Path, data: Path, task: str, answers: dict[str, Keys], killed_after: int) -> None:
-    """Play one attempt of a task of the page; the program is killed when it has shown some of its prompts."""
+def play(
+    tmp_path: Path, data: Path, task: str, answers: dict[str, Keys], killed_after: int
+) -> None:
+    """Play one attempt of a task of the page; the program is killed when it has shown some of its
+    prompts.
+    """
     tasks = tmp_path / "mytasks"
     write_documented(tasks, task)
     settings = QUICK | {"attempts": 1}
     where = ("--data", str(data), "--tasks", str(tasks))
-    words = ("run", task, "-p", "P01", "--seed", "3", *where, *(f"--set={n}={v}" for n, v in settings.items()))
+    words = (
+        "run",
+        task,
+        "-p",
+        "P01",
+        "--seed",
+        "3",
+        *where,
+        *(f"--set={n}={v}" for n, v in settings.items()),
+    )
     with Terminal(command(*words)) as terminal:
         Player(terminal, answers).play(lambda: _trials(data) >= killed_after)
         terminal.kill()
@@ -61,9 +76,15 @@ def test_a_staircase_goes_on_where_it_was(data: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_points_are_shown_after_each_choice_and_stamped(data: Path, tmp_path: Path) -> None:
     play(tmp_path, data, "harvest", {r"Left or right\?": LEFT}, killed_after=3)
-    topics = ("event_handler/trial_feedback", "screen/trial_feedback", "input/key", "event_handler/prompt")
+    topics = (
+        "event_handler/trial_feedback",
+        "screen/trial_feedback",
+        "input/key",
+        "event_handler/prompt",
+    )
     due, seen, keys, prompts = (
-        [json.loads(text) | {"at_ns": at} for text, at in rows(data, _messages(topic))] for topic in topics
+        [json.loads(text) | {"at_ns": at} for text, at in rows(data, _messages(topic))]
+        for topic in topics
     )
     assert len(due) == 12
     assert {one["text"] for one in due} == {"+10", "0"}
@@ -78,7 +99,9 @@ def _messages(topic: str) -> str:
 
 
 @pytest.mark.slow
-def test_questions_between_attempts_are_asked_again_after_a_kill_and_none_is_lost(data: Path, tmp_path: Path) -> None:
+def test_questions_between_attempts_are_asked_again_after_a_kill_and_none_is_lost(
+    data: Path, tmp_path: Path
+) -> None:
     arrows: dict[str, Keys] = {
         r"Press: left": LEFT,
         r"Press: right": RIGHT,
@@ -88,7 +111,16 @@ def test_questions_between_attempts_are_asked_again_after_a_kill_and_none_is_los
     write_documented(tasks, "effort")
     where = ("--data", str(data), "--tasks", str(tasks))
     settings = QUICK | {"attempts": 2}
-    words = ("run", "effort", "-p", "P01", "--seed", "3", *where, *(f"--set={n}={v}" for n, v in settings.items()))
+    words = (
+        "run",
+        "effort",
+        "-p",
+        "P01",
+        "--seed",
+        "3",
+        *where,
+        *(f"--set={n}={v}" for n, v in settings.items()),
+    )
     effort: dict[str, Keys] = {"How hard was that": ((750, "5"),)}
     with Terminal(command(*words)) as terminal:
         Player(terminal, arrows).play(lambda: b"How hard was that" in terminal.output)

@@ -1,4 +1,6 @@
-"""However the program ends: a clear sentence, the right exit code, the terminal restored, nothing lost."""
+"""However the program ends: a clear sentence, the right exit code, the terminal restored, nothing
+lost.
+"""
 
 import os
 import signal
@@ -9,7 +11,13 @@ import pytest
 from sar_tui.timing.closed_loop import LEAVE_KEYS
 from sar_tui.timing.pty import Terminal
 from sar_tui.timing.scripted_participant import ScriptedParticipant, random_answers
-from tests.end_to_end.participant_terminal import command, only_session, rows, run_command, see_the_summary
+from tests.end_to_end.participant_terminal import (
+    command,
+    only_session,
+    rows,
+    run_command,
+    see_the_summary,
+)
 from tests.examples import first
 
 _LEAVE_ALTERNATE_SCREEN = b"\x1b[?1049l"
@@ -20,7 +28,9 @@ def _answer(terminal: Terminal, prompts: int) -> None:
 
 
 def _see_stored(terminal: Terminal, data: Path, trials: int) -> None:
-    """Wait until the program, which may be slow, has handled as many responses and shows what follows."""
+    """Wait until the program, which may be slow, has handled as many responses and shows what
+    follows.
+    """
     for _ in range(600):
         terminal.settle()
         if rows(data, "SELECT count(*) FROM trials") == [(trials,)]:
@@ -125,7 +135,9 @@ def _brittle_command(data: Path, folder: Path, third: str) -> list[str]:
     ("third", "error"),
     [
         ("raise RuntimeError('no third')", b"RuntimeError: no third"),
-        pytest.param("while True: pass", b"NotResponding: it took longer than 10 s", marks=pytest.mark.slow),
+        pytest.param(
+            "while True: pass", b"NotResponding: it took longer than 10 s", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_task_that_raises_or_never_returns_is_reported_and_finished_trials_are_stored(
@@ -144,7 +156,9 @@ def test_a_task_that_raises_or_never_returns_is_reported_and_finished_trials_are
 
 
 @pytest.mark.slow
-def test_a_task_that_no_error_can_end_ends_the_program_with_its_name(data: Path, tmp_path: Path) -> None:
+def test_a_task_that_no_error_can_end_ends_the_program_with_its_name(
+    data: Path, tmp_path: Path
+) -> None:
     with Terminal(_brittle_command(data, tmp_path, "time.sleep(600)")) as terminal:
         before = terminal.modes()
         _answer(terminal, 2)
@@ -153,7 +167,9 @@ def test_a_task_that_no_error_can_end_ends_the_program_with_its_name(data: Path,
         after = terminal.output.rpartition(_LEAVE_ALTERNATE_SCREEN)[2]
         assert b"The task brittle does not return from its own code." in after
         assert b"sar-tui resume" in after
-    assert rows(data, "SELECT trial FROM trials") == [(1,)], "the task never returned from the end of the second"
+    assert rows(data, "SELECT trial FROM trials") == [(1,)], (
+        "the task never returned from the end of the second"
+    )
 
 
 @pytest.mark.slow

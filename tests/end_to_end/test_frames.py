@@ -23,11 +23,15 @@ PROMPTS = 8
 
 
 @pytest.mark.slow
-def test_a_stop_signal_task_is_killed_between_frames_resumed_and_replayed(data: Path, tmp_path: Path) -> None:
+def test_a_stop_signal_task_is_killed_between_frames_resumed_and_replayed(
+    data: Path, tmp_path: Path
+) -> None:
     write_documented(tmp_path / "mytasks", "stopping")
     settings = [f"--set={name}={value}" for name, value in (QUICK | {"attempts": 1}).items()]
     where = ("--data", str(data), "--tasks", str(tmp_path / "mytasks"))
-    with Terminal(command("run", "stopping", "-p", "P01", "--seed", "3", *where, *settings)) as terminal:
+    with Terminal(
+        command("run", "stopping", "-p", "P01", "--seed", "3", *where, *settings)
+    ) as terminal:
         participant = ScriptedParticipant(terminal, random_answers(1, 330, 360))
         while b"Do not press." not in terminal.output:
             participant.run(until=time.monotonic_ns() + 20 * MS)

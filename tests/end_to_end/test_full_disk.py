@@ -1,4 +1,6 @@
-"""A disk that fills during a session: the participant is informed, nothing is lost, and the session resumes."""
+"""A disk that fills during a session: the participant is informed, nothing is lost, and the session
+resumes.
+"""
 
 import os
 import resource
@@ -17,18 +19,25 @@ from tests.end_to_end.participant_terminal import rows, run_command
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A folder that holds eight megabytes: a tmpfs of its own where this user may mount one, else any folder."""
+    """A folder that holds eight megabytes: a tmpfs of its own where this user may mount one, else
+    any folder.
+    """
     folder = tmp_path / "disk"
     folder.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", str(folder)]
-    mounted = os.geteuid() == 0 and subprocess.run(mount, check=False, capture_output=True).returncode == 0
+    mounted = (
+        os.geteuid() == 0
+        and subprocess.run(mount, check=False, capture_output=True).returncode == 0
+    )
     yield folder
     if mounted:
         subprocess.run(["umount", "--lazy", str(folder)], check=True)
 
 
 def _fill(folder: Path, terminal: Terminal) -> Callable[[], object]:
-    """Leave no room on the disk (or, without a disk of its own, for the program's files); returns the cure."""
+    """Leave no room on the disk (or, without a disk of its own, for the program's files); returns
+    the cure.
+    """
     if not os.path.ismount(folder):
         before = resource.prlimit(terminal.process.pid, resource.RLIMIT_FSIZE)
         resource.prlimit(terminal.process.pid, resource.RLIMIT_FSIZE, (1, before[1]))
@@ -45,7 +54,9 @@ def _fill(folder: Path, terminal: Terminal) -> Callable[[], object]:
 
 
 @pytest.mark.slow
-def test_the_session_pauses_while_the_disk_is_full_and_continues_when_there_is_space(small_disk: Path) -> None:
+def test_the_session_pauses_while_the_disk_is_full_and_continues_when_there_is_space(
+    small_disk: Path,
+) -> None:
     with Terminal(run_command(small_disk, prompts_per_attempt=20, attempts=1)) as terminal:
         participant = ScriptedParticipant(terminal, random_answers(5, 80, 140))
         participant.run(4)

@@ -1,7 +1,9 @@
-"""Keys that are held or doubled, on every screen that a participant sees, in a real pseudo-terminal.
+"""Keys that are held or doubled, on every screen that a participant sees, in a real
+pseudo-terminal.
 
-A walk leads from screen to screen. The key that leaves a screen is pressed as an unsteady hand does it: it is held, so
-that the keyboard repeats it at 30 Hz, or pressed twice within 80 ms. The next screen must then still be there.
+A walk leads from screen to screen. The key that leaves a screen is pressed as an unsteady hand does
+it: it is held, so that the keyboard repeats it at 30 Hz, or pressed twice within 80 ms. The next
+screen must then still be there.
 """
 
 import itertools
@@ -26,12 +28,16 @@ Hand = Literal["held", "doubled"]
 Step = tuple[str, str]
 """A key, and words of the screen that it leads to."""
 ANSWER, THROUGH = "answer", "through"
-"""Stand for the key that the prompt asks for, and for an Enter that is down while another screen appears by itself."""
+"""Stand for the key that the prompt asks for, and for an Enter that is down while another screen
+appears by itself.
+"""
 ONCE = "="
 """Before a key that is pressed once: it only moves in a menu, or types."""
 
 DELAY_MS, PERIOD_MS, HELD_MS, DOUBLED_MS = 400, 33, 1500, 80
-"""Time before a held key is repeated, between two repeats, and in all; and between two presses of one."""
+"""Time before a held key is repeated, between two repeats, and in all; and between two presses of
+one.
+"""
 HIDDEN = str.maketrans("│╭╮╰╯─▌┃█", "         ")
 F12 = b"\x1b[24~"
 
@@ -90,7 +96,9 @@ class Walk:
         return [DELAY_MS, *itertools.repeat(PERIOD_MS, (HELD_MS - DELAY_MS) // PERIOD_MS)]
 
     def _hold_until(self, words: str) -> None:
-        """Hold Enter until a screen has been there for a second; or double it as soon as the screen appears."""
+        """Hold Enter until a screen has been there for a second; or double it as soon as the screen
+        appears.
+        """
         deadline = time.monotonic() + 30
         while not self._sees(words) and time.monotonic() < deadline:
             if self._hand == "held":
@@ -157,7 +165,9 @@ def test_no_screen_before_the_first_attempt_is_skipped(data: Path, hand: Hand) -
 @pytest.mark.slow
 @HANDS
 def test_no_screen_of_a_participant_who_trains_alone_is_skipped(data: Path, hand: Hand) -> None:
-    """The start, questions before, between and after, the goal, a rest, every menu of a pause, help and passphrase."""
+    """The start, questions before, between and after, the goal, a rest, every menu of a pause, help
+    and passphrase.
+    """
     effort = "How hard was that for you?"
     rest = {"rest_after_attempts": 1, "rest_seconds": 8}
     exercise(data, questions=("effort",), questions_every=1, **rest, **SETTINGS)
@@ -207,10 +217,16 @@ def test_no_screen_of_a_participant_who_trains_alone_is_skipped(data: Path, hand
 @pytest.mark.slow
 @HANDS
 def test_no_other_screen_of_a_session_is_skipped(data: Path, hand: Hand) -> None:
-    """The flash for a camera, the question before leaving, a window that was too small, and a session gone on with."""
-    settings = [f"--set={name}={value}" for name, value in (SETTINGS | {"ask_wellbeing": "no"}).items()]
+    """The flash for a camera, the question before leaving, a window that was too small, and a
+    session gone on with.
+    """
+    settings = [
+        f"--set={name}={value}" for name, value in (SETTINGS | {"ask_wellbeing": "no"}).items()
+    ]
     where = ("--data", str(data))
-    with Terminal(command("run", "keyboard", "-p", "P01", "--sync-flash", *where, *settings)) as terminal:
+    with Terminal(
+        command("run", "keyboard", "-p", "P01", "--sync-flash", *where, *settings)
+    ) as terminal:
         first = Walk(terminal, hand)
         first.take(
             (THROUGH, "Press Enter when the camera is recording."),
@@ -226,14 +242,19 @@ def test_no_other_screen_of_a_session_is_skipped(data: Path, hand: Hand) -> None
     with Terminal(command("resume", only_session(data), *where)) as terminal:
         second = Walk(terminal, hand)
         second.take((THROUGH, "Welcome back"), ("enter", SECOND), ("enter", "Press: "))
-    print(f"{hand}: {len(first.tried + second.tried)} screens tried, {len(first.skipped + second.skipped)} skipped")
+    print(
+        f"{hand}: {len(first.tried + second.tried)} screens tried, "
+        f"{len(first.skipped + second.skipped)} skipped"
+    )
     assert first.skipped + second.skipped == []
 
 
 @pytest.mark.slow
 @HANDS
 def test_no_screen_around_reaches_is_skipped(data: Path, hand: Hand) -> None:
-    """The check of the sensor, and the start of a reach; and what advises a person in pain not to train."""
+    """The check of the sensor, and the start of a reach; and what advises a person in pain not to
+    train.
+    """
     exercise(data, "reaching", imu="simulated", attempts=2, ask_wellbeing=True)
     with patient(data) as terminal:
         walk = Walk(terminal, hand)

@@ -1,4 +1,6 @@
-"""kill -9 at random moments: nothing acknowledged is lost, and the session goes on as it would have."""
+"""kill -9 at random moments: nothing acknowledged is lost, and the session goes on as it would
+have.
+"""
 
 import json
 from pathlib import Path
@@ -24,23 +26,31 @@ from tests.end_to_end.participant_terminal import (
 PROMPTS = 8
 
 
-@pytest.mark.parametrize(("kills", "attempts"), [(1, 2), pytest.param(20, 8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("kills", "attempts"), [(1, 2), pytest.param(20, 8, marks=pytest.mark.slow)]
+)
 def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
     data: Path, catalogue: Catalogue, kills: int, attempts: int
 ) -> None:
     pressed = 0
     start = run_command(data, prompts_per_attempt=PROMPTS, attempts=attempts)
     for kill in range(kills):
-        with Terminal(start if kill == 0 else command("resume", only_session(data), "--data", str(data))) as terminal:
+        with Terminal(
+            start if kill == 0 else command("resume", only_session(data), "--data", str(data))
+        ) as terminal:
             terminal.wait_for("Enter")
-            moment = terminal.read_at + round(RandomStreams("kill", kill).uniform("moment") * 2000 * MS)
+            moment = terminal.read_at + round(
+                RandomStreams("kill", kill).uniform("moment") * 2000 * MS
+            )
             participant = ScriptedParticipant(terminal, random_answers(kill, 60, 160))
             presses = participant.run(until=moment)
             terminal.kill()
             terminal.wait()
         assert rows(data, "PRAGMA integrity_check") == [("ok",)]
         (stored,) = rows(data, "SELECT count(*) FROM trials")
-        assert pressed + len(presses) - 1 <= stored[0] <= pressed + len(presses), "at most the last press is lost"
+        assert pressed + len(presses) - 1 <= stored[0] <= pressed + len(presses), (
+            "at most the last press is lost"
+        )
         pressed = stored[0]
 
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
@@ -53,13 +63,17 @@ def test_kills_lose_no_acknowledged_trial_and_change_no_prompt(
     levels = [level for (level,) in rows(data, "SELECT level FROM attempts ORDER BY attempt")]
     assert levels == list(range(1, attempts + 1)), "all answers are right and fast"
     trials = rows(data, "SELECT attempt, trial, stimulus FROM trials ORDER BY attempt, trial")
-    assert [(a, t) for a, t, _ in trials] == [(a, t) for a in range(1, attempts + 1) for t in range(1, PROMPTS + 1)]
+    assert [(a, t) for a, t, _ in trials] == [
+        (a, t) for a in range(1, attempts + 1) for t in range(1, PROMPTS + 1)
+    ]
     assert trials == _prompts_it_would_have_had(data, catalogue)
     assert replays_identically(data)
 
 
 def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[int, int, str]]:
-    """The prompts of a session that nobody killed: from its seed, its parameters and the levels it reached."""
+    """The prompts of a session that nobody killed: from its seed, its parameters and the levels it
+    reached.
+    """
     ((seed, parameters),) = rows(data, "SELECT seed, parameters FROM sessions")
     kind = catalogue.task("keyboard")
     task = kind(build(kind.Parameters, json.loads(parameters)))
@@ -68,7 +82,9 @@ def _prompts_it_would_have_had(data: Path, catalogue: Catalogue) -> list[tuple[i
             attempt,
             trial,
             task.stimulus(
-                Situation(attempt, trial, level, RandomStreams(seed, attempt, trial), RandomStreams(seed))
+                Situation(
+                    attempt, trial, level, RandomStreams(seed, attempt, trial), RandomStreams(seed)
+                )
             ).name,
         )
         for attempt, level in rows(data, "SELECT attempt, level FROM attempts ORDER BY attempt")

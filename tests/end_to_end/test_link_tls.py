@@ -41,8 +41,12 @@ def without_certificate(invited: Invitation) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: Path, tmp_path: Path) -> None:
-    stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(Guest("anna", "operator"), [at.where], 30)
+def test_only_invited_guests_join_and_only_in_their_role(
+    at: LinkGuests, data: Path, tmp_path: Path
+) -> None:
+    stranger = Authority.open_or_create(tmp_path / "elsewhere").invite(
+        Guest("anna", "operator"), [at.where], 30
+    )
     with SessionTerminals(data) as terminals:
         participant = terminals.participant("--listen", at.where.locator, **SETTINGS)
         participant.terminal.wait_for("Press Enter to go on.")
@@ -50,7 +54,9 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
         eve = terminals.panel("--link", file_of(at.eve, tmp_path, "eve"))
         anna = terminals.panel("--link", file_of(at.anna, tmp_path, "anna"))
         terminals.until(lambda: terminals.is_operated, "the operator steers")
-        terminals.until(lambda: ("observer.eve", "joined") in terminals.presence(), "the observer watches")
+        terminals.until(
+            lambda: ("observer.eve", "joined") in terminals.presence(), "the observer watches"
+        )
 
         participant.answer(1)
         anna.wait_for_proposal()
@@ -59,14 +65,23 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
         with visiting(at.eve) as (forger,):
             forger.put(at.keys.act("operator.anna"), b"in another's name")
             forger.put(at.keys.act("observer.eve"), b"in their own")
-            terminals.until(lambda: len(refusals(terminals, "observer.eve")) == 2, "what the observer sends is refused")
+            terminals.until(
+                lambda: len(refusals(terminals, "observer.eve")) == 2,
+                "what the observer sends is refused",
+            )
         assert terminals.pending_proposal(), "an observer decides nothing"
         anna.does("approve")
-        terminals.until(lambda: terminals.actions("feedback")[0]["decided_ns"], "the operator decides")
+        terminals.until(
+            lambda: terminals.actions("feedback")[0]["decided_ns"], "the operator decides"
+        )
         eve.does("stop")
-        terminals.until(lambda: ("stop", "observer.eve") in stops(terminals), "the observer stops the agent")
+        terminals.until(
+            lambda: ("stop", "observer.eve") in stops(terminals), "the observer stops the agent"
+        )
 
-        pretender = msgspec.structs.replace(stranger.credentials, authority=at.anna.credentials.authority)
+        pretender = msgspec.structs.replace(
+            stranger.credentials, authority=at.anna.credentials.authority
+        )
         for settings in (
             without_certificate(at.anna),
             network_settings(at.where, at.late.credentials),
@@ -74,8 +89,13 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
         ):
             with pytest.raises(zenoh.ZError):
                 zenoh.open(config(settings))
-        terminals.until(lambda: len(set(refusals(terminals, "unknown"))) == 4, "rejected connections are in the log")
-        terminals.until(lambda: "not the one that made this" in other.sees(), "the stranger's panel says why")
+        terminals.until(
+            lambda: len(set(refusals(terminals, "unknown"))) == 4,
+            "rejected connections are in the log",
+        )
+        terminals.until(
+            lambda: "not the one that made this" in other.sees(), "the stranger's panel says why"
+        )
         reasons = " ".join(refusals(terminals, "unknown"))
         presence = {actor for actor, _ in terminals.presence()}
         (feedback,) = terminals.actions("feedback")
@@ -84,7 +104,9 @@ def test_only_invited_guests_join_and_only_in_their_role(at: LinkGuests, data: P
     assert "no certificate" in reasons
     assert "expired" in reasons
     assert "made by another authority" in reasons
-    assert "does not trust this host's certificate" in reasons, "another authority's guest refuses us in turn"
+    assert "does not trust this host's certificate" in reasons, (
+        "another authority's guest refuses us in turn"
+    )
     assert presence == {"operator.anna", "observer.eve"}
     assert (feedback["decision"], feedback["actor"]) == ("accepted", "operator.anna")
     assert "attempt" in seen
@@ -100,4 +122,6 @@ def stops(terminals: SessionTerminals) -> list[tuple[str, str]]:
 
 def refusals(terminals: SessionTerminals, actor: str) -> list[str]:
     """Return the reasons of refusals of a peer."""
-    return [each["why"] for each in terminals.reported("operator/refused") if each["actor"] == actor]
+    return [
+        each["why"] for each in terminals.reported("operator/refused") if each["actor"] == actor
+    ]

@@ -1,4 +1,6 @@
-"""Markers of the real program in a pseudo-terminal: stamps, a flash and a tone, and a screen LSL does not write on."""
+"""Markers of the real program in a pseudo-terminal: stamps, a flash and a tone, and a screen LSL
+does not write on.
+"""
 
 import json
 from pathlib import Path
@@ -44,11 +46,19 @@ def test_markers_over_udp_and_lsl_have_the_stamps_that_are_stored(tmp_path: Path
                 stamps.append(stamp)
         inlet.close_stream()
     onsets = [ns for (ns,) in rows(data, "SELECT onset_ns FROM trials ORDER BY attempt, trial")]
-    responses = [ns for (ns,) in rows(data, "SELECT response_ns FROM trials ORDER BY attempt, trial")]
+    responses = [
+        ns for (ns,) in rows(data, "SELECT response_ns FROM trials ORDER BY attempt, trial")
+    ]
     assert [marker["ns"] for marker in markers if marker["event"] == "prompt_onset"] == onsets
     assert [marker["ns"] for marker in markers if marker["event"] == "response"] == responses
-    signals = [json.loads(text) for (text,) in rows(data, "SELECT message FROM events WHERE topic='output/sync'")]
-    assert sorted((signal["what"], signal["source"]) for signal in signals) == [("flash", "flush"), ("tone", "sound")]
+    signals = [
+        json.loads(text)
+        for (text,) in rows(data, "SELECT message FROM events WHERE topic='output/sync'")
+    ]
+    assert sorted((signal["what"], signal["source"]) for signal in signals) == [
+        ("flash", "flush"),
+        ("tone", "sound"),
+    ]
     assert {marker["ns"] for marker in markers if marker["event"].startswith("sync_")} == {
         signal["at"] for signal in signals
     }

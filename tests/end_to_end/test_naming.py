@@ -1,4 +1,6 @@
-"""The documented task with pictures, in a real terminal: seen, killed, resumed, replayed and simulated."""
+"""The documented task with pictures, in a real terminal: seen, killed, resumed, replayed and
+simulated.
+"""
 
 import json
 import re
@@ -43,7 +45,9 @@ def name_pictures(terminal: Terminal, reader: ScreenReader, count: int) -> None:
 def naming(tmp_path: Path) -> Path:
     """Write the documented task with fewer prompts, and its pictures."""
     task = write_documented(tmp_path / "mytasks", "naming")
-    source = (task / "task.py").read_text(encoding="utf-8").replace("return 10", f"return {PROMPTS}")
+    source = (
+        (task / "task.py").read_text(encoding="utf-8").replace("return 10", f"return {PROMPTS}")
+    )
     (task / "task.py").write_text(source, encoding="utf-8")
     (task / "pictures").mkdir()
     for name, color in COLORS.items():
@@ -61,11 +65,15 @@ def begin(terminal: Terminal) -> None:
 
 
 @pytest.mark.slow
-def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tmp_path: Path) -> None:
+def test_pictures_are_named_killed_resumed_replayed_and_simulated(
+    data: Path, tmp_path: Path
+) -> None:
     task = naming(tmp_path)
     where = ("--data", str(data), "--tasks", str(task.parent))
     settings = [f"--set={name}={value}" for name, value in (QUICK | {"attempts": 1}).items()]
-    with Terminal(command("run", "naming", "-p", "P01", "--seed", "7", *where, *settings)) as terminal:
+    with Terminal(
+        command("run", "naming", "-p", "P01", "--seed", "7", *where, *settings)
+    ) as terminal:
         reader = ScreenReader(terminal)
         begin(terminal)
         name_pictures(terminal, reader, 2)
@@ -91,19 +99,30 @@ def test_pictures_are_named_killed_resumed_replayed_and_simulated(data: Path, tm
     shown = rows(data, "SELECT message FROM events WHERE topic='screen/shown'")
     assert {json.loads(message)["picture"] for (message,) in shown} == {"half blocks"}
     ((software,),) = rows(data, "SELECT software FROM sessions")
-    assert sorted(json.loads(software)["task"]["pictures"]) == ["pictures/apple.png", "pictures/banana.png"]
+    assert sorted(json.loads(software)["task"]["pictures"]) == [
+        "pictures/apple.png",
+        "pictures/banana.png",
+    ]
     assert rows(data, "SELECT count(*) FROM events WHERE topic='framework/fault'") == [(0,)]
     assert replays_identically(data, "--tasks", str(task.parent))
-    simulated = command("simulate", "naming", "--user", "average", "--seed", "3", "--attempts", "2", *where)
+    simulated = command(
+        "simulate", "naming", "--user", "average", "--seed", "3", "--attempts", "2", *where
+    )
     assert subprocess.run(simulated, capture_output=True, check=False).returncode == 0
-    assert rows(data, "SELECT count(*) FROM trials JOIN sessions ON id=session WHERE mode='simulated'") == [(8,)]
+    assert rows(
+        data, "SELECT count(*) FROM trials JOIN sessions ON id=session WHERE mode='simulated'"
+    ) == [(8,)]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("way", "answers", "picture"),
     [
-        ("sixel", {"\x1b[c": b"\x1b[?62;4c", "\x1b[16t": b"\x1b[6;20;10t"}, rb"\x1bP0;0;0q.*\x1b\\\x1b8.*What is it\?"),
+        (
+            "sixel",
+            {"\x1b[c": b"\x1b[?62;4c", "\x1b[16t": b"\x1b[6;20;10t"},
+            rb"\x1bP0;0;0q.*\x1b\\\x1b8.*What is it\?",
+        ),
         (
             "kitty",
             {"\x1b[c": b"\x1b[?62c", "a=q": b"", "\x1b[16t": b"\x1b[6;20;10t"},
@@ -131,5 +150,7 @@ def test_graphics_of_the_terminal_are_flushed_with_the_text(
         terminal.press("a")
         terminal.settle()
         terminal.press("ctrl+q")
-    (message,) = rows(data, "SELECT message FROM events WHERE topic='screen/shown' ORDER BY seq LIMIT 1")[0]
+    (message,) = rows(
+        data, "SELECT message FROM events WHERE topic='screen/shown' ORDER BY seq LIMIT 1"
+    )[0]
     assert (json.loads(message)["picture"], json.loads(message)["source"]) == (way, "flush")

@@ -13,7 +13,20 @@ from tests.end_to_end.participant_terminal import see_the_summary
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="samples into /proc")
 
 _LISTENS = 0x10000
-_NETWORK = ("tcp", "tcp6", "udp", "udp6", "udplite", "udplite6", "raw", "raw6", "icmp", "icmp6", "packet", "netlink")
+_NETWORK = (
+    "tcp",
+    "tcp6",
+    "udp",
+    "udp6",
+    "udplite",
+    "udplite6",
+    "raw",
+    "raw6",
+    "icmp",
+    "icmp6",
+    "packet",
+    "netlink",
+)
 _INODE = {"packet": 8, "netlink": 9}
 """Column of the inode in these tables; the tenth in others."""
 

@@ -1,4 +1,6 @@
-"""The session continues alone if an operator's panel or the link fails, and the operator reconnects."""
+"""The session continues alone if an operator's panel or the link fails, and the operator
+reconnects.
+"""
 
 import os
 import signal
@@ -12,7 +14,13 @@ import pytest
 from sar_tui.link.zenoh_settings import socket_settings
 from sar_tui.loop.clock import host_now
 from sar_tui.model.units import MS
-from tests.end_to_end.operator_terminal import Panel, Participant, SessionTerminals, children, is_running
+from tests.end_to_end.operator_terminal import (
+    Panel,
+    Participant,
+    SessionTerminals,
+    children,
+    is_running,
+)
 from tests.end_to_end.participant_terminal import only_session, rows
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
@@ -46,14 +54,20 @@ def approves_one(terminals: SessionTerminals, participant: Participant, panel: P
     participant.answer(1)
     panel.wait_for_proposal(before[-1] if before else "")
     panel.does("approve")
-    terminals.until(lambda: terminals.actions("feedback")[len(before)]["decided_ns"], "it is decided")
+    terminals.until(
+        lambda: terminals.actions("feedback")[len(before)]["decided_ns"], "it is decided"
+    )
     row = terminals.actions("feedback")[len(before)]
     assert (row["decision"], row["actor"], row["ground"]) == ("accepted", ANA, "operator")
 
 
 def falls_back(terminals: SessionTerminals, since: int, within_ms: int) -> None:
-    """Check that the pending approval is decided without an operator, soon enough after ``since`` (ns)."""
-    terminals.until(lambda: terminals.actions("feedback")[-1]["decided_ns"], "it is decided without an operator")
+    """Check that the pending approval is decided without an operator, soon enough after ``since``
+    (ns).
+    """
+    terminals.until(
+        lambda: terminals.actions("feedback")[-1]["decided_ns"], "it is decided without an operator"
+    )
     row = terminals.actions("feedback")[-1]
     assert (row["decision"], row["actor"], row["ground"]) == ("accepted", "agent", "no operator")
     assert row["final"]["text"] == row["proposed"]["text"]
@@ -62,10 +76,13 @@ def falls_back(terminals: SessionTerminals, since: int, within_ms: int) -> None:
 
 def check_every_press(terminals: SessionTerminals, participant: Participant) -> None:
     """Check that each press is a trial with its correctness and reaction time."""
-    terminals.until(lambda: len(_trials(terminals)) >= len(participant.script.presses), "all trials are stored")
+    terminals.until(
+        lambda: len(_trials(terminals)) >= len(participant.script.presses), "all trials are stored"
+    )
     trials = _trials(terminals)
     assert [trial[:3] for trial in trials] == [
-        (press.expected, press.key, press.key == press.expected) for press in participant.script.presses
+        (press.expected, press.key, press.key == press.expected)
+        for press in participant.script.presses
     ]
     errors = [
         abs(recorded - press.reaction_time_ms)
@@ -75,7 +92,9 @@ def check_every_press(terminals: SessionTerminals, participant: Participant) -> 
 
 
 def _trials(terminals: SessionTerminals) -> list[tuple[str, str, int, float]]:
-    query = "SELECT stimulus, response, correct, reaction_time_ms FROM trials ORDER BY attempt, trial"
+    query = (
+        "SELECT stimulus, response, correct, reaction_time_ms FROM trials ORDER BY attempt, trial"
+    )
     return rows(terminals.data, query)
 
 
@@ -88,7 +107,9 @@ def test_killed_panel_is_lost_at_once_and_can_be_replaced(data: Path) -> None:
         panel.kill()
         falls_back(terminals, killed, LOST_MS)
         participant.answer(1)
-        terminals.until(lambda: len(terminals.actions("feedback")) == 2, "the next feedback is given")
+        terminals.until(
+            lambda: len(terminals.actions("feedback")) == 2, "the next feedback is given"
+        )
         falls_back(terminals, killed, 0)
 
         back = terminals.panel("--name", "ana")
@@ -99,7 +120,9 @@ def test_killed_panel_is_lost_at_once_and_can_be_replaced(data: Path) -> None:
         back.does("close")
         assert back.terminal.wait() == 0
         participant.answer(1)
-        terminals.until(lambda: len(terminals.actions("feedback")) == 4, "the last feedback is given")
+        terminals.until(
+            lambda: len(terminals.actions("feedback")) == 4, "the last feedback is given"
+        )
         falls_back(terminals, host_now(), 0)
         check_every_press(terminals, participant)
         states = [state for actor, state in terminals.presence() if actor == ANA]
@@ -117,7 +140,9 @@ def test_frozen_panel_is_lost_and_reconnects(data: Path) -> None:
         falls_back(terminals, frozen, LOST_MS)
         participant.answer(1)
         falls_back(terminals, frozen, 0)
-        (lost,) = [each for each in terminals.reported("operator/presence") if each["state"] == "lost"]
+        (lost,) = [
+            each for each in terminals.reported("operator/presence") if each["state"] == "lost"
+        ]
         assert not lost["operated"]
         assert lost["detail"]
 
@@ -149,11 +174,15 @@ def test_killed_broker_is_restarted_and_the_operator_reconnects(data: Path) -> N
         broker = broker_of(participant)
         participant.terminal.kill()
         participant.terminal.wait()
-        terminals.until(lambda: not is_running(broker), "the link's process ends with the program, even with kill -9")
+        terminals.until(
+            lambda: not is_running(broker),
+            "the link's process ends with the program, even with kill -9",
+        )
     assert states == ["joined", "baton", "lost", "joined", "baton"]
 
 
-# --- a flood ---------------------------------------------------------------------------------------------------------
+# --- a flood
+# ---------------------------------------------------------------------------------------------------------
 
 RATE, SECONDS = 10_000, 2
 _FLOOD = f"""
@@ -190,11 +219,15 @@ def test_flood_of_messages_disturbs_no_trial_and_is_counted(data: Path) -> None:
             flood.kill()
             flood.wait()
         check_every_press(terminals, participant)
-        terminals.until(lambda: _refused(terminals) >= 0.9 * RATE * SECONDS, "the excess has been counted")
+        terminals.until(
+            lambda: _refused(terminals) >= 0.9 * RATE * SECONDS, "the excess has been counted"
+        )
         assert _refused(terminals) <= RATE * SECONDS
         assert len(terminals.reported("operator/refused")) < 100, "in few reports"
         assert terminals.is_operated, "the operator is still there"
-    assert rows(data, "SELECT count(*) FROM notes WHERE author='operator.flood'") == [(0,)], "it is not in control"
+    assert rows(data, "SELECT count(*) FROM notes WHERE author='operator.flood'") == [(0,)], (
+        "it is not in control"
+    )
 
 
 def _refused(terminals: SessionTerminals) -> int:

@@ -8,7 +8,13 @@ from pathlib import Path
 import pytest
 
 from sar_tui.timing.pty import Terminal
-from tests.end_to_end.participant_terminal import QUICK, ScreenReader, command, rows, see_the_summary
+from tests.end_to_end.participant_terminal import (
+    QUICK,
+    ScreenReader,
+    command,
+    rows,
+    see_the_summary,
+)
 from tests.examples import first
 
 _ASKED = re.compile(r"^ *(?:Left: (\w))? *(?:Right: (\w))?$", re.MULTILINE)
@@ -29,9 +35,16 @@ def asked(terminal: Terminal, reader: ScreenReader) -> list[str]:
 @pytest.mark.parametrize("policy", first(1, ["race", "joint attention"]))
 def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> None:
     data = tmp_path / "data"
-    settings = QUICK | {"policy": policy, "attempts": 1, "prompts_per_attempt": 2, "cue_lead_ms": 60}
+    settings = QUICK | {
+        "policy": policy,
+        "attempts": 1,
+        "prompts_per_attempt": 2,
+        "cue_lead_ms": 60,
+    }
     given = [f"--set={name}={value}" for name, value in settings.items()]
-    words = command("run", "pairs", "-p", "P01", "-p", "P02", "--data", str(data), "--seed", "7", *given)
+    words = command(
+        "run", "pairs", "-p", "P01", "-p", "P02", "--data", str(data), "--seed", "7", *given
+    )
     with Terminal(words) as terminal:
         reader = ScreenReader(terminal)
         terminal.wait_for("Press Enter to go on.")
@@ -51,8 +64,13 @@ def test_a_session_of_two_in_a_real_terminal(tmp_path: Path, policy: str) -> Non
         see_the_summary(terminal)
         terminal.confirm()
         assert terminal.wait() == 0
-    stored_rows = rows(data, "SELECT trial, seat, response, correct, timing, details FROM trials ORDER BY trial, seat")
-    assert [response for _, _, response, *_ in stored_rows] == [key for keys in pressed for key in keys]
+    stored_rows = rows(
+        data,
+        "SELECT trial, seat, response, correct, timing, details FROM trials ORDER BY trial, seat",
+    )
+    assert [response for _, _, response, *_ in stored_rows] == [
+        key for keys in pressed for key in keys
+    ]
     for _, _, _, correct, timing, details in stored_rows:
         assert correct
         assert json.loads(timing)["onset_source"] == "flush"

@@ -1,4 +1,6 @@
-"""Paradigms of a laboratory, written from the docs: in a terminal, killed, resumed, simulated, and replayed."""
+"""Paradigms of a laboratory, written from the docs: in a terminal, killed, resumed, simulated, and
+replayed.
+"""
 
 import json
 import re
@@ -31,7 +33,8 @@ class Paradigm(NamedTuple):
     """A task, and how it is played.
 
     Attributes:
-        answers: what is read from the screen, and the keys that follow; a group of the pattern replaces ``\\1``.
+        answers: what is read from the screen, and the keys that follow; a group of the pattern
+            replaces ``\\1``.
         killed_at: the program is killed when it has written this.
         stored: the fields of ``trials.timing`` that some trial must have.
     """
@@ -44,11 +47,33 @@ class Paradigm(NamedTuple):
 
 
 PARADIGMS = [
-    Paradigm("span", 2, {r"Digit: (\d)": (), r"Type the digits\.": ()}, "Type the digits.", ("frame_onsets_ns",)),
-    Paradigm("cueing", 6, {r"Star: left": ((250, "left"),), r"Star: right": ((250, "right"),)}, "Star", ()),
-    Paradigm("oddball", 6, {r"Listen now\.": ((180, "space"),)}, "Listen now.", ("frame_onsets_ns", "tone_onsets_ns")),
     Paradigm(
-        "beat", 1, {r"Tap with the beeps\.": [(600 * beat, "space") for beat in range(8)]}, "Tap", ("tone_onsets_ns",)
+        "span",
+        2,
+        {r"Digit: (\d)": (), r"Type the digits\.": ()},
+        "Type the digits.",
+        ("frame_onsets_ns",),
+    ),
+    Paradigm(
+        "cueing",
+        6,
+        {r"Star: left": ((250, "left"),), r"Star: right": ((250, "right"),)},
+        "Star",
+        (),
+    ),
+    Paradigm(
+        "oddball",
+        6,
+        {r"Listen now\.": ((180, "space"),)},
+        "Listen now.",
+        ("frame_onsets_ns", "tone_onsets_ns"),
+    ),
+    Paradigm(
+        "beat",
+        1,
+        {r"Tap with the beeps\.": [(600 * beat, "space") for beat in range(8)]},
+        "Tap",
+        ("tone_onsets_ns",),
     ),
 ]
 
@@ -87,7 +112,10 @@ class Player:
                 if pattern.groups:
                     self._digits += found[1].decode()
                 elif not keys:  # types what it has seen
-                    self._due += [(now + 80 * MS * place, digit) for place, digit in enumerate(self._digits, 2)]
+                    self._due += [
+                        (now + 80 * MS * place, digit)
+                        for place, digit in enumerate(self._digits, 2)
+                    ]
                     self._digits = ""
                 self._due += [(now + ms * MS, key) for ms, key in keys]
 
@@ -105,10 +133,21 @@ def tasks(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("paradigm", PARADIGMS, ids=lambda paradigm: paradigm.task)
-def test_it_is_played_killed_resumed_and_replayed(data: Path, tasks: Path, paradigm: Paradigm) -> None:
+def test_it_is_played_killed_resumed_and_replayed(
+    data: Path, tasks: Path, paradigm: Paradigm
+) -> None:
     settings = QUICK | {"attempts": 1, "speech": f"file:{data}-sounds"}
     where = ("--data", str(data), "--tasks", str(tasks))
-    words = ("run", paradigm.task, "-p", "P01", "--seed", "3", *where, *(f"--set={n}={v}" for n, v in settings.items()))
+    words = (
+        "run",
+        paradigm.task,
+        "-p",
+        "P01",
+        "--seed",
+        "3",
+        *where,
+        *(f"--set={n}={v}" for n, v in settings.items()),
+    )
     with Terminal(command(*words)) as terminal:
         Player(terminal, {}).play(lambda: paradigm.killed_at.encode() in terminal.output)
         terminal.kill()

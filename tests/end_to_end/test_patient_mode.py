@@ -1,4 +1,6 @@
-"""Patient mode in a real terminal: signals and keys show no shell, and a lost terminal loses nothing."""
+"""Patient mode in a real terminal: signals and keys show no shell, and a lost terminal loses
+nothing.
+"""
 
 import os
 import random

@@ -1,4 +1,6 @@
-"""Every sample of a Phidget's channel is stored in order, although it arrives from another thread."""
+"""Every sample of a Phidget's channel is stored in order, although it arrives from another
+thread.
+"""
 
 import asyncio
 import threading
@@ -27,7 +29,9 @@ PATIENCE_S = 60.0
 
 
 async def streamed(run: Run, fake: FakeSpatial, plugged: tuple[int, ...]) -> list[str]:
-    """Plug the sensor in repeatedly, each time for a number of samples; return what the session received."""
+    """Plug the sensor in repeatedly, each time for a number of samples; return what the session
+    received.
+    """
     states: list[str] = []
     received = 0
     all_received = asyncio.Event()
@@ -72,7 +76,9 @@ async def streamed(run: Run, fake: FakeSpatial, plugged: tuple[int, ...]) -> lis
 
 
 @pytest.mark.parametrize("interval_ms", [4, 1])
-def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path: Path, interval_ms: int) -> None:
+def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(
+    tmp_path: Path, interval_ms: int
+) -> None:
     count = 5000 // interval_ms
     fake = FakeSpatial(new_channel("Spatial"), interval_ms)
     catalogue = Catalogue()
@@ -98,10 +104,15 @@ def test_all_samples_are_stored_and_a_reattached_sensor_is_a_new_stream(tmp_path
     database = connect(tmp_path)
     streams = sessions.rows(database, "imu_streams", session_id)
     stored = imu.samples(database, session_id)
-    chunks = list(Database(database).query("SELECT stream, seq, n FROM imu_chunks ORDER BY stream, seq"))
+    chunks = list(
+        Database(database).query("SELECT stream, seq, n FROM imu_chunks ORDER BY stream, seq")
+    )
     database.close()
     assert states == ["detached", "attached", "detached", "attached", "detached"]
-    assert [(row["stream"], row["rate_hz"]) for row in streams] == [(1, 1000 / interval_ms), (2, 1000 / interval_ms)]
+    assert [(row["stream"], row["rate_hz"]) for row in streams] == [
+        (1, 1000 / interval_ms),
+        (2, 1000 / interval_ms),
+    ]
     assert "1044_1B" in streams[0]["model"]
     sent = [*range(count), *range(count // 2)]
     assert stored["device_ms"].tolist() == [float(index * interval_ms) for index in sent]

@@ -1,4 +1,6 @@
-"""A therapist changes a programme in a real terminal; the next session runs it, and history tells both."""
+"""A therapist changes a programme in a real terminal; the next session runs it, and history tells
+both.
+"""
 
 import json
 import subprocess
@@ -36,7 +38,9 @@ def called(*words: str) -> str:
 
 
 @pytest.mark.slow
-def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_runs_with_them(data: Path) -> None:
+def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_runs_with_them(
+    data: Path,
+) -> None:
     file = data.parent / "start.toml"
     file.write_text(
         'task = "keyboard"\n[parameters]\nfeedback_every = 5\n'
@@ -90,7 +94,10 @@ def test_a_therapist_raises_goal_and_feedback_frequency_and_the_next_session_run
     assert (programme, ran["threshold"], ran["feedback_every"]) == (2, 1100, 3)
     assert rows(data, "SELECT DISTINCT goal FROM attempts") == [(1100,)]
     versions = json.loads(called("programme", "history", "P07", "--json", *where))["versions"]
-    assert [(each["version"], each["reason"]) for each in versions] == [(2, "Tired"), (1, "First visit")]
+    assert [(each["version"], each["reason"]) for each in versions] == [
+        (2, "Tired"),
+        (1, "First visit"),
+    ]
     assert [(each["name"], each["before"], each["after"]) for each in versions[0]["changes"]] == [
         ("threshold", 900, 1100),
         ("feedback_every", 5, 3),

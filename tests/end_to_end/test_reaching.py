@@ -1,4 +1,6 @@
-"""Reaches at a real pseudo-terminal, hand and sensor simulated in the program itself; also when it is killed."""
+"""Reaches at a real pseudo-terminal, hand and sensor simulated in the program itself; also when it
+is killed.
+"""
 
 import json
 import time
@@ -14,7 +16,13 @@ from sar_tui.motion.analysis import Finding
 from sar_tui.store import imu
 from sar_tui.store.database import connect
 from sar_tui.timing.pty import Terminal
-from tests.end_to_end.participant_terminal import command, only_session, replays_identically, rows, see_the_summary
+from tests.end_to_end.participant_terminal import (
+    command,
+    only_session,
+    replays_identically,
+    rows,
+    see_the_summary,
+)
 from tests.examples import QUICK
 from tests.tasks.reaching import reaching_driver
 
@@ -70,7 +78,9 @@ def rest(terminal: Terminal, duration: int) -> None:
 
 
 def reach(terminal: Terminal) -> int:
-    """Space, out and back by itself, space; returns how much was on the screen before it was over."""
+    """Space, out and back by itself, space; returns how much was on the screen before it was
+    over.
+    """
     rest(terminal, 300 * MS)
     seen = start(terminal)
     rest(terminal, REACHED)
@@ -80,7 +90,16 @@ def reach(terminal: Terminal) -> int:
 
 def trials(data: Path) -> list[Row]:
     """Return the stored row of each reach."""
-    names = ("attempt", "trial", "run", "correct", "onset_ns", "response_ns", "reaction_time_ms", "details")
+    names = (
+        "attempt",
+        "trial",
+        "run",
+        "correct",
+        "onset_ns",
+        "response_ns",
+        "reaction_time_ms",
+        "details",
+    )
     query = f"SELECT {', '.join(names)} FROM trials ORDER BY attempt, trial"
     found = [dict(zip(names, row, strict=True)) for row in rows(data, query)]
     return [row | {"details": json.loads(row["details"])} for row in found]
@@ -91,7 +110,11 @@ def analysed_again(data: Path, trial: Row) -> Finding:
     details = trial["details"]
     with closing(connect(data)) as database:
         measured = imu.samples(
-            database, only_session(data), details["window_from_ns"], details["window_to_ns"], trial["run"]
+            database,
+            only_session(data),
+            details["window_from_ns"],
+            details["window_to_ns"],
+            trial["run"],
         )
     return reaching_driver.analysed_again(measured, details)
 
@@ -120,9 +143,13 @@ def test_stored_reaches_agree_with_their_samples(data: Path) -> None:
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
     assert [(trial["attempt"], trial["trial"]) for trial in trials(data)] == [(1, 1), (2, 1)]
     assert {trial["reaction_time_ms"] for trial in trials(data)} == {None}
-    assert any(trial["correct"] for trial in trials(data)), "a simulated hand hardly ever stays where it is"
+    assert any(trial["correct"] for trial in trials(data)), (
+        "a simulated hand hardly ever stays where it is"
+    )
     check_reaches(data)
-    ((stream, run, source, rate),) = rows(data, "SELECT stream, run, source, rate_hz FROM imu_streams")
+    ((stream, run, source, rate),) = rows(
+        data, "SELECT stream, run, source, rate_hz FROM imu_streams"
+    )
     assert (stream, run, source, rate) == (1, 1, "simulated", 250.0)
     (seqs,) = rows(data, "SELECT min(seq), max(seq), count(*) FROM imu_chunks")
     assert seqs[0] == 1
@@ -133,7 +160,9 @@ def test_stored_reaches_agree_with_their_samples(data: Path) -> None:
 def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data: Path) -> None:
     for kill in range(KILLS):
         words = (
-            run_command(data, attempts=1) if kill == 0 else command("resume", only_session(data), "--data", str(data))
+            run_command(data, attempts=1)
+            if kill == 0
+            else command("resume", only_session(data), "--data", str(data))
         )
         with Terminal(words) as terminal:
             if kill == 0:
@@ -143,12 +172,17 @@ def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data
                 to_start(terminal, press(terminal, "enter"))
             start(terminal)
             started = time.monotonic_ns()
-            rest(terminal, round((0.8 + 1.0 * RandomStreams("kill", kill).uniform("moment")) * SECOND))
+            rest(
+                terminal,
+                round((0.8 + 1.0 * RandomStreams("kill", kill).uniform("moment")) * SECOND),
+            )
             terminal.kill()
             terminal.wait()
         assert rows(data, "PRAGMA integrity_check") == [("ok",)]
         assert rows(data, "SELECT count(*) FROM trials") == [(0,)], "it was in mid-reach"
-        ((measured,),) = rows(data, "SELECT t1_ns FROM imu_chunks ORDER BY stream DESC, seq DESC LIMIT 1")
+        ((measured,),) = rows(
+            data, "SELECT t1_ns FROM imu_chunks ORDER BY stream DESC, seq DESC LIMIT 1"
+        )
         assert measured > started, "samples of the reach itself are there"
 
     with Terminal(command("resume", only_session(data), "--data", str(data))) as terminal:
@@ -160,8 +194,12 @@ def test_a_kill_during_a_reach_loses_few_samples_and_the_session_is_resumed(data
         assert terminal.wait() == 0
 
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
-    assert [(trial["attempt"], trial["trial"], trial["run"]) for trial in trials(data)] == [(1, 1, KILLS + 1)]
-    assert any(trial["correct"] for trial in trials(data)), "a simulated hand hardly ever stays where it is"
+    assert [(trial["attempt"], trial["trial"], trial["run"]) for trial in trials(data)] == [
+        (1, 1, KILLS + 1)
+    ]
+    assert any(trial["correct"] for trial in trials(data)), (
+        "a simulated hand hardly ever stays where it is"
+    )
     check_reaches(data)
     streams = rows(data, "SELECT stream, run, source, rate_hz FROM imu_streams ORDER BY stream")
     assert streams == [(run, run, "simulated", 250.0) for run in range(1, KILLS + 2)]

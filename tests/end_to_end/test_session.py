@@ -31,7 +31,8 @@ def _slowly(foreperiod_ms: int) -> dict[str, int]:
 
 @pytest.fixture(scope="module")
 def whole_session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Press]]:
-    """The data of a whole session, and what its participant pressed, in the last presentation of each prompt.
+    """The data of a whole session, and what its participant pressed, in the last presentation of
+    each prompt.
 
     A prompt is shown again if the machine was too busy to time its response.
     """
@@ -49,10 +50,14 @@ def whole_session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[
     return data, [participant.presses[number - 1] for number in last]
 
 
-def test_every_press_is_stored_with_its_correctness(whole_session: tuple[Path, list[Press]]) -> None:
+def test_every_press_is_stored_with_its_correctness(
+    whole_session: tuple[Path, list[Press]],
+) -> None:
     data, presses = whole_session
     recorded = rows(data, "SELECT stimulus, response, correct FROM trials ORDER BY attempt, trial")
-    assert recorded == [(press.expected, press.key, press.key == press.expected) for press in presses]
+    assert recorded == [
+        (press.expected, press.key, press.key == press.expected) for press in presses
+    ]
     assert {correct for _, _, correct in recorded} == {0, 1}, "the script planned both"
     assert rows(data, "SELECT status FROM sessions") == [("completed",)]
     assert rows(data, "SELECT count(*) FROM attempts") == [(2,)]
@@ -86,7 +91,8 @@ def test_no_byte_is_written_while_a_response_is_awaited(data: Path) -> None:
         seen = len(t.output)
         for _ in range(2):
             t.settle(silence_ms=300)
-            if b"Press: " not in t.output[seen:]:  # on a busy machine the prompt may be there already
+            # on a busy machine the prompt may be there already
+            if b"Press: " not in t.output[seen:]:
                 assert "Press:" not in reader.text()
             seen = t.wait_for("Press: ", since=seen)
             t.settle()
@@ -157,6 +163,8 @@ def test_only_keys_of_the_task_are_recorded(data: Path) -> None:
         assert t.wait() == 0
 
     assert rows(data, "SELECT code FROM participants") == [("SECRET7",)]
-    (events,) = rows(data, "SELECT group_concat(message) FROM events WHERE session=?", only_session(data))
+    (events,) = rows(
+        data, "SELECT group_concat(message) FROM events WHERE session=?", only_session(data)
+    )
     keys = re.findall(r'"key":"(.*?)"', events[0])
     assert set(keys) == {"enter"}

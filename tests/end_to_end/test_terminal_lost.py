@@ -1,4 +1,6 @@
-"""A terminal that is frozen or stalled: its operator is lost in time, and its program ends when it is asked to."""
+"""A terminal that is frozen or stalled: its operator is lost in time, and its program ends when it
+is asked to.
+"""
 
 import os
 import shutil
@@ -46,7 +48,9 @@ SETTINGS = {
     ],
     ids=["ssh", "terminal"],
 )
-def test_an_operator_behind_a_frozen_connection_is_lost_and_comes_back(data: Path, freeze: int, thaw: int) -> None:
+def test_an_operator_behind_a_frozen_connection_is_lost_and_comes_back(
+    data: Path, freeze: int, thaw: int
+) -> None:
     with SessionTerminals(data) as terminals:
         participant = terminals.participant("--operator", **SETTINGS)
         relay = [sys.executable, "-m", "tests.end_to_end.terminal_relay"]
@@ -59,11 +63,22 @@ def test_an_operator_behind_a_frozen_connection_is_lost_and_comes_back(data: Pat
 
         panel.kill(freeze)
         terminals.until(lambda: (ANA, "lost") in terminals.presence(), "the operator is lost")
-        terminals.until(lambda: terminals.actions("feedback")[0]["decided_ns"], "the agent goes on alone")
+        terminals.until(
+            lambda: terminals.actions("feedback")[0]["decided_ns"], "the agent goes on alone"
+        )
         (row,) = terminals.actions("feedback")
-        assert (row["decision"], row["actor"], row["ground"]) == ("accepted", "agent", "no operator")
-        (lost,) = [each for each in terminals.reported("operator/presence") if each["state"] == "lost"]
-        assert (lost["operated"], lost["detail"]) == (False, f"Its terminal did not answer for {LOST_MS} ms.")
+        assert (row["decision"], row["actor"], row["ground"]) == (
+            "accepted",
+            "agent",
+            "no operator",
+        )
+        (lost,) = [
+            each for each in terminals.reported("operator/presence") if each["state"] == "lost"
+        ]
+        assert (lost["operated"], lost["detail"]) == (
+            False,
+            f"Its terminal did not answer for {LOST_MS} ms.",
+        )
 
         panel.kill(thaw)
         terminals.until(lambda: terminals.is_operated, "the operator is back")
@@ -71,14 +86,18 @@ def test_an_operator_behind_a_frozen_connection_is_lost_and_comes_back(data: Pat
         participant.answer(1)
         panel.wait_for_proposal(row["id"])
         panel.does("approve")
-        terminals.until(lambda: terminals.actions("feedback")[-1]["decided_ns"], "a decision is accepted again")
+        terminals.until(
+            lambda: terminals.actions("feedback")[-1]["decided_ns"], "a decision is accepted again"
+        )
         assert terminals.actions("feedback")[-1]["actor"] == ANA
         states = [state for actor, state in terminals.presence() if actor == ANA]
     assert states == ["joined", "baton", "lost", "joined", "baton"]
 
 
 @pytest.fixture
-def program(request: pytest.FixtureRequest, data: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+def program(
+    request: pytest.FixtureRequest, data: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[list[str]]:
     """Command line of a program that shows something until it is ended."""
     runtime = Path(tempfile.mkdtemp(prefix="sar-"))
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime))
@@ -100,7 +119,8 @@ PROGRAMS = pytest.mark.parametrize("program", first(1, ["run", "wizard", "agent"
 
 @pytest.mark.parametrize("program", ["wizard", "agent"], indirect=True)
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGTERM, 143), pytest.param(signal.SIGHUP, 129, marks=pytest.mark.slow)]
+    ("number", "code"),
+    [(signal.SIGTERM, 143), pytest.param(signal.SIGHUP, 129, marks=pytest.mark.slow)],
 )
 def test_a_signal_restores_the_terminal(program: list[str], number: int, code: int) -> None:
     with Terminal(program) as terminal:

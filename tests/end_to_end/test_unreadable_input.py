@@ -1,4 +1,6 @@
-"""Input that cannot be read, typed into real terminals: the programs go on, and tell about it in the end."""
+"""Input that cannot be read, typed into real terminals: the programs go on, and tell about it in
+the end.
+"""
 
 import json
 from pathlib import Path
@@ -51,12 +53,19 @@ def test_a_session_its_panel_and_the_agents_screen_survive_it(data: Path) -> Non
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "unit", [b"\x1b[A", b"abcdefghij", b"\x1b[31mhello\x1b[0m"], ids=["arrows", "letters", "colours"]
+    "unit",
+    [b"\x1b[A", b"abcdefghij", b"\x1b[31mhello\x1b[0m"],
+    ids=["arrows", "letters", "colours"],
 )
-def test_a_megabyte_that_nobody_types_is_dropped_and_help_answers_in_the_middle_of_it(data: Path, unit: bytes) -> None:
+def test_a_megabyte_that_nobody_types_is_dropped_and_help_answers_in_the_middle_of_it(
+    data: Path, unit: bytes
+) -> None:
     with SessionTerminals(data) as terminals:
         participant, panel = terminals.both(**SETTINGS)
-        for terminal, helps in ((participant.terminal, "Press Enter to close this."), (panel.terminal, "Keys")):
+        for terminal, helps in (
+            (participant.terminal, "Press Enter to close this."),
+            (panel.terminal, "Keys"),
+        ):
             since = len(terminal.output)
             for part in range(100):
                 terminal.write(unit * (10_000 // len(unit)))

@@ -1,4 +1,6 @@
-"""A session and an operator's panel in two terminals: decisions reach the participant and are stored."""
+"""A session and an operator's panel in two terminals: decisions reach the participant and are
+stored.
+"""
 
 import json
 from pathlib import Path
@@ -36,7 +38,10 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
         participant.answer(1)
         edited = panel.wait_for_proposal(vetoed["id"])
         panel.writes("edit", "Edit:", WORDS)
-        terminals.until(lambda: participant.sees(WORDS), "the operator's words in the place of the agent's are seen")
+        terminals.until(
+            lambda: participant.sees(WORDS),
+            "the operator's words in the place of the agent's are seen",
+        )
 
         panel.does("pick-1")
         terminals.until(lambda: terminals.actions("remark"), "a phrase is said")
@@ -51,19 +56,29 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
         approved = panel.wait_for_proposal(edited["id"])
         panel.does("approve")
         terminals.until(lambda: participant.sees(approved["text"]), "the approved words are seen")
-        terminals.until(lambda: all(_is_stored(terminals, row) for row in (approved, edited)), "the rows are whole")
+        terminals.until(
+            lambda: all(_is_stored(terminals, row) for row in (approved, edited)),
+            "the rows are whole",
+        )
         seen = participant.has_seen()
         feedback = terminals.actions("feedback")
 
-    assert not _shares_four_words(vetoed["text"], seen), "what was vetoed was never seen, not for a frame"
+    assert not _shares_four_words(vetoed["text"], seen), (
+        "what was vetoed was never seen, not for a frame"
+    )
     assert not _shares_four_words(edited["text"], seen), "nor what was edited"
     assert _shares_four_words(approved["text"], seen), "what was seen would be found"
-    assert [(row["proposed"]["text"], row["final"] and row["final"]["text"]) for row in feedback] == [
+    assert [
+        (row["proposed"]["text"], row["final"] and row["final"]["text"]) for row in feedback
+    ] == [
         (vetoed["text"], None),
         (edited["text"], WORDS),
         (approved["text"], approved["text"]),
     ]
-    messages = [(row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in feedback]
+    messages = [
+        (row["decision"], row["actor"], row["mode"], row["ground"], row["reason"])
+        for row in feedback
+    ]
     assert messages == [
         ("rejected", "operator.ana", "approve", "operator", "vetoed"),
         ("edited", "operator.ana", "approve", "operator", None),
@@ -71,10 +86,20 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
     ]
     for row in feedback:
         assert row["proposed_ns"] <= row["shown_ns"] < row["decided_ns"]
-    assert [row["started_ns"] and row["started_ns"] >= row["decided_ns"] for row in feedback] == [None, True, True]
+    assert [row["started_ns"] and row["started_ns"] >= row["decided_ns"] for row in feedback] == [
+        None,
+        True,
+        True,
+    ]
 
-    (remark,) = [json.loads(row) for (row,) in rows(data, "SELECT final FROM actions WHERE kind='remark'")]
-    assert (remark["text"], remark["decision"], remark["actor"]) == (phrase, "initiated", "operator.ana")
+    (remark,) = [
+        json.loads(row) for (row,) in rows(data, "SELECT final FROM actions WHERE kind='remark'")
+    ]
+    assert (remark["text"], remark["decision"], remark["actor"]) == (
+        phrase,
+        "initiated",
+        "operator.ana",
+    )
     assert rows(data, "SELECT level FROM attempts ORDER BY attempt") == [(3,), (3,), (2,)]
     ((act,),) = rows(data, "SELECT message FROM events WHERE topic='operator/act'")
     assert (json.loads(act)["command"], json.loads(act)["value"], json.loads(act)["actor"]) == (
@@ -84,25 +109,33 @@ def test_operator_decisions_reach_the_participant_and_are_stored(data: Path) -> 
     )
     ((at, author, text),) = rows(data, "SELECT at_ns, author, text FROM notes")
     assert (author, text) == ("operator.ana", NOTE)
-    assert feedback[1]["started_ns"] < at < feedback[2]["proposed_ns"], "stamped with the session's own clock"
+    assert feedback[1]["started_ns"] < at < feedback[2]["proposed_ns"], (
+        "stamped with the session's own clock"
+    )
     assert replays_identically(data)
 
 
 def _is_stored(terminals: SessionTerminals, proposal: Row) -> bool:
-    return any(row["id"] == proposal["id"] and row["started_ns"] for row in terminals.actions("feedback"))
+    return any(
+        row["id"] == proposal["id"] and row["started_ns"] for row in terminals.actions("feedback")
+    )
 
 
 def _shares_four_words(text: str, lines: set[str]) -> bool:
     """Return True if any four consecutive words of a text are on one line."""
     words = plain(text).split()
-    return any(" ".join(words[at : at + 4]) in line for line in lines for at in range(len(words) - 3))
+    return any(
+        " ".join(words[at : at + 4]) in line for line in lines for at in range(len(words) - 3)
+    )
 
 
 @pytest.mark.slow
 def test_a_panel_joins_the_session_of_its_own_data_folder(data: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
     with SessionTerminals(data) as terminals:
-        panel = terminals.start_program(command("wizard", "--wait", "--name", "ben", "--data", str(other)), 100, 30)
+        panel = terminals.start_program(
+            command("wizard", "--wait", "--name", "ben", "--data", str(other)), 100, 30
+        )
         panel.wait_for("Waiting for one")
         terminals.participant("--operator", **SETTINGS).terminal.wait_for("Press Enter to go on.")
         panel.wait_for("There is a session of another data folder:")
@@ -110,5 +143,7 @@ def test_a_panel_joins_the_session_of_its_own_data_folder(data: Path, tmp_path: 
         there = terminals.start_program([*run_command(other, **SETTINGS), "--operator"])
         there.wait_for("Press Enter to go on.")
         joined = "SELECT 1 FROM events WHERE topic='operator/presence'"
-        terminals.until(lambda: rows(other, joined), "the panel has joined the session of its folder")
+        terminals.until(
+            lambda: rows(other, joined), "the panel has joined the session of its folder"
+        )
         assert rows(data, joined) == []

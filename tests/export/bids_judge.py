@@ -28,7 +28,9 @@ ALLOWED = {
 }
 """Warnings, each with the reason. The same list is in docs/archive-in-bids.md."""
 _READABLE = "/tmp" if Path("/tmp").is_dir() else None
-"""The validator's runtime never reads below /dev, where tests have their files if there is /dev/shm."""
+"""The validator's runtime never reads below /dev, where tests have their files if there is
+/dev/shm.
+"""
 
 
 class Issue(NamedTuple):
@@ -45,15 +47,23 @@ def judge(folder: Path) -> list[Issue]:
     with TemporaryDirectory(dir=_READABLE) as place:
         copied = shutil.copytree(folder, Path(place) / "dataset")
         command = [validator, "--format", "json", "--max-rows", "-1", copied]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)  # 16: errors
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=120, check=False
+        )  # 16: errors
     assert done.stdout, done.stderr
     issues = json.loads(done.stdout)["issues"]["issues"]
     return [
-        Issue(each["severity"], " ".join(filter(None, (each["code"], each.get("subCode")))), each["location"])
+        Issue(
+            each["severity"],
+            " ".join(filter(None, (each["code"], each.get("subCode")))),
+            each["location"],
+        )
         for each in issues
     ]
 
 
 def complaints(folder: Path) -> list[Issue]:
     """Return all errors, and the warnings that are not allowed."""
-    return [issue for issue in judge(folder) if issue.severity != "warning" or issue.what not in ALLOWED]
+    return [
+        issue for issue in judge(folder) if issue.severity != "warning" or issue.what not in ALLOWED
+    ]

@@ -1,5 +1,5 @@
-"""Attacks on shifted dates: what somebody finds out who has an export, and knows when some people trained, or in which
-order all of them did.
+"""Attacks on shifted dates: what somebody finds out who has an export, and knows when some people
+trained, or in which order all of them did.
 """
 
 import json
@@ -33,28 +33,44 @@ def by_clocks(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str
                 readings = _first_by_person(rows, column, a_second)
                 zeros = [known[code] - readings[code] for code in known if code in readings]
                 if zeros and len(set(readings.values())) > 1:
-                    yield f"{table}.{column} in {unit}", {code: zeros[0] + each for code, each in readings.items()}
+                    yield (
+                        f"{table}.{column} in {unit}",
+                        {code: zeros[0] + each for code, each in readings.items()},
+                    )
 
 
 def by_times_of_day(folder: Path, known: Mapping[str, datetime]) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by a clock that is printed beside a shifted time: equal differences are those of one start."""
+    """Yield guesses by a clock that is printed beside a shifted time: equal differences are those
+    of one start.
+    """
     runs = [row for row in read_csv(folder, "runs") if row["clock_ns"] is not None]
     people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
-    clocks = {people[row["session"]]: timedelta(microseconds=row["clock_ns"] / 1000) for row in runs}
+    clocks = {
+        people[row["session"]]: timedelta(microseconds=row["clock_ns"] / 1000) for row in runs
+    }
     for code, true in known.items():
-        yield "runs.clock_ns beside a known date", {other: true + at - clocks[code] for other, at in clocks.items()}
+        yield (
+            "runs.clock_ns beside a known date",
+            {other: true + at - clocks[code] for other, at in clocks.items()},
+        )
 
 
 def by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by what may be in the order of enrolment: rows, names, ids, seeds, versions, times of files."""
+    """Yield guesses by what may be in the order of enrolment: rows, names, ids, seeds, versions,
+    times of files.
+    """
     for table, rows in _tables(folder):
         ranked = list(dict.fromkeys(row["participant"] for row in rows))
         yield f"order of rows in {table}", dict(zip(ranked, enrolled, strict=False))
         for column in rows[0] if rows else ():
             if column not in ("participant", *_DATES):
-                values = {row["participant"]: row[column] for row in rows[::-1] if row[column] is not None}
+                values = {
+                    row["participant"]: row[column] for row in rows[::-1] if row[column] is not None
+                }
                 if len(set(values.values())) > 1:
-                    ranked = sorted(values, key=lambda code: (str(type(values[code])), values[code], code))
+                    ranked = sorted(
+                        values, key=lambda code: (str(type(values[code])), values[code], code)
+                    )
                     yield f"order of {table}.{column}", dict(zip(ranked, enrolled, strict=False))
     people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
     manifest = json.loads((folder / "sar-tui-export.json").read_text("utf-8"))
@@ -64,8 +80,11 @@ def by_order(folder: Path, enrolled: Sequence[datetime]) -> Iterator[tuple[str, 
     yield "sessions of timing.json", _in_order(measured, people, enrolled)
 
 
-def by_files(folder: Path, people: Mapping[str, str], enrolled: Sequence[datetime]) -> Iterator[tuple[str, Guesses]]:
-    """Yield guesses by names and times of the files of sessions or persons, in a folder or its zip archive.
+def by_files(
+    folder: Path, people: Mapping[str, str], enrolled: Sequence[datetime]
+) -> Iterator[tuple[str, Guesses]]:
+    """Yield guesses by names and times of the files of sessions or persons, in a folder or its zip
+    archive.
 
     Args:
         people: codes by the sessions that are in names of files.
@@ -81,7 +100,12 @@ def by_files(folder: Path, people: Mapping[str, str], enrolled: Sequence[datetim
         "times": lambda path: path.stat().st_mtime_ns,
         "times in a zip archive": zipped.__getitem__,
     }
-    files = [(path, code) for path in folder.rglob("*") for name, code in people.items() if name in path.as_posix()]
+    files = [
+        (path, code)
+        for path in folder.rglob("*")
+        for name, code in people.items()
+        if name in path.as_posix()
+    ]
     for what, key in keys.items():
         firsts: dict[str, Any] = {}
         for path, code in files:
@@ -90,9 +114,13 @@ def by_files(folder: Path, people: Mapping[str, str], enrolled: Sequence[datetim
         yield f"{what} of files", dict(zip(ranked, enrolled, strict=False))
 
 
-def identified(guesses: Guesses, true: Mapping[str, datetime], known: Mapping[str, datetime] = {}) -> int:
+def identified(
+    guesses: Guesses, true: Mapping[str, datetime], known: Mapping[str, datetime] = {}
+) -> int:
     """Return the number of people whose date was not known, and was guessed to the day."""
-    return sum(each.date() == true[code].date() for code, each in guesses.items() if code not in known)
+    return sum(
+        each.date() == true[code].date() for code, each in guesses.items() if code not in known
+    )
 
 
 def _tables(folder: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
@@ -100,10 +128,18 @@ def _tables(folder: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     people = {row["session"]: row["participant"] for row in read_csv(folder, "sessions")}
     for path in sorted(folder.glob("*.csv")):
         rows = read_csv(folder, path.stem)
-        yield path.stem, [row | {"participant": row.get("participant") or people[row["session"]]} for row in rows]
+        yield (
+            path.stem,
+            [
+                row | {"participant": row.get("participant") or people[row["session"]]}
+                for row in rows
+            ],
+        )
 
 
-def _first_by_person(rows: Sequence[dict[str, Any]], column: str, a_second: float) -> dict[str, timedelta]:
+def _first_by_person(
+    rows: Sequence[dict[str, Any]], column: str, a_second: float
+) -> dict[str, timedelta]:
     found: dict[str, timedelta] = {}
     for row in rows:
         value = row[column]
@@ -114,7 +150,9 @@ def _first_by_person(rows: Sequence[dict[str, Any]], column: str, a_second: floa
     return found
 
 
-def _in_order(sessions: Sequence[str], people: Mapping[str, str], enrolled: Sequence[datetime]) -> Guesses:
+def _in_order(
+    sessions: Sequence[str], people: Mapping[str, str], enrolled: Sequence[datetime]
+) -> Guesses:
     ranked = list(dict.fromkeys(people[session] for session in sessions if session in people))
     return dict(zip(ranked, enrolled, strict=False))
 
@@ -123,7 +161,9 @@ def written(folder: Path) -> Iterator[tuple[str, str]]:
     """Yield the name of each file with all that is in it as text, whatever its format."""
     for path in sorted(folder.rglob("*")):
         if path.suffix == ".parquet":
-            text = json.dumps(pyarrow.parquet.read_table(path).to_pylist(), default=lambda each: each.isoformat())
+            text = json.dumps(
+                pyarrow.parquet.read_table(path).to_pylist(), default=lambda each: each.isoformat()
+            )
         elif path.suffix == ".mat":
             text = f"{path.read_bytes()[:116]!r} {' '.join(_flat(scipy.io.loadmat(path)))}"
         else:
@@ -151,11 +191,16 @@ def clock_readings(text: str) -> list[str]:
     In ms and s only fractions do: other numbers are as large.
     """
     found = _NUMBER.findall(text)
-    fine = [number for number in found if any(_is_reading(float(number), UNITS[unit]) for unit in ("ns", "us"))]
+    fine = [
+        number
+        for number in found
+        if any(_is_reading(float(number), UNITS[unit]) for unit in ("ns", "us"))
+    ]
     return fine + [
         number
         for number in found
-        if not float(number).is_integer() and any(_is_reading(float(number), UNITS[u]) for u in ("ms", "s"))
+        if not float(number).is_integer()
+        and any(_is_reading(float(number), UNITS[u]) for u in ("ms", "s"))
     ]
 
 

@@ -23,16 +23,22 @@ def export_csv(data: Path, folder: Path, request: Request = ALL, **options: Any)
     return export_as("csv", data, folder, request, **options)
 
 
-def export_as(format: str, data: Path, folder: Path, request: Request = ALL, **options: Any) -> Exported:
+def export_as(
+    format: str, data: Path, folder: Path, request: Request = ALL, **options: Any
+) -> Exported:
     database = connect_to_read(data)
     try:
-        return export(database, data, Catalogue(), request, load(format), folder, no_bar, Options(**options))
+        return export(
+            database, data, Catalogue(), request, load(format), folder, no_bar, Options(**options)
+        )
     finally:
         database.close()
 
 
 def read_csv(folder: Path, table: str) -> list[dict[str, Any]]:
-    """Return the rows of a table with the types that ``datapackage.json`` declares, None for an empty field."""
+    """Return the rows of a table with the types that ``datapackage.json`` declares, None for an
+    empty field.
+    """
     package = json.loads((folder / "datapackage.json").read_text("utf-8"))
     (resource,) = (each for each in package["resources"] if each["name"] == table)
     types = {field["name"]: _READ[field["type"]] for field in resource["schema"]["fields"]}

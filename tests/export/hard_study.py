@@ -1,4 +1,6 @@
-"""A study with all that is hard to export: misses, gaps, cut-off and resumed sessions, operators, questions, notes."""
+"""A study with all that is hard to export: misses, gaps, cut-off and resumed sessions, operators,
+questions, notes.
+"""
 
 from contextlib import closing
 from pathlib import Path
@@ -26,7 +28,11 @@ _PLAYED = (
             "questions": "effort remark",
         },
     ),
-    ("reaching", ["P01"], {"attempts": 1, "reaches_per_attempt": 2, "operator_feedback": "approve"}),
+    (
+        "reaching",
+        ["P01"],
+        {"attempts": 1, "reaches_per_attempt": 2, "operator_feedback": "approve"},
+    ),
     ("pairs", ["P02", "P-3"], {"attempts": 1, "operator_feedback": "approve"}),
 )
 INTERRUPTED, EMPTY = "1nterrupt", "empty"
@@ -50,17 +56,22 @@ def store_study(data: Path, catalogue: Catalogue) -> None:
             onset = None if stimulus == "never" else 5_000_000_000 + trial * 10**9
             values = (INTERRUPTED, 1, trial, "A", 1, stimulus, None, 0, onset, None, None, "{}")
             database.execute(
-                "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, correct, onset_ns,"
+                "INSERT INTO trials (session, attempt, trial, seat, run, stimulus, response, "
+                "correct, onset_ns,"
                 f" response_ns, reaction_time_ms, timing) VALUES ({','.join('?' * 12)})",
                 values,
             )
-        database.execute("INSERT INTO notes SELECT id, 1, 'operator.ana', ?, 'pausa' FROM sessions", (NOTE,))
+        database.execute(
+            "INSERT INTO notes SELECT id, 1, 'operator.ana', ?, 'pausa' FROM sessions", (NOTE,)
+        )
         for code in ("P01", "P02"):
             participants.add(database, code)
         for score in (Score("ARAT", "2026-01-10", 20, NOTE), Score("ARAT", "2026-03-10", 31.5, "")):
             instrument_scores.add(database, "P01", score, author="ana")
         instrument_scores.add(database, "P02", Score("BBT", "2026-03-10", 12, ""), author="ana")
-        (keyboard,) = database.execute("SELECT id FROM sessions WHERE task='keyboard' LIMIT 1").fetchone()
+        (keyboard,) = database.execute(
+            "SELECT id FROM sessions WHERE task='keyboard' LIMIT 1"
+        ).fetchone()
         wellbeing.save(database, "P01", "before", "pain", "3", session=keyboard)
         wellbeing.save(database, "P01", "after", "fatigue", "not said", session=keyboard)
         wellbeing.save(database, "P01", "before", "pain", "8")  # too much to begin a session

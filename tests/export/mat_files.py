@@ -47,9 +47,16 @@ end
 
 
 def with_octave(folder: Path) -> Iterator[tuple[str, str, str, list[Any]]]:
-    """Yield file, table, field and its values, as Octave reads them; samples of all sensors one after the other."""
+    """Yield file, table, field and its values, as Octave reads them; samples of all sensors one
+    after the other.
+    """
     done = subprocess.run(
-        ["octave-cli", "--eval", _DUMP], cwd=folder, capture_output=True, text=True, check=True, timeout=120
+        ["octave-cli", "--eval", _DUMP],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
     )
     for line in done.stdout.splitlines():
         file, table, name, kind, *values = line.split(" ")
@@ -65,7 +72,12 @@ def with_scipy(folder: Path) -> Iterator[tuple[str, str, str, list[Any]]]:
         for table in set(tables.dtype.names) - {"units", "imu"}:
             (fields,) = tables[table][0]
             for name in fields.dtype.names:
-                yield path.name, table, name, [_value(value) for value in fields[name][:, 0].tolist()]
+                yield (
+                    path.name,
+                    table,
+                    name,
+                    [_value(value) for value in fields[name][:, 0].tolist()],
+                )
 
 
 def _value(value: Any) -> Any:
@@ -96,7 +108,9 @@ def columns(folder: Path, read: Callable[[Path], Any] = with_octave) -> dict[str
     return tables
 
 
-def rows(folder: Path, table: str, read: Callable[[Path], Any] = with_octave) -> list[dict[str, Any]]:
+def rows(
+    folder: Path, table: str, read: Callable[[Path], Any] = with_octave
+) -> list[dict[str, Any]]:
     """Return the rows of a table."""
     found = columns(folder, read)[table]
     return [dict(zip(found, values, strict=True)) for values in zip(*found.values(), strict=True)]

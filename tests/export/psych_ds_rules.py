@@ -8,9 +8,31 @@ from pathlib import Path
 from typing import Any
 
 _NAME = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
-_KEYWORDS = {"study", "site", "subject", "session", "task", "condition", "trial", "stimulus", "description"}
-_ROOT = {"dataset_description.json", "README.md", "README.txt", "CHANGES.md", "CHANGES.txt", ".psychdsignore"}
-_SCHEMA_ORG = ("https://schema.org/", "http://schema.org/", "https://schema.org", "http://schema.org")
+_KEYWORDS = {
+    "study",
+    "site",
+    "subject",
+    "session",
+    "task",
+    "condition",
+    "trial",
+    "stimulus",
+    "description",
+}
+_ROOT = {
+    "dataset_description.json",
+    "README.md",
+    "README.txt",
+    "CHANGES.md",
+    "CHANGES.txt",
+    ".psychdsignore",
+}
+_SCHEMA_ORG = (
+    "https://schema.org/",
+    "http://schema.org/",
+    "https://schema.org",
+    "http://schema.org",
+)
 
 
 def complaints(folder: Path) -> list[str]:
@@ -19,7 +41,11 @@ def complaints(folder: Path) -> list[str]:
     found = [] if about.get("@context") in _SCHEMA_ORG else ["INVALID_JSONLD_FORMATTING"]
     if about.get("@type") != "Dataset":
         found.append("INCORRECT_DATASET_TYPE")
-    found += [f"JSON_KEY_REQUIRED {key}" for key in ("name", "description", "variableMeasured") if not about.get(key)]
+    found += [
+        f"JSON_KEY_REQUIRED {key}"
+        for key in ("name", "description", "variableMeasured")
+        if not about.get(key)
+    ]
     tables = sorted((folder / "data").rglob("*_data.csv"))
     if not tables:
         found.append("MISSING_DATAFILE")
@@ -55,7 +81,9 @@ def _of_table(path: Path, about: dict[str, Any]) -> list[str]:
         found.append(f"CSV_HEADER_REPEATED {path.name}")
     if any(len(row) != len(head) for row in rows):
         found.append(f"CSV_HEADER_LENGTH_MISMATCH {path.name}")
-    found += [f"CSV_COLUMN_MISSING_FROM_METADATA {path.name} {name}" for name in head if name not in names]
+    found += [
+        f"CSV_COLUMN_MISSING_FROM_METADATA {path.name} {name}" for name in head if name not in names
+    ]
     if "row_id" in head and len({row[head.index("row_id")] for row in rows}) < len(rows):
         found.append(f"ROWID_VALUES_NOT_UNIQUE {path.name}")
     return found

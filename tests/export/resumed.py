@@ -1,4 +1,6 @@
-"""A session that the computer went down in, and that was resumed: its second run has an earlier steady clock."""
+"""A session that the computer went down in, and that was resumed: its second run has an earlier
+steady clock.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,9 @@ from sar_tui.simulation.participant_model import PEOPLE
 def interrupted(data: Path, steps: int = 25) -> str:
     """Play some steps of a session of two attempts, and leave it; return its id."""
     clock = VirtualClock(9000 * SECOND)
-    plan = make_plan(Catalogue(), "keyboard", ["P01"], {"attempts": 2, "prompts_per_attempt": 3}, seed=4)
+    plan = make_plan(
+        Catalogue(), "keyboard", ["P01"], {"attempts": 2, "prompts_per_attempt": 3}, seed=4
+    )
     run = start(plan, data, Catalogue(), clock, _participants)
     _play(run, clock, steps)
     return run.id

@@ -1,4 +1,5 @@
-"""Every bundled task leaves in every format, and the format's own validator, or reader, finds no fault.
+"""Every bundled task leaves in every format, and the format's own validator, or reader, finds no
+fault.
 
 ``pytest tests/export/test_all_tasks.py -s`` prints the table of all tasks and formats.
 """
@@ -59,9 +60,10 @@ def _elan(folder: Path) -> Iterator[str]:
         if set(read.get_tier_names()) != set(tiers):
             yield f"{path.name}: pympi reads other tiers"
         for name, annotations in tiers.items():
-            if [(start, end, value) for start, end, value in sorted(read.get_annotation_data_for_tier(name))] != sorted(
-                annotations
-            ):
+            if [
+                (start, end, value)
+                for start, end, value in sorted(read.get_annotation_data_for_tier(name))
+            ] != sorted(annotations):
                 yield f"{path.name}: pympi reads other annotations in {name}"
 
 
@@ -72,7 +74,11 @@ def _mat(folder: Path) -> Iterator[str]:
             yield f"{file}: {table}.{name} is not in the codebook"
     if shutil.which("octave-cli"):
         as_scipy = {(file, table, name) for file, table, name, _ in mat_files.with_scipy(folder)}
-        as_octave = {(file, table, name) for file, table, name, _ in mat_files.with_octave(folder) if table != "imu"}
+        as_octave = {
+            (file, table, name)
+            for file, table, name, _ in mat_files.with_octave(folder)
+            if table != "imu"
+        }
         if as_octave != as_scipy:
             yield f"Octave reads other fields: {sorted(as_octave ^ as_scipy)[:3]}"
 
@@ -98,7 +104,9 @@ VALIDATORS: dict[str, Callable[[Path], Iterator[str]]] = {
 
 
 def faults(data: Path, folder: Path, format: str, **options: Any) -> list[str]:
-    """Export all sessions, and return what the format's validator finds; nothing may be missing either."""
+    """Export all sessions, and return what the format's validator finds; nothing may be missing
+    either.
+    """
     exported = export_as(format, data, folder, with_events=True, **options)
     return [*exported.problems, *exported.notices, *VALIDATORS[format](folder)]
 
@@ -115,18 +123,24 @@ def test_every_format_has_a_validator() -> None:
 
 
 @pytest.mark.parametrize("format", BUNDLED)
-def test_all_tasks_in_one_export_pass_the_validator(data: Path, tmp_path: Path, format: str) -> None:
+def test_all_tasks_in_one_export_pass_the_validator(
+    data: Path, tmp_path: Path, format: str
+) -> None:
     assert faults(data, tmp_path / "out", format) == []
     if format == "csv":
         assert sorted(row["task"] for row in read_csv(tmp_path / "out", "sessions")) == TASKS
         trials = read_csv(tmp_path / "out", "trials")
         for name in ("frame_onsets_ns", "tone_onsets_ns"):
-            assert any(" " in (row[name] or "") for row in trials), "a list of stamps is among what is validated"
+            assert any(" " in (row[name] or "") for row in trials), (
+                "a list of stamps is among what is validated"
+            )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("format", BUNDLED)
-def test_all_tasks_pass_the_validator_whatever_leaves(data: Path, tmp_path: Path, format: str) -> None:
+def test_all_tasks_pass_the_validator_whatever_leaves(
+    data: Path, tmp_path: Path, format: str
+) -> None:
     assert faults(data, tmp_path / "recoded", format, recode=tmp_path / "map.csv") == []
     assert faults(data, tmp_path / "noted", format, with_notes=True) == []
 

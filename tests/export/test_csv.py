@@ -30,9 +30,14 @@ def test_the_files_are_what_their_description_says(call: Call, tmp_path: Path) -
     assert any(row["state"] == "gap" for row in read_csv(folder, "sensor_faults"))
 
 
-def test_every_field_of_the_timing_and_of_a_choice_has_a_column(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_every_field_of_the_timing_and_of_a_choice_has_a_column(
+    call: Call, simulated: str, tmp_path: Path
+) -> None:
     export_csv(tmp_path / "data", tmp_path / "out")
-    (trial, *_), (attempt, *_) = read_csv(tmp_path / "out", "trials"), read_csv(tmp_path / "out", "attempts")
+    (trial, *_), (attempt, *_) = (
+        read_csv(tmp_path / "out", "trials"),
+        read_csv(tmp_path / "out", "attempts"),
+    )
     assert set(Timing.__struct_fields__) - set(trial) == set()
     assert {f"choice_{name}" for name in FeedbackChoice.__struct_fields__} - set(attempt) == set()
 
@@ -43,7 +48,8 @@ def test_a_task_that_is_not_installed_leaves_with_numbers_but_without_texts_that
     with closing(connect(tmp_path / "data")) as database:
         database.execute("UPDATE sessions SET task='gone'")
         database.execute(
-            "UPDATE trials SET details=json_set(details, '$.remark', 'Ana is tired', '$.good', json('true'))"
+            "UPDATE trials SET details=json_set(details, '$.remark', 'Ana is tired', '$.good', "
+            "json('true'))"
         )
     exported = export_csv(tmp_path / "data", tmp_path / "out")
     rows, stored = read_csv(tmp_path / "out", "trials"), stored_trials(tmp_path / "data")
@@ -62,11 +68,18 @@ def test_a_session_without_a_trial_leaves_with_an_empty_table(tmp_path: Path) ->
     assert frictionless.validate(str(tmp_path / "out" / "datapackage.json")).valid
 
 
-def test_the_mean_reaction_time_is_the_databases(call: Call, simulated: str, tmp_path: Path) -> None:
+def test_the_mean_reaction_time_is_the_databases(
+    call: Call, simulated: str, tmp_path: Path
+) -> None:
     export_csv(tmp_path / "data", tmp_path / "out")
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         stored = [
-            time for (time,) in database.execute("SELECT reaction_time_ms FROM trials WHERE correct ORDER BY rowid")
+            time
+            for (time,) in database.execute(
+                "SELECT reaction_time_ms FROM trials WHERE correct ORDER BY rowid"
+            )
         ]
-    written = [row["reaction_time_ms"] for row in read_csv(tmp_path / "out", "trials") if row["correct"]]
+    written = [
+        row["reaction_time_ms"] for row in read_csv(tmp_path / "out", "trials") if row["correct"]
+    ]
     assert sum(written) / len(written) == sum(stored) / len(stored)

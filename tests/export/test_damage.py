@@ -35,10 +35,15 @@ def change(data: Path, statement: str, *values: object) -> None:
         assert database.execute(statement, values).rowcount, "something is changed"
 
 
-def test_a_damaged_value_is_named_and_the_rest_leaves(call: Call, session: str, tmp_path: Path) -> None:
+def test_a_damaged_value_is_named_and_the_rest_leaves(
+    call: Call, session: str, tmp_path: Path
+) -> None:
     change(tmp_path / "data", "UPDATE trials SET details=? WHERE attempt=2 AND trial=3", BROKEN)
     called = call("export", session, "--simulated", "--to", tmp_path / "out")
-    said = f"trials, session {session}, attempt 2, trial 3, seat A: what is stored in details is damaged, and left out."
+    said = (
+        f"trials, session {session}, attempt 2, trial 3, seat A: what is stored in details is "
+        "damaged, and left out."
+    )
     assert (called.code, called.err.splitlines()) == (1, [f"! {said}"])
     rows = read_csv(tmp_path / "out", "trials")
     assert [row["details_choices"] is None for row in rows].index(True) == 20 + 2
@@ -52,7 +57,10 @@ def test_texts_in_columns_of_numbers_are_named_and_do_not_leave(
     call: Call, session: str, tmp_path: Path, format: str
 ) -> None:
     data = tmp_path / "data"
-    change(data, "UPDATE trials SET reaction_time_ms='x', onset_ns='secret' WHERE attempt=2 AND trial=3")
+    change(
+        data,
+        "UPDATE trials SET reaction_time_ms='x', onset_ns='secret' WHERE attempt=2 AND trial=3",
+    )
     change(data, "UPDATE attempts SET metric='y', started_ns='secret' WHERE attempt=2")
     called = call("export", session, "--simulated", "--to", tmp_path / "out", "--format", format)
     assert called.code == 1
@@ -64,17 +72,25 @@ def test_texts_in_columns_of_numbers_are_named_and_do_not_leave(
         f"{attempt} started_ns is damaged, and left out.",
         f"{attempt} metric is damaged, and left out.",
     }
-    assert not any(b"secret" in path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file())
+    assert not any(
+        b"secret" in path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file()
+    )
 
 
 def test_no_damaged_json_stops_an_export(catalogue: Catalogue, tmp_path: Path) -> None:
     data = tmp_path / "data"
     store_study(data, catalogue)
-    change(data, "INSERT INTO programmes SELECT 'P01', 'pairs', 1, '2026', '', '', '{}', 'calm', ''")
+    change(
+        data, "INSERT INTO programmes SELECT 'P01', 'pairs', 1, '2026', '', '', '{}', 'calm', ''"
+    )
     export_csv(data, tmp_path / "whole")
     for table, columns in JSON_COLUMNS.items():
         for column in columns:
-            change(data, f"UPDATE {table} SET {column}=? WHERE rowid=(SELECT max(rowid) FROM {table})", BROKEN)
+            change(
+                data,
+                f"UPDATE {table} SET {column}=? WHERE rowid=(SELECT max(rowid) FROM {table})",
+                BROKEN,
+            )
     change(data, "UPDATE messages SET message=? WHERE seq=(SELECT max(seq) FROM messages)", BROKEN)
     change(data, "UPDATE imu_streams SET layout='{' WHERE stream=1")
     exported = export_csv(data, tmp_path / "out", with_events=True)
@@ -92,7 +108,9 @@ def test_no_damaged_json_stops_an_export(catalogue: Catalogue, tmp_path: Path) -
         assert len(read_csv(tmp_path / "out", table)) == len(read_csv(tmp_path / "whole", table))
 
 
-def test_a_text_whose_bytes_are_not_utf_8_leaves_as_far_as_it_can_be_read(session: str, tmp_path: Path) -> None:
+def test_a_text_whose_bytes_are_not_utf_8_leaves_as_far_as_it_can_be_read(
+    session: str, tmp_path: Path
+) -> None:
     data = tmp_path / "data"
     export_csv(data, tmp_path / "whole")
     change(data, "UPDATE trials SET stimulus=CAST(x'66ff' AS TEXT) WHERE attempt=1 AND trial=2")
@@ -103,18 +121,22 @@ def test_a_text_whose_bytes_are_not_utf_8_leaves_as_far_as_it_can_be_read(sessio
     assert rows[:1] + rows[2:] == whole[:1] + whole[2:]
     assert exported.problems[-2:] == [
         f"sessions, session {session}: what is stored in machine is damaged, and left out.",
-        f"trials, session {session}, attempt 1, trial 2, seat A: the text in stimulus is damaged; \ufffd replaces what "
+        f"trials, session {session}, attempt 1, trial 2, seat A: the text in stimulus is damaged; "
+        "\ufffd replaces what "
         "cannot be read.",
     ]
 
 
-def test_a_damaged_message_of_a_sensor_is_named_and_its_other_faults_leave(call: Call, tmp_path: Path) -> None:
+def test_a_damaged_message_of_a_sensor_is_named_and_its_other_faults_leave(
+    call: Call, tmp_path: Path
+) -> None:
     call("simulate", "reaching", "--user", "poor", "--attempts", 1, "--seed", 3)
     data = tmp_path / "data"
     export_csv(data, tmp_path / "whole")
     with closing(connect(data)) as database:
         (number,) = database.execute(
-            "SELECT max(seq) FROM events WHERE topic='input/sensor' AND json_extract(message, '$.state')='gap'"
+            "SELECT max(seq) FROM events WHERE topic='input/sensor' AND json_extract(message, "
+            "'$.state')='gap'"
         ).fetchone()
     change(data, "UPDATE messages SET message=? WHERE seq=?", BROKEN, number)
     exported = export_csv(data, tmp_path / "out")
@@ -125,13 +147,17 @@ def test_a_damaged_message_of_a_sensor_is_named_and_its_other_faults_leave(call:
     assert len(faults) == len(whole) - 1 > 0
 
 
-def test_answers_before_a_session_that_never_began_leave_with_their_participant(session: str, tmp_path: Path) -> None:
+def test_answers_before_a_session_that_never_began_leave_with_their_participant(
+    session: str, tmp_path: Path
+) -> None:
     with closing(connect(tmp_path / "data")) as database:
         (code,) = database.execute("SELECT participant FROM seats").fetchone()
         wellbeing.save(database, code, "before", "pain", "7")
         wellbeing.save(database, code, "before", "fatigue", "2", session="another")
     export_csv(tmp_path / "data", tmp_path / "simulated")
-    assert read_csv(tmp_path / "simulated", "wellbeing") == [], "persons answer, and never leave with simulated ones"
+    assert read_csv(tmp_path / "simulated", "wellbeing") == [], (
+        "persons answer, and never leave with simulated ones"
+    )
     change(tmp_path / "data", "UPDATE sessions SET mode='live'")
     export_csv(tmp_path / "data", tmp_path / "out")
     (row,) = read_csv(tmp_path / "out", "wellbeing")

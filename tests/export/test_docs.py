@@ -33,7 +33,9 @@ REACTION, REACH = "reaction_time_ms", "details_reach_time_ms"
 
 @pytest.fixture
 def study(call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Means:
-    """Exports in the folders ``study`` and ``study-mat`` here; the mean times, from the database."""
+    """Exports in the folders ``study`` and ``study-mat`` here; the mean times, from the
+    database.
+    """
     call("simulate", "reaching", "--user", "average", "--attempts", 2, "--seed", 2, "-p", "P02")
     _add_odd_trials(tmp_path / "data")
     export_csv(tmp_path / "data", tmp_path / "study")
@@ -41,12 +43,19 @@ def study(call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         rows = database.execute(
-            "SELECT task, participant, level, avg(reaction_time_ms), avg(json_extract(details, '$.reach_time_ms'))"
-            " FROM trials JOIN attempts USING (session, attempt, seat) JOIN seats USING (session, seat)"
-            " JOIN sessions ON sessions.id=session WHERE trials.correct AND NOT practice GROUP BY 1, 2, 3"
+            "SELECT task, participant, level, avg(reaction_time_ms), avg(json_extract(details, "
+            "'$.reach_time_ms'))"
+            " FROM trials JOIN attempts USING (session, attempt, seat) JOIN seats USING (session, "
+            "seat)"
+            " JOIN sessions ON sessions.id=session WHERE trials.correct AND NOT practice GROUP BY "
+            "1, 2, 3"
         ).fetchall()
     means: Means = {
-        name: {tuple(row[:3]): pytest.approx(row[index], rel=1e-12) for row in rows if row[index] is not None}
+        name: {
+            tuple(row[:3]): pytest.approx(row[index], rel=1e-12)
+            for row in rows
+            if row[index] is not None
+        }
         for name, index in ((REACTION, 3), (REACH, 4))
     }
     assert len(means[REACTION]) > len(means[REACH]) > 0
@@ -54,29 +63,42 @@ def study(call: Call, simulated: str, tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def _add_odd_trials(data: Path) -> None:
-    """Add a miss, trials of an attempt that was cut off, and a note; make the first attempts practice."""
+    """Add a miss, trials of an attempt that was cut off, and a note; make the first attempts
+    practice.
+    """
     with closing(sqlite3.connect(data / "sar-tui.db")) as database, database:
         database.execute("UPDATE attempts SET practice=(attempt=1)")
-        database.execute("UPDATE trials SET response=NULL, reaction_time_ms=NULL WHERE trial=2 AND attempt=3")
+        database.execute(
+            "UPDATE trials SET response=NULL, reaction_time_ms=NULL WHERE trial=2 AND attempt=3"
+        )
         columns = (
-            "session, trial, seat, run, stimulus, response, correct, onset_ns, response_ns, reaction_time_ms, timing,"
+            "session, trial, seat, run, stimulus, response, correct, onset_ns, response_ns, "
+            "reaction_time_ms, timing,"
             " details"
         )
-        database.execute(f"INSERT INTO trials (attempt, {columns}) SELECT 99, {columns} FROM trials WHERE attempt=2")
         database.execute(
-            "INSERT INTO notes (session, at_ns, author, text) SELECT id, 1, 'operator', 'año' FROM sessions"
+            f"INSERT INTO trials (attempt, {columns}) SELECT 99, {columns} FROM trials WHERE "
+            "attempt=2"
+        )
+        database.execute(
+            "INSERT INTO notes (session, at_ns, author, text) SELECT id, 1, 'operator', 'año' "
+            "FROM sessions"
         )
 
 
 def _means(lines: list[list[str]]) -> dict[Group, float]:
-    return {(task, code, int(level)): float(mean) for task, code, level, mean in lines if mean != "NaN"}
+    return {
+        (task, code, int(level)): float(mean) for task, code, level, mean in lines if mean != "NaN"
+    }
 
 
 def test_python(study: Means, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "script.py").write_text(script("python standard library"))
     runpy.run_path(str(tmp_path / "script.py"))
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert {name: _means([rest for first, *rest in lines if first == name]) for name in study} == study
+    assert {
+        name: _means([rest for first, *rest in lines if first == name]) for name in study
+    } == study
 
 
 def test_pandas(study: Means, tmp_path: Path) -> None:
@@ -103,7 +125,10 @@ def test_r(study: Means, tmp_path: Path) -> None:
 @needs_octave
 def test_octave(study: Means, tmp_path: Path) -> None:
     lines = [line.split() for line in _octave(script("matlab"))]
-    found = {name: _means([[*line[:3], line[index]] for line in lines]) for name, index in ((REACTION, 3), (REACH, 4))}
+    found = {
+        name: _means([[*line[:3], line[index]] for line in lines])
+        for name, index in ((REACTION, 3), (REACH, 4))
+    }
     assert found == study
 
 
@@ -115,7 +140,11 @@ def test_octave_reads_samples_and_texts(study: Means, tmp_path: Path) -> None:
     found = [float(line.split()[-2]) for line in said if line.startswith("attempt")]
     assert found == [
         pytest.approx(
-            max(abs(each["rate_z"]) for each in samples if trial["onset_ns"] <= each["at_ns"] <= trial["response_ns"])
+            max(
+                abs(each["rate_z"])
+                for each in samples
+                if trial["onset_ns"] <= each["at_ns"] <= trial["response_ns"]
+            )
         )
         for trial in trials
         if trial["details_reach_time_ms"] is not None
@@ -129,7 +158,9 @@ def _octave(source: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def test_the_format_of_the_page_works(study: Means, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_format_of_the_page_works(
+    study: Means, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from sar_tui.export import registry
 
     page = (DOCS / "export-data.md").read_text(encoding="utf-8")

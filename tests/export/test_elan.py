@@ -24,21 +24,30 @@ MS = 1_000_000
 
 
 def read_eaf(path: Path) -> Tiers:
-    """Return the annotations of each tier. Raises AssertionError if the document breaks a rule of EAF 3.0."""
+    """Return the annotations of each tier. Raises AssertionError if the document breaks a rule of
+    EAF 3.0.
+    """
     root = ElementTree.parse(path).getroot()
     order = ["HEADER", "TIME_ORDER", "TIER", "LINGUISTIC_TYPE"]
     assert [each.tag for each in root] == sorted((each.tag for each in root), key=order.index)
     assert root.tag == "ANNOTATION_DOCUMENT"
     assert (root.get("FORMAT"), root.get("VERSION")) == ("3.0", "3.0")
     assert datetime.fromisoformat(root.attrib["DATE"]).tzinfo
-    slots = {slot.attrib["TIME_SLOT_ID"]: int(slot.attrib["TIME_VALUE"]) for slot in root.iter("TIME_SLOT")}
+    slots = {
+        slot.attrib["TIME_SLOT_ID"]: int(slot.attrib["TIME_VALUE"])
+        for slot in root.iter("TIME_SLOT")
+    }
     assert len(slots) == len(list(root.iter("TIME_SLOT")))
     assert list(slots.values()) == sorted(slots.values())
     types = {each.attrib["LINGUISTIC_TYPE_ID"] for each in root.iter("LINGUISTIC_TYPE")}
     names = [tier.attrib["TIER_ID"] for tier in root.iter("TIER")]
     assert len(set(names)) == len(names)
     ids = [each.attrib["ANNOTATION_ID"] for each in root.iter("ALIGNABLE_ANNOTATION")]
-    used = [each.attrib[f"TIME_SLOT_REF{end}"] for each in root.iter("ALIGNABLE_ANNOTATION") for end in (1, 2)]
+    used = [
+        each.attrib[f"TIME_SLOT_REF{end}"]
+        for each in root.iter("ALIGNABLE_ANNOTATION")
+        for end in (1, 2)
+    ]
     assert len(set(ids)) == len(ids)
     assert sorted(used) == sorted(slots), "each slot is of one end of one annotation"
     assert all(re.fullmatch(r"[a-z]+\d+", id) for id in [*ids, *slots])
@@ -66,30 +75,47 @@ def test_every_act_of_varied_sessions_is_there(call: Call, tmp_path: Path) -> No
 
         def own(table: str, of: str = session["session"], **equal: Any) -> list[dict[str, Any]]:
             rows = read_csv(tmp_path / "csv", table)
-            return [row for row in rows if row["session"] == of and all(row[k] == v for k, v in equal.items())]
+            return [
+                row
+                for row in rows
+                if row["session"] == of and all(row[k] == v for k, v in equal.items())
+            ]
 
         (run,) = own("runs")
         for seat in "AB" if session["partner"] else "A":
-            trials = [row for row in own("trials", seat=seat) if row["onset_ns"] or row["response_ns"]]
-            begun = [round(((row["onset_ns"] or row["response_ns"]) - run["clock_ns"]) / MS) for row in trials]
+            trials = [
+                row for row in own("trials", seat=seat) if row["onset_ns"] or row["response_ns"]
+            ]
+            begun = [
+                round(((row["onset_ns"] or row["response_ns"]) - run["clock_ns"]) / MS)
+                for row in trials
+            ]
             assert sorted(start for start, _, _ in _all(tiers, f"{seat} trials")) == sorted(begun)
             assert len(_all(tiers, f"{seat} attempts")) == len(own("attempts", seat=seat))
             effort, remark = own("answers", seat=seat)
             assert [value for _, _, value in _all(tiers, f"{seat} questions")] == [
-                f"effort: {effort['status'] if effort['value'] is None else format(effort['value'], 'g')}",
+                "effort: "
+                f"{effort['status'] if effort['value'] is None else format(effort['value'], 'g')}",
                 f"remark: {remark['words'] or remark['status']}",
             ]
         for deed in ("say", "show", "gesture", "gaze", "tone"):
             done = [row for row in own("outputs", deed=deed) if row["started_ns"] is not None]
             assert len(_all(tiers, f"agent {deed}")) == len(done)
         assert len(_all(tiers, "operator")) == len(own("actions", decided_by="operator"))
-        assert f"operator: pausa: {NOTE.replace(chr(13), '')}" in [value for _, _, value in _all(tiers, "notes")]
+        assert f"operator: pausa: {NOTE.replace(chr(13), '')}" in [
+            value for _, _, value in _all(tiers, "notes")
+        ]
         assert len(_all(tiers, "sensors")) == len(own("sensor_faults"))
 
 
 def _all(tiers: Tiers, name: str) -> list[tuple[int, int, str]]:
     """Return the annotations of a tier, and of those that what overlaps went to."""
-    return [each for found, values in tiers.items() if re.fullmatch(rf"{name}( \d+)?", found) for each in values]
+    return [
+        each
+        for found, values in tiers.items()
+        if re.fullmatch(rf"{name}( \d+)?", found)
+        for each in values
+    ]
 
 
 def test_texts_leave_only_if_they_are_asked_for(call: Call, tmp_path: Path) -> None:
@@ -97,8 +123,14 @@ def test_texts_leave_only_if_they_are_asked_for(call: Call, tmp_path: Path) -> N
     export_as("elan", tmp_path / "data", tmp_path / "out")
     written = "".join(path.read_text("utf-8") for path in (tmp_path / "out").glob("*.eaf"))
     with closing(connect(tmp_path / "data")) as database:
-        said = [text for (text,) in database.execute("SELECT json_extract(final, '$.text') FROM actions") if text]
-        typed = "SELECT json_extract(answer, '$') FROM answers WHERE kind='text' AND status='answered'"
+        said = [
+            text
+            for (text,) in database.execute("SELECT json_extract(final, '$.text') FROM actions")
+            if text
+        ]
+        typed = (
+            "SELECT json_extract(answer, '$') FROM answers WHERE kind='text' AND status='answered'"
+        )
         said += [words for (words,) in database.execute(typed)]
     assert said
     assert not [text for text in (*said, "me duele", "pausa") if text in written]
@@ -110,7 +142,8 @@ def test_the_parts_of_an_action_are_tiers(tmp_path: Path) -> None:
     store_trials(tmp_path / "data", [])
     with closing(connect(tmp_path / "data")) as database:
         database.execute(
-            "INSERT INTO actions (session, id, kind, final, decision, actor) VALUES ('s1', 'a1', 'greeting', ?, "
+            "INSERT INTO actions (session, id, kind, final, decision, actor) VALUES ('s1', 'a1', "
+            "'greeting', ?, "
             "'accepted', 'agent')",
             ('{"text": "Hola, \\"Ana\\" <3 & \\u001b", "spoken": "¡Hola!"}',),
         )
@@ -119,14 +152,20 @@ def test_the_parts_of_an_action_are_tiers(tmp_path: Path) -> None:
             ('{"clock_ns": 0, "utc": "2026-01-01T00:00:00+00:00"}',),
         )
     gazes = [(id, "screen", "gaze", "started", at) for id, at in (("a1", 200), ("cue-2", 900))]
-    store_reports(tmp_path / "data", [(*report[:4], report[4] * MS) for report in (*REPORTS, *gazes)])
-    store_messages(tmp_path / "data", "output/sync", [{"what": "flash", "at": 7 * MS, "source": "flush"}])
+    store_reports(
+        tmp_path / "data", [(*report[:4], report[4] * MS) for report in (*REPORTS, *gazes)]
+    )
+    store_messages(
+        tmp_path / "data", "output/sync", [{"what": "flash", "at": 7 * MS, "source": "flush"}]
+    )
     export_as("elan", tmp_path / "data", tmp_path / "out", with_notes=True)
     tiers = read_eaf(tmp_path / "out" / "session_s1.eaf")
     assert tiers["agent say"] == [(30, 40, "greeting: ¡Hola!"), (60, 70, "greeting: ¡Hola!")]
     assert tiers["agent show"] == [(20, 120, 'greeting: Hola, "Ana" <3 & \ufffd')], "no known end"
     assert tiers["agent tone"] == [], "never started"
-    assert [times[:2] for times in tiers["agent gaze"]] == [(200, 900), (900, 1000)], "until the next"
+    assert [times[:2] for times in tiers["agent gaze"]] == [(200, 900), (900, 1000)], (
+        "until the next"
+    )
     assert (7, 107, "flash") in _all(tiers, "session")
 
 
@@ -136,13 +175,18 @@ def test_a_resumed_session_goes_on_on_the_time_line(tmp_path: Path) -> None:
     (path,) = (tmp_path / "out").glob("*.eaf")
     tiers = read_eaf(path)
     assert [value for _, _, value in _all(tiers, "session")] == ["run 1", "run 2"]
-    assert {value for _, _, value in _all(tiers, "notes")} == {"operator: in run 1", "operator: in run 2"}
+    assert {value for _, _, value in _all(tiers, "notes")} == {
+        "operator: in run 1",
+        "operator: in run 2",
+    }
     assert len(_all(tiers, "A trials")) == 6
     export_csv(tmp_path / "data", tmp_path / "csv")
     (run, _), (_, cut) = (read_csv(tmp_path / "csv", table) for table in ("runs", "attempts"))
     begun = round((cut["started_ns"] - run["clock_ns"]) / MS)
     assert begun in [start for start, _, _ in _all(tiers, "A attempts")], "in the first run"
-    assert max(end for tier in tiers.values() for _, end, _ in tier) < 60_000, "the clocks of both runs are related"
+    assert max(end for tier in tiers.values() for _, end, _ in tier) < 60_000, (
+        "the clocks of both runs are related"
+    )
 
 
 def test_a_run_whose_start_is_not_stored_is_named(call: Call, tmp_path: Path) -> None:
@@ -175,4 +219,6 @@ def test_pympi_reads_the_same(call: Call, tmp_path: Path) -> None:
     assert len(paths) == 4
     for path in paths:
         found = pympi.Elan.Eaf(str(path))
-        assert {name: found.get_annotation_data_for_tier(name) for name in found.get_tier_names()} == read_eaf(path)
+        assert {
+            name: found.get_annotation_data_for_tier(name) for name in found.get_tier_names()
+        } == read_eaf(path)

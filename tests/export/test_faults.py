@@ -1,4 +1,6 @@
-"""Every format: a full disk, a kill, a wrong target or a hard session leave the target absent or complete."""
+"""Every format: a full disk, a kill, a wrong target or a hard session leave the target absent or
+complete.
+"""
 
 import gzip
 import shutil
@@ -50,7 +52,9 @@ def others(folder: Path) -> set[str]:
 
 
 def files(folder: Path) -> set[str]:
-    """Return the files that have their final names, and not the lock of a folder that many sites share."""
+    """Return the files that have their final names, and not the lock of a folder that many sites
+    share.
+    """
     found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     return {name for name in found if ".sar-tui-" not in name} - {LOCK}
 
@@ -67,7 +71,11 @@ def small_disk(largest: int) -> Iterator[None]:
 
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    writes_bytecode, sys.dont_write_bytecode = not sys.dont_write_bytecode, True  # would be cut off, too
+    # would be cut off, too
+    writes_bytecode, sys.dont_write_bytecode = (
+        not sys.dont_write_bytecode,
+        True,
+    )
     resource.setrlimit(resource.RLIMIT_FSIZE, (largest, hard))
     try:
         yield
@@ -94,7 +102,8 @@ def test_a_full_disk_leaves_no_export_and_the_database_as_it_was(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a place where nobody can write")
-@pytest.mark.parametrize("format", ["csv", "parquet"])  # a folder of its own, and one that many sites share
+# a folder of its own, and one that many sites share
+@pytest.mark.parametrize("format", ["csv", "parquet"])
 def test_a_target_that_cannot_be_written_is_named(study: Path, call: Call, format: str) -> None:
     called = call("export", *EVERYTHING, "--format", format, "--to", "/proc/nowhere/out")
     assert called.code in (1, 2)
@@ -103,7 +112,9 @@ def test_a_target_that_cannot_be_written_is_named(study: Path, call: Call, forma
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="symbolic links")
-def test_a_link_is_no_way_to_replace_what_it_points_to(study: Path, tmp_path: Path, call: Call) -> None:
+def test_a_link_is_no_way_to_replace_what_it_points_to(
+    study: Path, tmp_path: Path, call: Call
+) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "thesis.tex").write_text("x")
     (tmp_path / "out").symlink_to(tmp_path / "elsewhere")
@@ -114,7 +125,9 @@ def test_a_link_is_no_way_to_replace_what_it_points_to(study: Path, tmp_path: Pa
 
 
 @pytest.mark.parametrize("format", FORMATS)
-def test_hard_sessions_leave_or_are_named_and_the_others_leave(study: Path, tmp_path: Path, format: str) -> None:
+def test_hard_sessions_leave_or_are_named_and_the_others_leave(
+    study: Path, tmp_path: Path, format: str
+) -> None:
     with closing(connect(study)) as database:
         database.execute("UPDATE sessions SET task='forgotten' WHERE task='pairs'")
         stored = {id for (id,) in database.execute("SELECT id FROM sessions")}
@@ -136,7 +149,9 @@ def test_sessions_of_an_earlier_version_leave(tmp_path: Path, format: str) -> No
 
 @pytest.mark.skipif(sys.platform == "win32", reason="ends a program with a signal")
 @pytest.mark.slow
-@pytest.mark.parametrize("end", [signal.SIGTERM if sys.platform == "win32" else signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize(
+    "end", [signal.SIGTERM if sys.platform == "win32" else signal.SIGKILL, signal.SIGINT]
+)
 @pytest.mark.parametrize("format", FORMATS)
 def test_an_export_that_is_ended_at_any_moment_is_absent_or_complete(
     study: Path, tmp_path: Path, format: str, end: signal.Signals

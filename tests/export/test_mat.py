@@ -1,4 +1,6 @@
-"""Sessions leave as MATLAB files; Octave reads in them what the CSV files of the same sessions say."""
+"""Sessions leave as MATLAB files; Octave reads in them what the CSV files of the same sessions
+say.
+"""
 
 import sys
 from contextlib import closing
@@ -37,15 +39,23 @@ def test_octave_reads_every_table_as_the_csv_files_have_it(call: Call, tmp_path:
         database.execute("UPDATE sessions SET task='gone' WHERE task='pairs'")
         database.execute("UPDATE imu_chunks SET data=zeroblob(60) WHERE stream=1 AND seq=2")
     written = export_csv(tmp_path / "data", tmp_path / "csv", with_notes=True, with_events=True)
-    exported = export_as("mat", tmp_path / "data", tmp_path / "mat", with_notes=True, with_events=True)
+    exported = export_as(
+        "mat", tmp_path / "data", tmp_path / "mat", with_notes=True, with_events=True
+    )
     assert (exported.sessions, exported.problems) == (written.sessions, written.problems)
     assert any("is damaged" in problem for problem in exported.problems)
     found = mat_files.columns(tmp_path / "mat")
     samples = found.pop("imu")
     for table, columns in found.items():
         expected = as_columns(tmp_path / "csv", table)
-        floats = {name: [float(v) if type(v) in (int, bool) else v for v in values] for name, values in columns.items()}
-        plain = {name: [float(v) if type(v) in (int, bool) else v for v in values] for name, values in expected.items()}
+        floats = {
+            name: [float(v) if type(v) in (int, bool) else v for v in values]
+            for name, values in columns.items()
+        }
+        plain = {
+            name: [float(v) if type(v) in (int, bool) else v for v in values]
+            for name, values in expected.items()
+        }
         assert sorted_rows(floats, expected) == sorted_rows(plain, expected)
         if expected:
             assert {name for name in columns if not name.endswith("_s")} <= set(expected)
@@ -61,7 +71,9 @@ def test_octave_reads_every_table_as_the_csv_files_have_it(call: Call, tmp_path:
 
 
 @needs_octave
-def test_seconds_go_on_when_a_session_is_resumed_after_its_computer_went_down(tmp_path: Path) -> None:
+def test_seconds_go_on_when_a_session_is_resumed_after_its_computer_went_down(
+    tmp_path: Path,
+) -> None:
     resumed(tmp_path / "data")
     export_as("mat", tmp_path / "data", tmp_path / "out")
     rows = mat_files.rows(tmp_path / "out", "trials")
@@ -93,11 +105,15 @@ def test_the_codebook_describes_every_field(call: Call, simulated: str, tmp_path
     export_as("mat", tmp_path / "data", tmp_path / "out")
     lines = mat_files.codebook(tmp_path / "out")
     described = {(line["table"], line["name"]) for line in lines}
-    assert {(table, name) for _, table, name, _ in mat_files.with_scipy(tmp_path / "out")} <= described
+    assert {
+        (table, name) for _, table, name, _ in mat_files.with_scipy(tmp_path / "out")
+    } <= described
     (long,) = (line for line in lines if "too_long" in line["full_name"])
     assert len(long["name"]) == 31
     assert (long["unit"], long["type"], long["missing"]) == ("ms", "double", "NaN")
-    units = scipy.io.loadmat(tmp_path / "out" / f"session_{simulated}.mat", simplify_cells=True)["session"]["units"]
+    units = scipy.io.loadmat(tmp_path / "out" / f"session_{simulated}.mat", simplify_cells=True)[
+        "session"
+    ]["units"]
     assert units["trials"][long["name"]] == "ms"
     assert units["trials"]["onset_s"] == "s"
 

@@ -37,18 +37,36 @@ def test_each_part_of_an_action_has_its_times(tmp_path: Path) -> None:
 
 def test_signals_for_cameras_leave(tmp_path: Path) -> None:
     store_trials(tmp_path / "data", [])
-    store_messages(tmp_path / "data", "output/sync", [{"what": "flash", "at": 5, "source": "flush"}])
+    store_messages(
+        tmp_path / "data", "output/sync", [{"what": "flash", "at": 5, "source": "flush"}]
+    )
     export_csv(tmp_path / "data", tmp_path / "out")
     (row,) = read_csv(tmp_path / "out", "sync_signals")
-    assert row == {"session": "s1", "signal": 1, "run": 1, "at_ns": 5, "what": "flash", "source": "flush"}
+    assert row == {
+        "session": "s1",
+        "signal": 1,
+        "run": 1,
+        "at_ns": 5,
+        "what": "flash",
+        "source": "flush",
+    }
 
 
-def store_reports(data: Path, reports: list[tuple[str, str, str, str, int]], session: str = "s1") -> None:
+def store_reports(
+    data: Path, reports: list[tuple[str, str, str, str, int]], session: str = "s1"
+) -> None:
     names = ("action", "output", "deed", "state", "at")
-    store_messages(data, "output/report", [dict(zip(names, report, strict=True)) for report in reports], session)
+    store_messages(
+        data,
+        "output/report",
+        [dict(zip(names, report, strict=True)) for report in reports],
+        session,
+    )
 
 
-def store_messages(data: Path, topic: str, messages: list[dict[str, Any]], session: str = "s1") -> None:
+def store_messages(
+    data: Path, topic: str, messages: list[dict[str, Any]], session: str = "s1"
+) -> None:
     with closing(connect(data)) as database:
         (last,) = database.execute("SELECT coalesce(max(seq), 0) FROM earlier_events").fetchone()
         for seq, message in enumerate(messages, last + 1):

@@ -1,4 +1,6 @@
-"""Parquet files of many sites are one data set, and hold what the databases hold, as DuckDB reads them."""
+"""Parquet files of many sites are one data set, and hold what the databases hold, as DuckDB reads
+them.
+"""
 
 import json
 import math
@@ -34,7 +36,9 @@ PAGE = (Path(__file__).parents[2] / "docs" / "many-sites.md").read_text(encoding
 def leave(data: Path, lake: Path, request: Request = ALL, **options: Any) -> Exported:
     """Export the sessions of a data folder as Parquet."""
     with closing(connect(data)) as database:
-        return export(database, data, Catalogue(), request, ParquetFormat(), lake, no_bar, Options(**options))
+        return export(
+            database, data, Catalogue(), request, ParquetFormat(), lake, no_bar, Options(**options)
+        )
 
 
 def query(lake: Path, table: str, what: str = "*", rest: str = "") -> list[tuple[Any, ...]]:
@@ -50,7 +54,9 @@ def clinic(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
         for task in tasks:
             codes = ("P01", "P02") if task == "pairs" else ("P01",)
             who = [part for code in codes for part in ("-p", code, "--user", "poor")]
-            assert call("simulate", task, *who, "--attempts", 1, "--seed", 3, "--data", data).code == 0
+            assert (
+                call("simulate", task, *who, "--attempts", 1, "--seed", 3, "--data", data).code == 0
+            )
         with closing(connect(data)) as database:
             sites.set_own(database, site)
         return data
@@ -58,21 +64,31 @@ def clinic(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     return make
 
 
-def test_exports_of_several_sites_in_one_folder_are_one_data_set(clinic: Any, tmp_path: Path) -> None:
+def test_exports_of_several_sites_in_one_folder_are_one_data_set(
+    clinic: Any, tmp_path: Path
+) -> None:
     lake = tmp_path / "lake"
-    for site, tasks in (("BERN", ("keyboard", "reaching")), ("ULM", ("pairs",)), ("JENA", ("keyboard",))):
+    for site, tasks in (
+        ("BERN", ("keyboard", "reaching")),
+        ("ULM", ("pairs",)),
+        ("JENA", ("keyboard",)),
+    ):
         leave(clinic(site, *tasks), lake)
     found = query(lake, "trials", "site, task, count(*)", "GROUP BY ALL ORDER BY ALL")
     assert [(site, task) for site, task, _ in found] == [
         ("BERN", "keyboard"), ("BERN", "reaching"), ("JENA", "keyboard"), ("ULM", "pairs"),
     ]  # fmt: skip
-    people = query(lake, "trials", "DISTINCT site, participant", "WHERE participant='P01' ORDER BY ALL")
+    people = query(
+        lake, "trials", "DISTINCT site, participant", "WHERE participant='P01' ORDER BY ALL"
+    )
     assert people == [("BERN", "P01"), ("JENA", "P01"), ("ULM", "P01")]
     times = query(lake, "trials", "(details->>'reach_time_ms')::double", "WHERE task='reaching'")
     assert all(time > 0 for (time,) in times)
     schemas = {}
     for path in lake.rglob("*.parquet"):
-        schemas.setdefault(path.relative_to(lake).parts[0], set()).add(str(parquet.read_schema(path)))
+        schemas.setdefault(path.relative_to(lake).parts[0], set()).add(
+            str(parquet.read_schema(path))
+        )
     assert {name for name, different in schemas.items() if len(different) > 1} == set()
 
 
@@ -98,13 +114,29 @@ def test_odd_texts_and_numbers_are_read_back_as_they_are_stored(
             parameters={}, software={"sar_tui": "0"}, machine={}, mode="live",
         )  # fmt: skip
         for number, row in enumerate(rows, 1):
-            values = {"session": "s1", "attempt": 1, "trial": number, "seat": "A", "run": 1, "timing": "{}", **row}
+            values = {
+                "session": "s1",
+                "attempt": 1,
+                "trial": number,
+                "seat": "A",
+                "run": 1,
+                "timing": "{}",
+                **row,
+            }
             database.execute(
                 f"INSERT INTO trials ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})",
                 tuple(values.values()),
             )
     leave(place, place / "lake")
-    names = ("stimulus", "response", "correct", "onset_ns", "response_ns", "reaction_time_ms", "details")
+    names = (
+        "stimulus",
+        "response",
+        "correct",
+        "onset_ns",
+        "response_ns",
+        "reaction_time_ms",
+        "details",
+    )
     read = query(place / "lake", "trials", ", ".join(names), "ORDER BY trial")
     for got, row in zip(read, rows, strict=True):
         time = row["reaction_time_ms"]
@@ -133,11 +165,18 @@ def test_an_export_replaces_the_data_of_its_own_site_only(clinic: Any, tmp_path:
     leave(clinic("ULM", "keyboard"), lake)
     before = {path: path.read_bytes() for path in lake.glob("*/site=BERN/**/*") if path.is_file()}
     leave(clinic("ULM", "keyboard"), lake)
-    assert {path: path.read_bytes() for path in lake.glob("*/site=BERN/**/*") if path.is_file()} == before
-    assert query(lake, "sessions", "site, count(*)", "GROUP BY ALL ORDER BY ALL") == [("BERN", 1), ("ULM", 2)]
+    assert {
+        path: path.read_bytes() for path in lake.glob("*/site=BERN/**/*") if path.is_file()
+    } == before
+    assert query(lake, "sessions", "site, count(*)", "GROUP BY ALL ORDER BY ALL") == [
+        ("BERN", 1),
+        ("ULM", 2),
+    ]
 
 
-def test_a_database_without_a_code_is_the_site_local_until_it_has_one(call: Call, tmp_path: Path) -> None:
+def test_a_database_without_a_code_is_the_site_local_until_it_has_one(
+    call: Call, tmp_path: Path
+) -> None:
     data, lake = tmp_path / "data", tmp_path / "lake"
     call("simulate", "keyboard", "-p", "P01", "--user", "poor", "--attempts", 1)
     leave(data, lake)
@@ -170,31 +209,48 @@ def test_an_export_that_was_stopped_while_its_files_were_moved_is_finished_by_th
     assert not list(lake.glob(".site=*"))
 
 
-def test_another_database_of_the_same_site_does_not_replace_its_data(clinic: Any, tmp_path: Path) -> None:
+def test_another_database_of_the_same_site_does_not_replace_its_data(
+    clinic: Any, tmp_path: Path
+) -> None:
     lake, data = tmp_path / "lake", clinic("BERN", "keyboard")
     leave(data, lake)
     data.rename(tmp_path / "first")
-    with pytest.raises(ExportError, match="1 session of the site BERN that this database does not have"):
+    with pytest.raises(
+        ExportError, match="1 session of the site BERN that this database does not have"
+    ):
         leave(clinic("BERN", "keyboard"), lake)
     assert query(lake, "sessions", "count(*)") == [(1,)]
 
 
-def test_every_table_holds_what_the_export_as_csv_holds(catalogue: Catalogue, tmp_path: Path) -> None:
+def test_every_table_holds_what_the_export_as_csv_holds(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
     data = tmp_path / "data"
     store_study(data, catalogue)
     leave(data, tmp_path / "lake", with_notes=True)
     export_csv(data, tmp_path / "csv", with_notes=True)
     for path in sorted((tmp_path / "csv").glob("*.csv")):
-        table, rows = f"'{tmp_path}/lake/{path.stem}/**/*.parquet'", read_csv(tmp_path / "csv", path.stem)
-        types = dict(duckdb.sql(f"SELECT column_name, column_type FROM (DESCRIBE SELECT * FROM {table})").fetchall())
+        table, rows = (
+            f"'{tmp_path}/lake/{path.stem}/**/*.parquet'",
+            read_csv(tmp_path / "csv", path.stem),
+        )
+        types = dict(
+            duckdb.sql(
+                f"SELECT column_name, column_type FROM (DESCRIBE SELECT * FROM {table})"
+            ).fetchall()
+        )
         names = [name for name in types if rows and name in rows[0] and name != "site"]
         if not rows:
             assert duckdb.sql(f"SELECT count(*) FROM {table}").fetchall() == [(0,)]
             continue
-        read = ", ".join(f"timezone('UTC', \"{name}\")" if "ZONE" in types[name] else f'"{name}"' for name in names)
+        read = ", ".join(
+            f"timezone('UTC', \"{name}\")" if "ZONE" in types[name] else f'"{name}"'
+            for name in names
+        )
         found = duckdb.sql(f"SELECT {read} FROM {table}").fetchall()
         assert sorted(repr(tuple(map(_plain, row))) for row in found) == sorted(
-            repr(tuple(_time(row[name]) if "ZONE" in types[name] else row[name] for name in names)) for row in rows
+            repr(tuple(_time(row[name]) if "ZONE" in types[name] else row[name] for name in names))
+            for row in rows
         )
 
 
@@ -211,11 +267,13 @@ def test_a_value_of_another_type_is_named_and_the_rest_leaves(clinic: Any, tmp_p
     data = clinic("BERN", "keyboard")
     with closing(connect(data)) as database:
         database.execute(
-            "UPDATE trials SET onset_ns='later', timing=json_set(timing, '$.loop_lag_ms', 'x') WHERE trial=2"
+            "UPDATE trials SET onset_ns='later', timing=json_set(timing, '$.loop_lag_ms', 'x') "
+            "WHERE trial=2"
         )
     exported = leave(data, tmp_path / "lake")
     assert [sentence.split(": ")[-1] for sentence in exported.problems] == [
-        f"what is stored in {name} is damaged, and left out." for name in ("onset_ns", "loop_lag_ms")
+        f"what is stored in {name} is damaged, and left out."
+        for name in ("onset_ns", "loop_lag_ms")
     ]
     rows = query(tmp_path / "lake", "trials", "onset_ns, loop_lag_ms, stimulus", "WHERE trial=2")
     assert rows[0][:2] == (None, None)
@@ -226,9 +284,13 @@ def test_a_value_of_another_type_is_named_and_the_rest_leaves(clinic: Any, tmp_p
 def test_months_follow_shifted_dates(clinic: Any, tmp_path: Path) -> None:
     lake = tmp_path / "lake"
     leave(clinic("BERN", "keyboard"), lake, recode=tmp_path / "map.csv")
-    rows = query(lake, "sessions", "month, strftime(started_at, '%Y-%m'), timezone('UTC', started_at)")
+    rows = query(
+        lake, "sessions", "month, strftime(started_at, '%Y-%m'), timezone('UTC', started_at)"
+    )
     assert all(month == f"{began:%Y-%m}" for month, _, began in rows)
-    ((code,),) = duckdb.sql(f"SELECT participant FROM '{lake}/participants/**/*.parquet'").fetchall()
+    ((code,),) = duckdb.sql(
+        f"SELECT participant FROM '{lake}/participants/**/*.parquet'"
+    ).fetchall()
     assert code != "P01"
 
 
@@ -249,8 +311,10 @@ def test_the_query_of_the_page_gives_what_the_databases_hold(
             expected += [
                 (site, *row)
                 for row in database.execute(
-                    "SELECT participant, count(*), avg(reaction_time_ms) FROM trials JOIN sessions ON id=session"
-                    " JOIN seats USING (session, seat) LEFT JOIN attempts USING (session, attempt, seat)"
+                    "SELECT participant, count(*), avg(reaction_time_ms) FROM trials JOIN "
+                    "sessions ON id=session"
+                    " JOIN seats USING (session, seat) LEFT JOIN attempts USING (session, "
+                    "attempt, seat)"
                     " WHERE task='keyboard' AND trials.correct AND NOT practice GROUP BY 1"
                 )
             ]

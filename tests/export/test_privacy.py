@@ -1,4 +1,6 @@
-"""Names, devices, places and typed texts do not leave unless they are asked for, whichever table they are in."""
+"""Names, devices, places and typed texts do not leave unless they are asked for, whichever table
+they are in.
+"""
 
 import gzip
 import json
@@ -23,18 +25,41 @@ TYPED = "she said it hurts"
 @pytest.fixture
 def data(call: Call, tmp_path: Path) -> Path:
     """A database in which every place that may hold such a text holds one."""
-    call("simulate", "reaching", "--user", "poor", "--attempts", 1, "--seed", 4, "-p", "P01", "--operator", "careful")
+    call(
+        "simulate",
+        "reaching",
+        "--user",
+        "poor",
+        "--attempts",
+        1,
+        "--seed",
+        4,
+        "-p",
+        "P01",
+        "--operator",
+        "careful",
+    )
     folder = tmp_path / "data"
     with closing(connect(folder)) as database:
         (session,) = database.execute("SELECT id FROM sessions").fetchone()
         update = database.execute
-        addresses = {"outputs": ["screen", f"ros://{NEVER}"], "speech": f"file:/home/{NEVER}", "imu": f"x://{NEVER}"}
+        addresses = {
+            "outputs": ["screen", f"ros://{NEVER}"],
+            "speech": f"file:/home/{NEVER}",
+            "imu": f"x://{NEVER}",
+        }
         update("UPDATE sessions SET parameters=json_patch(parameters, ?)", (json.dumps(addresses),))
-        update("UPDATE sessions SET parameters=json_set(parameters, '$.own', ?, '$.count', 3)", (TYPED,))
+        update(
+            "UPDATE sessions SET parameters=json_set(parameters, '$.own', ?, '$.count', 3)",
+            (TYPED,),
+        )
         update("UPDATE sessions SET machine=json_set(machine, '$.host', ?)", (NEVER,))
         update("UPDATE runs SET boot_id=?, machine=json_set(machine, '$.host', ?)", (NEVER, NEVER))
         update("UPDATE imu_streams SET serial=?, source=?", (NEVER, f"phidget://{NEVER}"))
-        update("UPDATE actions SET actor=?, proposed=json_set(proposed, '$.text', ?)", (f"operator.{NEVER}", TYPED))
+        update(
+            "UPDATE actions SET actor=?, proposed=json_set(proposed, '$.text', ?)",
+            (f"operator.{NEVER}", TYPED),
+        )
         report = {
             "action": "a1",
             "output": f"ros://{NEVER}",
@@ -43,14 +68,20 @@ def data(call: Call, tmp_path: Path) -> Path:
             "at": 1,
             "detail": NEVER,
         }
-        update("INSERT INTO earlier_events VALUES (?,0,1,1,'output/report',?)", (session, json.dumps(report)))
+        update(
+            "INSERT INTO earlier_events VALUES (?,0,1,1,'output/report',?)",
+            (session, json.dumps(report)),
+        )
         update("UPDATE trials SET details=json_set(details, '$.remark', ?)", (TYPED,))
         tables = Database(database)
         tables["notes"].insert_all(  # type: ignore[union-attr]
             {"session": session, "at_ns": 1, "author": author, "text": TYPED, "label": TYPED}
             for author in (f"operator.{NEVER}", NEVER)
         )
-        login, now = {"recorded_by": NEVER, "recorded_at": "2026-01-01T10:00:00+00:00"}, "2026-01-01T10:00:00+00:00"
+        login, now = (
+            {"recorded_by": NEVER, "recorded_at": "2026-01-01T10:00:00+00:00"},
+            "2026-01-01T10:00:00+00:00",
+        )
         tables["programmes"].insert(  # type: ignore[union-attr]
             {"participant": "P01", "task": "reaching", "version": 1, "created_at": now, "author": NEVER,
              "reason": TYPED, "parameters": json.dumps({"own": TYPED, **addresses}), "theme": "calm"}
@@ -74,11 +105,15 @@ def files(folder: Path) -> dict[str, str]:
 def _text(path: Path) -> str:
     if path.suffix == ".parquet":
         return str(pyarrow.parquet.read_table(path).to_pylist())
-    return (gzip.decompress if path.suffix == ".gz" else bytes)(path.read_bytes()).decode(errors="replace")
+    return (gzip.decompress if path.suffix == ".gz" else bytes)(path.read_bytes()).decode(
+        errors="replace"
+    )
 
 
 @pytest.mark.parametrize("format", BUNDLED)
-def test_nothing_that_identifies_or_was_typed_leaves(data: Path, tmp_path: Path, format: str) -> None:
+def test_nothing_that_identifies_or_was_typed_leaves(
+    data: Path, tmp_path: Path, format: str
+) -> None:
     exported = export_as(format, data, tmp_path / "out", with_events=True)
     found = files(tmp_path / "out")
     assert [name for name, text in found.items() if NEVER in text] == []
@@ -87,7 +122,9 @@ def test_nothing_that_identifies_or_was_typed_leaves(data: Path, tmp_path: Path,
 
 
 @pytest.mark.parametrize("format", BUNDLED)
-def test_typed_texts_leave_in_every_format_if_asked_for(data: Path, tmp_path: Path, format: str) -> None:
+def test_typed_texts_leave_in_every_format_if_asked_for(
+    data: Path, tmp_path: Path, format: str
+) -> None:
     export_as(format, data, tmp_path / "out", with_notes=True, with_events=True)
     found = files(tmp_path / "out")
     assert [name for name, text in found.items() if NEVER in text] == []
@@ -106,7 +143,10 @@ def test_typed_texts_leave_if_asked_for_and_names_never(data: Path, tmp_path: Pa
 
 def test_roles_and_first_words_stand_for_names_and_addresses(data: Path, tmp_path: Path) -> None:
     export_csv(data, tmp_path / "out")
-    assert [row["written_by"] for row in read_csv(tmp_path / "out", "notes")][-2:] == ["operator", "other"]
+    assert [row["written_by"] for row in read_csv(tmp_path / "out", "notes")][-2:] == [
+        "operator",
+        "other",
+    ]
     values = {row["parameter"]: row["value"] for row in read_csv(tmp_path / "out", "parameters")}
     assert [values[name] for name in ("outputs", "speech", "imu")] == ["screen ros", "file", "x"]
     assert (values["own"], values["count"], values["language"]) == (None, "3", "en")

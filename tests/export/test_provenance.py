@@ -33,11 +33,15 @@ def test_a_session_names_the_timing_it_was_recorded_with(measured: str, tmp_path
     assert passport["sessions"] == [measured]
     assert passport["timing"] == {name: value for name, value in TIMING.items() if name != "where"}
     canonical = json.dumps(passport["timing"], sort_keys=True, separators=(",", ":"))
-    assert passport["sha256"] == hashlib.sha256(canonical.encode()).hexdigest() == rows.pop(measured)
+    assert (
+        passport["sha256"] == hashlib.sha256(canonical.encode()).hexdigest() == rows.pop(measured)
+    )
     assert list(rows.values()) == [None]
 
 
-def test_the_date_of_the_measurement_does_not_leave_with_shifted_dates(measured: str, tmp_path: Path) -> None:
+def test_the_date_of_the_measurement_does_not_leave_with_shifted_dates(
+    measured: str, tmp_path: Path
+) -> None:
     export_csv(tmp_path / "data", tmp_path / "out", recode=tmp_path / "map.csv")
     assert "2026-03-01" not in (tmp_path / "out" / "timing.json").read_text()
     assert "2026-03-01" not in (tmp_path / "out" / "methods.md").read_text()
@@ -46,7 +50,10 @@ def test_the_date_of_the_measurement_does_not_leave_with_shifted_dates(measured:
 def test_methods_are_told_in_words(measured: str, tmp_path: Path) -> None:
     export_csv(tmp_path / "data", tmp_path / "out")
     text = (tmp_path / "out" / "methods.md").read_text()
-    assert "2 participants did the task “Keyboard reaction” (version 2) in 2 simulated sessions" in text
+    assert (
+        "2 participants did the task “Keyboard reaction” (version 2) in 2 simulated sessions"
+        in text
+    )
     assert "Attempts planned in a session: 1 or 3, 20 prompts in each." in text
     assert "The level followed the rule “one-up-one-down”, up to level 20." in text
     assert "median 0.21 ms, robust SD 0.07 ms, 99th percentile 0.90 ms (fit)" in text
@@ -69,7 +76,9 @@ def test_sessions_and_runs_say_by_which_rules_and_numpy_and_in_which_time_zone_t
     measured: str, tmp_path: Path
 ) -> None:
     with closing(connect(tmp_path / "data")) as database:
-        database.execute("UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc_offset_s', 20700)")
+        database.execute(
+            "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc_offset_s', 20700)"
+        )
     export_csv(tmp_path / "data", tmp_path / "out")
     for row in read_csv(tmp_path / "out", "sessions"):
         assert (row["loop_rules"], row["numpy"]) == (RULES, version("numpy"))
@@ -77,8 +86,13 @@ def test_sessions_and_runs_say_by_which_rules_and_numpy_and_in_which_time_zone_t
         assert (row["utc_offset_s"], row["numpy"]) == (20700, version("numpy"))
     export_csv(tmp_path / "data", tmp_path / "recoded", recode=tmp_path / "map.csv")
     assert {row["loop_rules"] for row in read_csv(tmp_path / "recoded", "sessions")} == {RULES}
-    assert all("utc_offset_s" not in file.read_text() for file in (tmp_path / "recoded").rglob("*.csv"))
-    assert "runs.utc_offset_s" in json.loads((tmp_path / "recoded" / "sar-tui-export.json").read_text())["left_out"]
+    assert all(
+        "utc_offset_s" not in file.read_text() for file in (tmp_path / "recoded").rglob("*.csv")
+    )
+    assert (
+        "runs.utc_offset_s"
+        in json.loads((tmp_path / "recoded" / "sar-tui-export.json").read_text())["left_out"]
+    )
 
 
 def test_a_session_recorded_without_offset_has_none(measured: str, tmp_path: Path) -> None:

@@ -27,7 +27,16 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def export_psych_ds(data: Path, folder: Path, request: Request = ALL, **options: Any) -> None:
     with closing(connect_to_read(data)) as database:
-        export(database, data, Catalogue(), request, load("psych-ds"), folder, no_bar, Options(**options))
+        export(
+            database,
+            data,
+            Catalogue(),
+            request,
+            load("psych-ds"),
+            folder,
+            no_bar,
+            Options(**options),
+        )
 
 
 def test_a_hard_study_keeps_the_rules(study: Path, tmp_path: Path) -> None:
@@ -35,7 +44,8 @@ def test_a_hard_study_keeps_the_rules(study: Path, tmp_path: Path) -> None:
     export_psych_ds(study, tmp_path / "live", Request(everything=True), recode=tmp_path / "map.csv")
     assert complaints(tmp_path / "all") == complaints(tmp_path / "live") == []
     names = [
-        json.loads((tmp_path / place / "dataset_description.json").read_text())["name"] for place in ("all", "live")
+        json.loads((tmp_path / place / "dataset_description.json").read_text())["name"]
+        for place in ("all", "live")
     ]
     assert names == ["Sessions of motor tasks (some are simulated)", "Sessions of motor tasks"]
 
@@ -44,7 +54,9 @@ def test_the_rows_are_those_of_csv(study: Path, tmp_path: Path) -> None:
     export_csv(study, tmp_path / "csv", with_notes=True)
     export_psych_ds(study, tmp_path / "psych-ds", with_notes=True)
     data = tmp_path / "psych-ds" / "data"
-    assert (data / "description-trials_data.csv").read_bytes() == (tmp_path / "csv" / "trials.csv").read_bytes()
+    assert (data / "description-trials_data.csv").read_bytes() == (
+        tmp_path / "csv" / "trials.csv"
+    ).read_bytes()
     assert (data / "description-imuStreams_data.csv").read_bytes() == (
         tmp_path / "csv" / "imu_streams.csv"
     ).read_bytes()
@@ -54,12 +66,16 @@ def test_the_rows_are_those_of_csv(study: Path, tmp_path: Path) -> None:
 
 def test_every_column_has_its_meaning_and_unit(study: Path, tmp_path: Path) -> None:
     export_psych_ds(study, tmp_path / "out")
-    all_of_them = json.loads((tmp_path / "out" / "dataset_description.json").read_text())["variableMeasured"]
+    all_of_them = json.loads((tmp_path / "out" / "dataset_description.json").read_text())[
+        "variableMeasured"
+    ]
     names = [each["name"] for each in all_of_them]
     assert len(set(names)) == len(names)
     (run,) = (each for each in all_of_them if each["name"] == "run")
     assert "In attempts: The run of the program in which it ended." in run["description"]
-    beside = json.loads((tmp_path / "out" / "data" / "description-trials_data.json").read_text())["variableMeasured"]
+    beside = json.loads((tmp_path / "out" / "data" / "description-trials_data.json").read_text())[
+        "variableMeasured"
+    ]
     (time,) = (each for each in beside if each["name"] == "reaction_time_ms")
     assert (time["@type"], time["unitText"]) == ("PropertyValue", "ms")
     (angle,) = (each for each in beside if each["name"] == "details_excursion_deg")
@@ -70,8 +86,12 @@ def test_every_column_has_its_meaning_and_unit(study: Path, tmp_path: Path) -> N
 def test_the_rules_find_planted_errors(study: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     export_psych_ds(study, folder)
-    (folder / "data" / "description-runs_data.csv").rename(folder / "data" / "description-all-runs_data.csv")
-    (folder / "data" / "description-trials_data.json").write_text('{"variableMeasured": ["session"]}')
+    (folder / "data" / "description-runs_data.csv").rename(
+        folder / "data" / "description-all-runs_data.csv"
+    )
+    (folder / "data" / "description-trials_data.json").write_text(
+        '{"variableMeasured": ["session"]}'
+    )
     (folder / "other.txt").write_text("x")
     found = complaints(folder)
     assert "FILENAME_KEYWORD_FORMATTING_ERROR description-all-runs_data.csv" in found

@@ -1,4 +1,6 @@
-"""With a map of codes, persons leave under random codes, and all dates of a person are shifted alike."""
+"""With a map of codes, persons leave under random codes, and all dates of a person are shifted
+alike.
+"""
 
 import csv
 import errno
@@ -30,11 +32,27 @@ def data(call: Call, tmp_path: Path) -> Path:
     """Sessions of three persons, two of them together, and what was entered about one."""
     for code in ("CARL", "ANNA"):
         call("simulate", "keyboard", "--user", "poor", "--attempts", 1, "-p", code)
-    call("simulate", "pairs", "--user", "poor", "--attempts", 1, "-p", "ANNA", "-p", "BEA", "--set", "address=code")
+    call(
+        "simulate",
+        "pairs",
+        "--user",
+        "poor",
+        "--attempts",
+        1,
+        "-p",
+        "ANNA",
+        "-p",
+        "BEA",
+        "--set",
+        "address=code",
+    )
     with closing(connect(tmp_path / "data")) as database:
         for code in sorted(CODES):
             participants.add(database, code)
-        by, now = {"recorded_by": "me", "recorded_at": "2026-03-01T10:00:00+00:00"}, "2026-03-01T10:00:00+00:00"
+        by, now = (
+            {"recorded_by": "me", "recorded_at": "2026-03-01T10:00:00+00:00"},
+            "2026-03-01T10:00:00+00:00",
+        )
         tables = Database(database)
         tables["instrument_scores"].insert(  # type: ignore[union-attr]
             {
@@ -60,7 +78,9 @@ def data(call: Call, tmp_path: Path) -> Path:
 
 def read_map(path: Path) -> dict[str, tuple[str, int]]:
     with path.open(encoding="utf-8", newline="") as file:
-        return {row["code"]: (row["recoded"], int(row["shift_days"])) for row in csv.DictReader(file)}
+        return {
+            row["code"]: (row["recoded"], int(row["shift_days"])) for row in csv.DictReader(file)
+        }
 
 
 def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path) -> None:
@@ -72,11 +92,15 @@ def test_no_code_leaves_and_the_map_brings_them_back(data: Path, tmp_path: Path)
         assert [code for code in CODES if code in path.read_text("utf-8")] == [], path.name
     for table in ("participants", "trials", "sessions"):
         plain, recoded = read_csv(tmp_path / "plain", table), read_csv(tmp_path / "out", table)
-        assert Counter(codes[row["participant"]][0] for row in plain) == Counter(row["participant"] for row in recoded)
+        assert Counter(codes[row["participant"]][0] for row in plain) == Counter(
+            row["participant"] for row in recoded
+        )
     assert frictionless.validate(str(tmp_path / "out" / "datapackage.json")).valid
 
 
-def test_a_format_gets_no_code_but_the_random_ones(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_format_gets_no_code_but_the_random_ones(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     seen: set[str] = set()
 
     class Names:
@@ -111,13 +135,22 @@ def test_all_dates_of_a_person_are_shifted_by_the_same_days(data: Path, tmp_path
         "instrument_scores": "date",
     }  # fmt: skip
     for table, column in stamps.items():
-        plain = [(codes[row["participant"]], row[column]) for row in read_csv(tmp_path / "plain", table)]
+        plain = [
+            (codes[row["participant"]], row[column]) for row in read_csv(tmp_path / "plain", table)
+        ]
         assert plain, table
         expected = {(code, shifted(stamp, days)) for (code, days), stamp in plain}
-        assert {(row["participant"], row[column]) for row in read_csv(tmp_path / "out", table)} == expected
-        assert all(shifted(stamp, days)[10:] == stamp[10:] for (_, days), stamp in plain), "the time of day stays"
+        assert {
+            (row["participant"], row[column]) for row in read_csv(tmp_path / "out", table)
+        } == expected
+        assert all(shifted(stamp, days)[10:] == stamp[10:] for (_, days), stamp in plain), (
+            "the time of day stays"
+        )
     began = {row["session"]: row["started_at"] for row in read_csv(tmp_path / "out", "sessions")}
-    assert [row["clock_utc"][:10] == began[row["session"]][:10] for row in read_csv(tmp_path / "out", "runs")]
+    assert [
+        row["clock_utc"][:10] == began[row["session"]][:10]
+        for row in read_csv(tmp_path / "out", "runs")
+    ]
 
 
 def test_a_map_is_used_again(data: Path, tmp_path: Path) -> None:
@@ -132,36 +165,56 @@ def test_a_map_is_used_again(data: Path, tmp_path: Path) -> None:
 
 
 def test_a_map_of_an_earlier_version_gets_a_key(data: Path, tmp_path: Path) -> None:
-    (tmp_path / "map.csv").write_text("code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n")
+    (tmp_path / "map.csv").write_text(
+        "code,recoded,shift_days\r\nANNA,A,-1\r\nBEA,B,-3\r\nCARL,C,-2\r\n"
+    )
     export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    assert read_map(tmp_path / "map.csv") == {"ANNA": ("A", -1), "BEA": ("B", -3), "CARL": ("C", -2)}
+    assert read_map(tmp_path / "map.csv") == {
+        "ANNA": ("A", -1),
+        "BEA": ("B", -3),
+        "CARL": ("C", -2),
+    }
     with (tmp_path / "map.csv").open(encoding="utf-8", newline="") as file:
         keys = {row["key"] for row in csv.DictReader(file)}
     assert [len(key) for key in keys] == [32]
 
 
-def test_ids_and_seeds_leave_as_others_which_are_equal_where_they_were(data: Path, tmp_path: Path) -> None:
+def test_ids_and_seeds_leave_as_others_which_are_equal_where_they_were(
+    data: Path, tmp_path: Path
+) -> None:
     with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET seed=7 WHERE task='keyboard'")
     export_csv(data, tmp_path / "plain")
     export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
-    plain, recoded = read_csv(tmp_path / "plain", "sessions"), read_csv(tmp_path / "out", "sessions")
+    plain, recoded = (
+        read_csv(tmp_path / "plain", "sessions"),
+        read_csv(tmp_path / "out", "sessions"),
+    )
     assert {row["session"] for row in plain} & {row["session"] for row in recoded} == set()
     assert len({row["session"] for row in recoded}) == len(plain)
     assert {row["seed"] for row in plain} & {row["seed"] for row in recoded} == set()
     assert len({row["seed"] for row in recoded if row["task"] == "keyboard"}) == 1
-    assert {row["session"] for row in read_csv(tmp_path / "out", "trials")} <= {row["session"] for row in recoded}
+    assert {row["session"] for row in read_csv(tmp_path / "out", "trials")} <= {
+        row["session"] for row in recoded
+    }
 
 
 def test_versions_leave_only_if_all_sessions_have_the_same(data: Path, tmp_path: Path) -> None:
     export_csv(data, tmp_path / "same", recode=tmp_path / "map.csv")
-    assert all(row["sar_tui"] and row["task_sha256"] for row in read_csv(tmp_path / "same", "sessions"))
+    assert all(
+        row["sar_tui"] and row["task_sha256"] for row in read_csv(tmp_path / "same", "sessions")
+    )
     with closing(connect(data)) as database:
         (some,) = database.execute("SELECT id FROM sessions LIMIT 1").fetchone()
-        database.execute("UPDATE sessions SET software=json_set(software, '$.sar_tui', '0.0.1') WHERE id=?", (some,))
+        database.execute(
+            "UPDATE sessions SET software=json_set(software, '$.sar_tui', '0.0.1') WHERE id=?",
+            (some,),
+        )
     left_out = export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").left_out
     assert {"sessions.sar_tui", "runs.sar_tui"} <= set(left_out)
-    assert all("sar_tui" not in row and row["python"] for row in read_csv(tmp_path / "out", "sessions"))
+    assert all(
+        "sar_tui" not in row and row["python"] for row in read_csv(tmp_path / "out", "sessions")
+    )
     told = (tmp_path / "out" / "methods.md").read_text()
     assert "0.0.1" in told, "which versions there are is told, but not whose sessions they recorded"
 
@@ -172,13 +225,17 @@ def test_problems_name_sessions_as_they_leave_in_files_and_as_they_are_here_on_t
     with closing(connect(data)) as database:
         (some,) = database.execute("SELECT id FROM sessions LIMIT 1").fetchone()
         database.execute("UPDATE runs SET clock_anchor='{' WHERE session=?", (some,))
-    (problem,) = set(export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").problems) - {_UNRECORDED}
+    (problem,) = set(export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv").problems) - {
+        _UNRECORDED
+    }
     assert problem.startswith(f"runs, session {some}, run 1: ")
     manifest = (tmp_path / "out" / "sar-tui-export.json").read_text()
     assert problem.partition(": ")[2] in manifest
     assert some not in manifest
     trials = [row for row in read_csv(tmp_path / "out", "trials") if row["onset_ns"] is not None]
-    assert len({row["session"] for row in trials}) == 3, "the first message stands for the start of its run"
+    assert len({row["session"] for row in trials}) == 3, (
+        "the first message stands for the start of its run"
+    )
     assert max(row["onset_ns"] for row in trials) < 3600 * 10**9
 
 
@@ -209,7 +266,9 @@ def test_the_map_never_leaves_with_the_data(data: Path, tmp_path: Path) -> None:
         export_csv(data, tmp_path / "out", recode=tmp_path / "earlier" / "map.csv")
 
 
-def test_copies_of_the_map_that_a_killed_program_left_are_removed(data: Path, tmp_path: Path) -> None:
+def test_copies_of_the_map_that_a_killed_program_left_are_removed(
+    data: Path, tmp_path: Path
+) -> None:
     export_csv(data, tmp_path / "out", recode=tmp_path / "map.csv")
     for name in (".map.csv.a1_b2c3d", "map.csv.a1_b2c3d", ".other.csv.a1_b2c3d"):
         (tmp_path / name).write_bytes((tmp_path / "map.csv").read_bytes())
@@ -221,7 +280,15 @@ def test_copies_of_the_map_that_a_killed_program_left_are_removed(data: Path, tm
 def test_a_new_map_of_an_export_that_failed_is_named(
     call: Call, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = ("export", "--all", "--simulated", "--to", tmp_path / "out", "--recode", tmp_path / "map.csv")
+    words = (
+        "export",
+        "--all",
+        "--simulated",
+        "--to",
+        tmp_path / "out",
+        "--recode",
+        tmp_path / "map.csv",
+    )
 
     def fail(*_: Any) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -235,8 +302,12 @@ def test_a_new_map_of_an_export_that_failed_is_named(
     assert call(*words).code == 0
 
 
-def test_two_exports_at_once_agree_on_the_codes(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The second one must not read the map before the codes of the first are in it, and then replace them."""
+def test_two_exports_at_once_agree_on_the_codes(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second one must not read the map before the codes of the first are in it, and then
+    replace them.
+    """
     told: list[str] = []
     write = recoding_module._write
 
@@ -255,21 +326,36 @@ def test_two_exports_at_once_agree_on_the_codes(data: Path, tmp_path: Path, monk
     monkeypatch.setattr(recoding_module, "_write", write_while_another_begins)
     with closing(connect(data)) as database:
         given = recoding_module.recoding(database, tmp_path / "map.csv", CODES)
-    assert told == [f"Another export is writing {tmp_path / 'map.csv'}. Try again when it has ended."]
-    assert read_map(tmp_path / "map.csv") == {code: (each.code, each.shift_days) for code, each in given.people.items()}
+    assert told == [
+        f"Another export is writing {tmp_path / 'map.csv'}. Try again when it has ended."
+    ]
+    assert read_map(tmp_path / "map.csv") == {
+        code: (each.code, each.shift_days) for code, each in given.people.items()
+    }
 
 
 def test_a_map_that_cannot_be_made_is_named(call: Call, data: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     refused = call(
-        "export", "--all", "--simulated", "--to", tmp_path / "out", "--recode", tmp_path / "file" / "map.csv"
+        "export",
+        "--all",
+        "--simulated",
+        "--to",
+        tmp_path / "out",
+        "--recode",
+        tmp_path / "file" / "map.csv",
     )
     assert refused.code == 2
-    assert refused.err == f"{tmp_path / 'file' / 'map.csv'} cannot be made: {tmp_path / 'file'} is a file.\n"
+    assert (
+        refused.err
+        == f"{tmp_path / 'file' / 'map.csv'} cannot be made: {tmp_path / 'file'} is a file.\n"
+    )
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_of_many_sites_is_replaced_by_an_export_with_the_same_map_only(data: Path, tmp_path: Path) -> None:
+def test_a_folder_of_many_sites_is_replaced_by_an_export_with_the_same_map_only(
+    data: Path, tmp_path: Path
+) -> None:
     for _ in range(2):
         export_as("parquet", data, tmp_path / "lake", recode=tmp_path / "map.csv")
     with pytest.raises(ExportError, match="Give the same map of codes"):

@@ -1,4 +1,6 @@
-"""Trials that leave equal those of the database, to the last digit, whichever format they leave in."""
+"""Trials that leave equal those of the database, to the last digit, whichever format they leave
+in.
+"""
 
 import json
 import math
@@ -46,11 +48,22 @@ each_format = pytest.mark.parametrize(
 WRITTEN: dict[Read, Callable[[Any], Any]] = {from_csv: cell}
 """Values as a format writes them, if not as they are."""
 KEY = ("session", "attempt", "trial", "seat")
-PLAIN = (*KEY, "run", "stimulus", "response", "correct", "onset_ns", "response_ns", "reaction_time_ms")
+PLAIN = (
+    *KEY,
+    "run",
+    "stimulus",
+    "response",
+    "correct",
+    "onset_ns",
+    "response_ns",
+    "reaction_time_ms",
+)
 
 
 def stored_trials(data: Path) -> list[dict[str, Any]]:
-    """Return all trials as the program reads them, sorted by their key, an empty text as missing."""
+    """Return all trials as the program reads them, sorted by their key, an empty text as
+    missing.
+    """
     with closing(connect(data)) as database:
         ids = [id for (id,) in database.execute("SELECT id FROM sessions")]
         rows = [row for id in ids for row in sessions.rows(database, "trials", id)]
@@ -72,10 +85,16 @@ def assert_equal_to_the_database(data: Path, trials: list[dict[str, Any]], read:
         timing, details = stored["timing"] or {}, stored["details"] or {}
         flags = " ".join(timing.get("flags", ())) or None
         known = {name: shown(value) for name, value in timing.items() if name != "flags"}
-        assert {name: row[name] for name in known} | {"flags": row["flags"]} == known | {"flags": flags}
+        assert {name: row[name] for name in known} | {"flags": row["flags"]} == known | {
+            "flags": flags
+        }
         told = {f"details_{name}": shown(value) for name, value in details.items()}
         assert {name: row[name] for name in told} == told
-        assert all(value is None for name, value in row.items() if name.startswith("details_") and name not in told)
+        assert all(
+            value is None
+            for name, value in row.items()
+            if name.startswith("details_") and name not in told
+        )
 
 
 SETTINGS = {
@@ -87,14 +106,21 @@ SETTINGS = {
             "feedback_schedule": st.sampled_from(["every", "summary", "none"]),
         }
     ),
-    "reaching": st.fixed_dictionaries({"attempts": st.just(1), "reaches_per_attempt": st.integers(1, 2)}),
+    "reaching": st.fixed_dictionaries(
+        {"attempts": st.just(1), "reaches_per_attempt": st.integers(1, 2)}
+    ),
     "pairs": st.fixed_dictionaries(
-        {"attempts": st.just(1), "policy": st.sampled_from(["alternate", "race", "cooperative", "joint attention"])}
+        {
+            "attempts": st.just(1),
+            "policy": st.sampled_from(["alternate", "race", "cooperative", "joint attention"]),
+        }
     ),
 }
 GENERATED: dict[str, Any] = {
     "played": st.lists(
-        st.sampled_from(sorted(SETTINGS)).flatmap(lambda task: st.tuples(st.just(task), SETTINGS[task])),
+        st.sampled_from(sorted(SETTINGS)).flatmap(
+            lambda task: st.tuples(st.just(task), SETTINGS[task])
+        ),
         min_size=1,
         max_size=3,
     ),
@@ -107,18 +133,26 @@ GENERATED: dict[str, Any] = {
 @given(**GENERATED)
 @examples(20)
 def test_trials_of_generated_sessions(
-    tmp_path_factory: Any, catalogue: Catalogue, played: list[tuple[str, dict[str, object]]], seed: int, user: str
+    tmp_path_factory: Any,
+    catalogue: Catalogue,
+    played: list[tuple[str, dict[str, object]]],
+    seed: int,
+    user: str,
 ) -> None:
     place = tmp_path_factory.mktemp("played")
     for number, (task, settings) in enumerate(played):
-        plan = make_plan(catalogue, task, [f"P{number}"], settings, seed=seed + number, mode="simulated")
+        plan = make_plan(
+            catalogue, task, [f"P{number}"], settings, seed=seed + number, mode="simulated"
+        )
         simulate(plan, PEOPLE[user], place / "data", catalogue)
     for format, read in {"csv": from_csv, "mat": from_mat_by_octave}.items():
         export_as(format, place / "data", place / format)
         assert_equal_to_the_database(place / "data", read(place / format), read)
 
 
-TEXT = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=8) | st.sampled_from(
+TEXT = st.text(
+    st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=8
+) | st.sampled_from(
     [
         '"',
         'a "b", c',
@@ -138,7 +172,11 @@ TEXT = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"])
         "🙂",
     ]
 )
-REAL = st.none() | st.floats(allow_nan=False, allow_infinity=True) | st.sampled_from([0.1 + 0.2, 5e-324, 1e22, -0.0])
+REAL = (
+    st.none()
+    | st.floats(allow_nan=False, allow_infinity=True)
+    | st.sampled_from([0.1 + 0.2, 5e-324, 1e22, -0.0])
+)
 WHOLE = st.integers(-(2**63) + 1, 2**63 - 1)
 TRIAL = st.fixed_dictionaries(
     {
@@ -151,7 +189,10 @@ TRIAL = st.fixed_dictionaries(
         "details": st.none()
         | st.just("null")
         | st.fixed_dictionaries(
-            {"choices": st.integers(1, 9), "key_gap_ms": st.none() | st.floats(allow_nan=False, allow_infinity=False)}
+            {
+                "choices": st.integers(1, 9),
+                "key_gap_ms": st.none() | st.floats(allow_nan=False, allow_infinity=False),
+            }
         ).map(json.dumps),
     }
 )
@@ -160,7 +201,9 @@ TRIAL = st.fixed_dictionaries(
 @each_format
 @given(rows=st.lists(TRIAL, max_size=5))
 @examples(200)
-def test_odd_texts_and_numbers(tmp_path_factory: Any, format: str, read: Read, rows: list[dict[str, Any]]) -> None:
+def test_odd_texts_and_numbers(
+    tmp_path_factory: Any, format: str, read: Read, rows: list[dict[str, Any]]
+) -> None:
     _assert_they_come_back(tmp_path_factory.mktemp("odd"), format, read, rows)
 
 
@@ -172,7 +215,9 @@ def test_odd_texts_and_numbers_in_octave(tmp_path_factory: Any, rows: list[dict[
     _assert_they_come_back(tmp_path_factory.mktemp("odd"), "mat", from_mat_by_octave, rows)
 
 
-def _assert_they_come_back(place: Path, format: str, read: Read, rows: list[dict[str, Any]]) -> None:
+def _assert_they_come_back(
+    place: Path, format: str, read: Read, rows: list[dict[str, Any]]
+) -> None:
     store_trials(place / "data", rows)
     export_as(format, place / "data", place / "out")
     for row in rows:

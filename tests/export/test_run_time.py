@@ -1,4 +1,6 @@
-"""Stamps in a recoded export count from the start of their run, and what cannot be of that run does not leave."""
+"""Stamps in a recoded export count from the start of their run, and what cannot be of that run does
+not leave.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -78,5 +80,8 @@ def test_times_within_each_run_of_a_resumed_session_stay(tmp_path: Path) -> None
         ("outputs", "ended_ns", "run"),
         ("notes", "at_ns", "run"),
     ):
-        plain = [row[stamp] and row[stamp] - starts[row[run]] for row in read_csv(tmp_path / "plain", table)]
+        plain = [
+            row[stamp] and row[stamp] - starts[row[run]]
+            for row in read_csv(tmp_path / "plain", table)
+        ]
         assert [row[stamp] for row in read_csv(tmp_path / "out", table)] == plain, table

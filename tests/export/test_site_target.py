@@ -1,4 +1,6 @@
-"""In a folder of many sites each export replaces its site's files, wholly or not at all, and no others."""
+"""In a folder of many sites each export replaces its site's files, wholly or not at all, and no
+others.
+"""
 
 import os
 import shutil
@@ -12,7 +14,9 @@ from sar_tui.export.site_target import about, site_target
 from sar_tui.export.target import sync
 
 
-def made(folder: Path, site: str, text: str, tables: tuple[str, ...] = ("trials", "sessions")) -> None:
+def made(
+    folder: Path, site: str, text: str, tables: tuple[str, ...] = ("trials", "sessions")
+) -> None:
     """Make an export of a site: a file a table, and its manifest."""
     with site_target(folder, site) as hidden:
         for table in tables:
@@ -42,7 +46,9 @@ def test_a_site_replaces_its_own_files_only(tmp_path: Path) -> None:
     made(tmp_path / "lake", "BERN", "old", ("trials", "sessions", "events"))
     made(tmp_path / "lake", "BERN-2", "other")
     made(tmp_path / "lake", "BERN", "new")
-    assert held(tmp_path / "lake", "BERN") == both("new"), "a table that is not exported any more is gone"
+    assert held(tmp_path / "lake", "BERN") == both("new"), (
+        "a table that is not exported any more is gone"
+    )
     assert held(tmp_path / "lake", "BERN-2") == both("other")
     assert sorted(path.name for path in (tmp_path / "lake").glob(".site=*")) == []
 
@@ -70,7 +76,9 @@ def test_a_program_that_is_killed_at_any_moment_leaves_a_site_old_or_new(
 
 
 def killed_at_a_move(lake: Path, moment: int) -> bool:
-    """Export in another process, which is killed before it moves a file for the nth time; False if it moves fewer."""
+    """Export in another process, which is killed before it moves a file for the nth time; False if
+    it moves fewer.
+    """
     if child := os.fork():
         return os.waitpid(child, 0)[1] != 0
     moves = iter(range(moment))

@@ -1,4 +1,6 @@
-"""The folder of an export is absent or complete, whatever happens, and other files are never touched."""
+"""The folder of an export is absent or complete, whatever happens, and other files are never
+touched.
+"""
 
 import os
 import shutil
@@ -52,7 +54,9 @@ def test_only_its_owner_can_read_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-def test_a_failure_leaves_nothing_behind_and_an_earlier_export_whole(tmp_path: Path, error: BaseException) -> None:
+def test_a_failure_leaves_nothing_behind_and_an_earlier_export_whole(
+    tmp_path: Path, error: BaseException
+) -> None:
     made(tmp_path / "old")
     for name in ("old", "new"):
         with pytest.raises(type(error)):
@@ -79,7 +83,11 @@ def test_other_files_are_never_touched(tmp_path: Path) -> None:
     (mixed / "plots").mkdir()
     (mixed / "plots" / "mine.R").write_text("x")
     file.write_text("x")
-    for folder, said in ((foreign, "holds other files"), (mixed, "plots/mine.R"), (file, "is a file")):
+    for folder, said in (
+        (foreign, "holds other files"),
+        (mixed, "plots/mine.R"),
+        (file, "is a file"),
+    ):
         with pytest.raises(ExportError, match=said), target(folder, "csv"):
             pytest.fail("nothing may be written")
     made(tmp_path / "out")
@@ -113,11 +121,15 @@ with target(Path(sys.argv[1]), "csv") as hidden:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills a process")
-def test_what_a_killed_export_left_is_removed_by_the_next_and_that_of_a_running_one_is_not(tmp_path: Path) -> None:
+def test_what_a_killed_export_left_is_removed_by_the_next_and_that_of_a_running_one_is_not(
+    tmp_path: Path,
+) -> None:
     made(tmp_path / "out")
     programs = [
         subprocess.Popen(
-            [sys.executable, "-c", WRITES_ON, tmp_path / "out"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            [sys.executable, "-c", WRITES_ON, tmp_path / "out"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
         )
         for _ in range(2)
     ]
@@ -139,7 +151,9 @@ def test_what_a_killed_export_left_is_removed_by_the_next_and_that_of_a_running_
     assert names(tmp_path) == ["out"]
 
 
-def test_an_earlier_export_is_put_back_if_the_program_was_killed_while_it_was_replaced(tmp_path: Path) -> None:
+def test_an_earlier_export_is_put_back_if_the_program_was_killed_while_it_was_replaced(
+    tmp_path: Path,
+) -> None:
     made(tmp_path / "out")
     shutil.move(tmp_path / "out", tmp_path / ".out.sar-tui-abc-before")
     with pytest.raises(OSError, match="full"), target(tmp_path / "out", "csv"):
@@ -152,7 +166,10 @@ def test_a_folder_that_cannot_be_made_is_named_and_no_hidden_one(tmp_path: Path)
     (tmp_path / "file").write_text("mine")
     with pytest.raises(ExportError) as refused:
         made(tmp_path / "file" / "deep" / "out")
-    assert str(refused.value) == f"{tmp_path / 'file' / 'deep' / 'out'} cannot be made: {tmp_path / 'file'} is a file."
+    assert (
+        str(refused.value)
+        == f"{tmp_path / 'file' / 'deep' / 'out'} cannot be made: {tmp_path / 'file'} is a file."
+    )
     assert refused.value.bad_input
 
 

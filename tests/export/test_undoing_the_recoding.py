@@ -1,4 +1,6 @@
-"""Nobody's true date follows from a recoded export, for somebody who knows true dates or the order of enrolment."""
+"""Nobody's true date follows from a recoded export, for somebody who knows true dates or the order
+of enrolment.
+"""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -41,7 +43,11 @@ def patch() -> Iterator[pytest.MonkeyPatch]:
 
 
 @pytest.fixture(scope="module", params=first(1, [_FEW, MANY]))
-def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, patch: pytest.MonkeyPatch) -> Study:
+def study(
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+    patch: pytest.MonkeyPatch,
+) -> Study:
     return store_people(tmp_path_factory.mktemp("study") / "data", patch, request.param)
 
 
@@ -49,7 +55,11 @@ def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 def _seeded(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let codes, shifts, keys and orders be the same in each run of the tests."""
     random = Random(9)
-    same = {"choice": random.choice, "randbelow": random.randrange, "token_hex": lambda n: random.randbytes(n).hex()}
+    same = {
+        "choice": random.choice,
+        "randbelow": random.randrange,
+        "token_hex": lambda n: random.randbytes(n).hex(),
+    }
     monkeypatch.setattr(recoding, "secrets", SimpleNamespace(**same, SystemRandom=lambda: random))
 
 
@@ -71,7 +81,10 @@ def attacked(study: Study, folder: Path, codes: Mapping[str, str]) -> Found:
     clocks = chain(by_clocks(folder, known), by_times_of_day(folder, known))
     return Found(
         {what: identified(guesses, true, known) for what, guesses in clocks},
-        {what: identified(guesses, true) for what, guesses in by_order(folder, list(true.values()))},
+        {
+            what: identified(guesses, true)
+            for what, guesses in by_order(folder, list(true.values()))
+        },
     )
 
 
@@ -82,7 +95,9 @@ def test_attacks_identify_everybody_in_an_export_as_it_is(study: Study, tmp_path
     assert {found.by_clocks[name] for name in _CLOCKS} == {many - KNOWN}
     assert {found.by_order[name] for name in _ORDERS} == {many}
     if many == MANY:
-        assert {name for name in _VERSIONS if found.by_order[f"order of {name}"] <= _BY_CHANCE} == set()
+        assert {
+            name for name in _VERSIONS if found.by_order[f"order of {name}"] <= _BY_CHANCE
+        } == set()
 
 
 _CLOCKS = ("runs.clock_ns beside a known date", "runs.clock_ns in ns", "trials.onset_ns in ns", "events.at_ns in ns",
@@ -101,8 +116,14 @@ def test_no_attack_identifies_anybody_in_a_recoded_export(study: Study, tmp_path
     codes = {code: recoded for code, (recoded, _) in read_map(tmp_path / "map.csv").items()}
     found = attacked(study, tmp_path / "out", codes)
     assert {name: number for name, number in found.by_clocks.items() if number} == {}
-    assert len(codes) < MANY or not {f"order of {name}" for name in _VERSIONS} & found.by_order.keys()
-    assert {name: number for name, number in found.by_order.items() if number > min(_BY_CHANCE, len(codes) - 1)} == {}
+    assert (
+        len(codes) < MANY or not {f"order of {name}" for name in _VERSIONS} & found.by_order.keys()
+    )
+    assert {
+        name: number
+        for name, number in found.by_order.items()
+        if number > min(_BY_CHANCE, len(codes) - 1)
+    } == {}
 
 
 @pytest.mark.parametrize("format", BUNDLED)
@@ -111,7 +132,9 @@ def test_no_file_of_a_recoded_export_holds_a_reading_of_the_clock_or_a_name(
 ) -> None:
     export_as(format, study.data, tmp_path / "out", with_events=True, recode=tmp_path / "map.csv")
     with closing(connect_to_read(study.data)) as database:
-        ids = [str(value) for row in database.execute("SELECT id, seed FROM sessions") for value in row]
+        ids = [
+            str(value) for row in database.execute("SELECT id, seed FROM sessions") for value in row
+        ]
         ids += [event for (event,) in database.execute("SELECT event FROM adverse_events")]
     true = [moment.isoformat()[:19] for moment in study.began.values()]
     for name, text in written(tmp_path / "out"):
@@ -127,12 +150,17 @@ def test_names_and_times_of_files_tell_no_order(study: Study, tmp_path: Path, fo
         folder = tmp_path / f"{format} {recode is None}"
         export_as(format, study.data, folder, recode=recode)
         export_as("csv", study.data, tmp_path / "table", recode=recode)
-        people = {row["session"]: row["participant"] for row in read_csv(tmp_path / "table", "sessions")}
+        people = {
+            row["session"]: row["participant"] for row in read_csv(tmp_path / "table", "sessions")
+        }
         codes = {code: code for code in study.began}
         if recode:
             codes = {code: recoded for code, (recoded, _) in read_map(recode).items()}
         true = {codes[code]: moment for code, moment in study.began.items()}
-        found = {what: identified(guesses, true) for what, guesses in by_files(folder, people, list(true.values()))}
+        found = {
+            what: identified(guesses, true)
+            for what, guesses in by_files(folder, people, list(true.values()))
+        }
         if recode:
             assert max(found.values()) <= min(_BY_CHANCE, len(codes) - 1)
             assert len({path.stat().st_mtime_ns for path in [folder, *folder.rglob("*")]}) == 1

@@ -1,7 +1,9 @@
-"""Thirty people who trained on one machine between two starts of it, each on another day, in the order of their codes.
+"""Thirty people who trained on one machine between two starts of it, each on another day, in the
+order of their codes.
 
-Their records hold the true date wherever a record may: the steady clock in stamps of many places, the sensor's own
-clock, versions that changed meanwhile, numbers and texts of a task that read as a time.
+Their records hold the true date wherever a record may: the steady clock in stamps of many places,
+the sensor's own clock, versions that changed meanwhile, numbers and texts of a task that read as a
+time.
 """
 
 import json
@@ -31,7 +33,13 @@ UPTIME_NS = 100 * 86_400 * 10**9
 """Time that the machine had been on when the study began."""
 BOOT = "8f14e45f-ceea-467f-9575-1d4b2a1f2f3c"
 _SENSOR_EVERY = 5
-_TIMING = {"measured_at": "", "median_ms": 0.2, "robust_sd_ms": 0.1, "p99_ms": 0.9, "verdict": "fit"}
+_TIMING = {
+    "measured_at": "",
+    "median_ms": 0.2,
+    "robust_sd_ms": 0.1,
+    "p99_ms": 0.9,
+    "verdict": "fit",
+}
 
 
 class Study(NamedTuple):
@@ -52,26 +60,37 @@ def store_people(data: Path, monkeypatch: pytest.MonkeyPatch, many: int = MANY) 
         for task in ("keyboard", "reaching") if number % _SENSOR_EVERY == 0 else ("keyboard",):
             count = "reaches_per_attempt" if task == "reaching" else "prompts_per_attempt"
             seed = random.randrange(10**9, 2**31)
-            plan = make_plan(catalogue, task, [code], {"attempts": 1, count: 2}, seed=seed, mode="simulated")
+            plan = make_plan(
+                catalogue, task, [code], {"attempts": 1, count: 2}, seed=seed, mode="simulated"
+            )
             start = moment + timedelta(minutes=20 * (task == "reaching"))
             clock = UPTIME_NS + (start - BEGAN) // timedelta(microseconds=1) * 1000
-            monkeypatch.setattr("sar_tui.runs.simulate.VirtualClock", lambda at=clock: VirtualClock(at))
+            monkeypatch.setattr(
+                "sar_tui.runs.simulate.VirtualClock", lambda at=clock: VirtualClock(at)
+            )
             session = simulate(plan, PEOPLE["average"], data, catalogue)
             with closing(connect(data)) as database:
                 _date(database, session, code, number, start, clock)
                 _stamp(database, session, clock, start)
                 _tell(database, session, code, start)
-        moment += timedelta(days=random.randint(1, 5), minutes=random.randint(-40, 40), microseconds=number * 977)
+        moment += timedelta(
+            days=random.randint(1, 5), minutes=random.randint(-40, 40), microseconds=number * 977
+        )
     return Study(data, began)
 
 
-def _date(database: sqlite3.Connection, session: str, code: str, number: int, moment: datetime, clock: int) -> None:
+def _date(
+    database: sqlite3.Connection, session: str, code: str, number: int, moment: datetime, clock: int
+) -> None:
     """Give a session its date, and the versions of that time."""
     participants.add(database, code)
-    database.execute("UPDATE participants SET created_at=? WHERE code=?", (moment.isoformat(), code))
+    database.execute(
+        "UPDATE participants SET created_at=? WHERE code=?", (moment.isoformat(), code)
+    )
     ended = (moment + timedelta(minutes=9)).isoformat()
     database.execute(
-        "UPDATE sessions SET started_at=?, ended_at=?, mode='live' WHERE id=?", (moment.isoformat(), ended, session)
+        "UPDATE sessions SET started_at=?, ended_at=?, mode='live' WHERE id=?",
+        (moment.isoformat(), ended, session),
     )
     database.execute(
         "UPDATE sessions SET software=json_set(software, '$.sar_tui', ?, '$.python', ?, '$.packages.numpy', ?,"
@@ -80,14 +99,19 @@ def _date(database: sqlite3.Connection, session: str, code: str, number: int, mo
          f"{number // 7:064x}", session),
     )  # fmt: skip
     started = json.dumps({"rules": 1 + number // 10})
-    database.execute("INSERT INTO earlier_events VALUES (?, 0, 1, ?, 'session/started', ?)", (session, clock, started))
+    database.execute(
+        "INSERT INTO earlier_events VALUES (?, 0, 1, ?, 'session/started', ?)",
+        (session, clock, started),
+    )
     timing = json.dumps(_TIMING | {"n": 300 + number // 8})
     database.execute(
-        "UPDATE sessions SET machine=json_set(machine, '$.timing', json(?), '$.terminal', ?) WHERE id=?",
+        "UPDATE sessions SET machine=json_set(machine, '$.timing', json(?), '$.terminal', ?) "
+        "WHERE id=?",
         (timing, f"term {number // 4}", session),
     )
     database.execute(
-        "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc', ?, '$.utc_offset_s', ?), boot_id=?, pid=?,"
+        "UPDATE runs SET clock_anchor=json_set(clock_anchor, '$.utc', ?, '$.utc_offset_s', ?), "
+        "boot_id=?, pid=?,"
         " software=(SELECT software FROM sessions WHERE id=session) WHERE session=?",
         (moment.isoformat(), 3600 if number < MANY // 2 else 7200, BOOT, 1000 + number, session),
     )
@@ -103,22 +127,38 @@ def _stamp(database: sqlite3.Connection, session: str, clock: int, moment: datet
          json.dumps([clock + 7, clock + 8]), session),
     )  # fmt: skip
     database.execute(
-        "UPDATE attempts SET qualities=json_set(qualities, '$.best_ns', ?) WHERE session=?", (clock + 9, session)
+        "UPDATE attempts SET qualities=json_set(qualities, '$.best_ns', ?) WHERE session=?",
+        (clock + 9, session),
     )
-    database.execute("INSERT INTO notes (session, at_ns, author, text) VALUES (?, 0, 'operator.ana', '')", (session,))
-    blocks = database.execute("SELECT rowid, data FROM imu_chunks WHERE session=?", (session,)).fetchall()
+    database.execute(
+        "INSERT INTO notes (session, at_ns, author, text) VALUES (?, 0, 'operator.ana', '')",
+        (session,),
+    )
+    blocks = database.execute(
+        "SELECT rowid, data FROM imu_chunks WHERE session=?", (session,)
+    ).fetchall()
     for row, block in blocks:
         samples = np.array(unpack(block))
         samples["device_ms"] += clock / 1e6
         changed = samples.tobytes()
-        database.execute("UPDATE imu_chunks SET data=?, crc32=? WHERE rowid=?", (changed, zlib.crc32(changed), row))
+        database.execute(
+            "UPDATE imu_chunks SET data=?, crc32=? WHERE rowid=?",
+            (changed, zlib.crc32(changed), row),
+        )
 
 
 def _tell(database: sqlite3.Connection, session: str, code: str, moment: datetime) -> None:
     """Add what is asked of a person, and what happened to them."""
     wellbeing.save(database, code, "after", "pain", "3", session=session)
     adverse_events.report(
-        database, code, onset=moment.date().isoformat(), what="It hurt.", severity="mild", session=session
+        database,
+        code,
+        onset=moment.date().isoformat(),
+        what="It hurt.",
+        severity="mild",
+        session=session,
     )
     database.execute("UPDATE wellbeing SET at=? WHERE session=?", (moment.isoformat(), session))
-    database.execute("UPDATE adverse_events SET recorded_at=? WHERE session=?", (moment.isoformat(), session))
+    database.execute(
+        "UPDATE adverse_events SET recorded_at=? WHERE session=?", (moment.isoformat(), session)
+    )

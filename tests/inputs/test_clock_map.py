@@ -35,7 +35,9 @@ def test_drift_and_delays_are_mapped_to_a_tenth_of_a_millisecond(drift_ppm: int)
 
 
 @given(DELAYS)
-def test_stamps_rise_by_at_least_half_of_the_sensors_own_steps_whatever_the_delays(delays: list[int]) -> None:
+def test_stamps_rise_by_at_least_half_of_the_sensors_own_steps_whatever_the_delays(
+    delays: list[int],
+) -> None:
     device_ms = [4.0 * index for index in range(len(delays))]
     host_ns = [4 * MS * index + delay for index, delay in enumerate(delays)]
     assert all(b - a >= 2 * MS for a, b in pairwise(mapped(device_ms, host_ns)))

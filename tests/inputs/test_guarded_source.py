@@ -1,4 +1,6 @@
-"""A plug-in's sensor that breaks its contract: it is reported, and nothing of it reaches the program."""
+"""A plug-in's sensor that breaks its contract: it is reported, and nothing of it reaches the
+program.
+"""
 
 import math
 from collections.abc import Callable
@@ -70,7 +72,10 @@ def test_numbers_of_numpy_are_numbers() -> None:
     sample = Sample(np.int64(SECOND), np.float32(1000), (np.float32(1),) * 3, (1, 2, 3), NOTHING)  # type: ignore[arg-type]
     info = Info(source="test", model="numpy", rate_hz=np.float64(100))
     samples, statuses = drained(Sensor(Status(state="attached", at=np.int64(5)), sample, info=info))  # type: ignore[arg-type]
-    assert (samples["rate"].tolist(), statuses) == ([[1.0, 2.0, 3.0]], [Status(state="attached", at=5)])
+    assert (samples["rate"].tolist(), statuses) == (
+        [[1.0, 2.0, 3.0]],
+        [Status(state="attached", at=5)],
+    )
 
 
 @pytest.mark.parametrize(
@@ -91,7 +96,12 @@ def test_a_status_that_cannot_be_read_is_reported(wrong: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "info", ["a text", Info(source="test", model="m", rate_hz="100"), Info(source="test", model="m", rate_hz=math.nan)]
+    "info",
+    [
+        "a text",
+        Info(source="test", model="m", rate_hz="100"),
+        Info(source="test", model="m", rate_hz=math.nan),
+    ],
 )
 def test_a_sensor_that_describes_itself_wrongly_is_not_attached(info: Any) -> None:
     (status,) = drained(Sensor(ATTACHED, info=info)).statuses
@@ -100,7 +110,9 @@ def test_a_sensor_that_describes_itself_wrongly_is_not_attached(info: Any) -> No
 
 
 @pytest.mark.parametrize("error", [ValueError("no port"), SystemExit(3)])
-@pytest.mark.parametrize(("method", "what"), [("start", "started"), ("stop", "stopped"), ("zero", "zeroed")])
+@pytest.mark.parametrize(
+    ("method", "what"), [("start", "started"), ("stop", "stopped"), ("zero", "zeroed")]
+)
 def test_a_method_that_raises_is_reported(
     monkeypatch: pytest.MonkeyPatch, error: BaseException, method: str, what: str
 ) -> None:

@@ -15,7 +15,13 @@ from sar_tui.loop.clock import VirtualClock
 from sar_tui.model.units import MS, SECOND
 from sar_tui.motion.samples import SAMPLE
 
-INFO = Info(source="test", model="By hand", rate_hz=250.0, rate_range_rad_s=5.0, acceleration_range_m_s2=80.0)
+INFO = Info(
+    source="test",
+    model="By hand",
+    rate_hz=250.0,
+    rate_range_rad_s=5.0,
+    acceleration_range_m_s2=80.0,
+)
 STILL: Vector = (0.0, 0.0, 0.0)
 
 
@@ -57,7 +63,9 @@ class Bench:
             self.source.sink(Sample(round(finite * MS), stamp, acceleration, rate))
 
     def saturate(self, at_ms: float) -> None:
-        self.source.on_status(Status(state="saturated", at=round(at_ms * MS), detail="Gyroscope.", count=1))
+        self.source.on_status(
+            Status(state="saturated", at=round(at_ms * MS), detail="Gyroscope.", count=1)
+        )
 
     def logged(self) -> list[Status]:
         return [status for status in self.feed.drain().statuses if status.state != "attached"]
@@ -100,7 +108,9 @@ def test_no_drain_loses_or_reorders_samples(blocks: list[int]) -> None:
 
 
 @pytest.mark.parametrize("stamp", [4.0, 2.0, -math.inf, math.inf, math.nan, 1e13])
-def test_samples_with_non_increasing_stamps_are_left_out_and_reported_once(bench: Bench, stamp: float) -> None:
+def test_samples_with_non_increasing_stamps_are_left_out_and_reported_once(
+    bench: Bench, stamp: float
+) -> None:
     bench.send(0.0, 4.0, stamp, stamp, stamp, 8.0)
     samples, statuses = bench.feed.drain()
     assert samples["device_ms"].tolist() == [0.0, 4.0, 8.0]
@@ -113,7 +123,9 @@ def test_samples_with_non_increasing_stamps_are_left_out_and_reported_once(bench
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_an_invalid_rate_is_left_out_and_its_gap_reported(bench: Bench, bad: float, axis: int) -> None:
+def test_an_invalid_rate_is_left_out_and_its_gap_reported(
+    bench: Bench, bad: float, axis: int
+) -> None:
     rate: Any = [0.0, 0.0, 0.0]
     rate[axis] = bad
     bench.send(0.0)
@@ -121,7 +133,11 @@ def test_an_invalid_rate_is_left_out_and_its_gap_reported(bench: Bench, bad: flo
     bench.send(12.0)
     samples, statuses = bench.feed.drain()
     assert samples["device_ms"].tolist() == [0.0, 12.0]
-    assert [(status.state, status.count) for status in statuses] == [("attached", 0), ("error", 0), ("gap", 2)]
+    assert [(status.state, status.count) for status in statuses] == [
+        ("attached", 0),
+        ("error", 0),
+        ("gap", 2),
+    ]
     assert (bench.feed.dropped, bench.feed.lost) == (2, 0)
 
 
@@ -160,7 +176,9 @@ def test_a_gap_is_saturation_if_the_sensor_reported_it(bench: Bench) -> None:
     for at_ms in (8.0, 12.0, 16.0):
         bench.saturate(at_ms)
     bench.send(20.0, 24.0)
-    assert bench.logged() == [Status(state="saturated", at=20 * MS, detail="Gyroscope.", count=3, duration_ms=16.0)]
+    assert bench.logged() == [
+        Status(state="saturated", at=20 * MS, detail="Gyroscope.", count=3, duration_ms=16.0)
+    ]
     assert bench.feed.lost == 3
     bench.send(36.0)
     assert [status.state for status in bench.logged()] == ["gap"]
@@ -177,11 +195,16 @@ def test_saturation_is_reported_although_the_sensor_was_detached(bench: Bench) -
     bench.send(0.0)
     bench.saturate(4.0)
     bench.source.on_status(Status(state="detached", at=5 * MS))
-    assert [(status.state, status.count) for status in bench.logged()] == [("saturated", 1), ("detached", 0)]
+    assert [(status.state, status.count) for status in bench.logged()] == [
+        ("saturated", 1),
+        ("detached", 0),
+    ]
 
 
 @pytest.mark.parametrize("vector", ["rate", "acceleration"])
-def test_samples_at_the_limit_of_the_range_are_kept_and_reported_once_per_drain(bench: Bench, vector: str) -> None:
+def test_samples_at_the_limit_of_the_range_are_kept_and_reported_once_per_drain(
+    bench: Bench, vector: str
+) -> None:
     limit = {"rate": 5.0, "acceleration": 80.0}[vector]
     bench.send(0.0)
     bench.send(4.0, **{vector: (0.0, -limit, 0.0)})
@@ -189,7 +212,9 @@ def test_samples_at_the_limit_of_the_range_are_kept_and_reported_once_per_drain(
     bench.send(12.0, **{vector: (0.0, 0.0, limit * 0.99)})
     samples, statuses = bench.feed.drain()
     assert len(samples) == 4
-    assert [(status.state, status.count, status.at) for status in statuses[1:]] == [("saturated", 2, 4 * MS)]
+    assert [(status.state, status.count, status.at) for status in statuses[1:]] == [
+        ("saturated", 2, 4 * MS)
+    ]
 
 
 def test_a_silent_sensor_is_stalled_once_and_flows_again(bench: Bench) -> None:
@@ -263,7 +288,11 @@ def test_the_rate_is_measured_over_two_seconds(bench: Bench) -> None:
     assert bench.feed.rate_hz == 0.0
     for step in range(500):
         bench.clock.advance(10 * MS)
-        stamps = range(step * 10, step * 10 + 10, 4) if step < 300 else range(step * 10, step * 10 + 10, 5)
+        stamps = (
+            range(step * 10, step * 10 + 10, 4)
+            if step < 300
+            else range(step * 10, step * 10 + 10, 5)
+        )
         bench.send(*map(float, stamps))
         bench.feed.drain()
         if step == 299:
@@ -280,7 +309,12 @@ def test_a_restart_resets_all_counts(bench: Bench) -> None:
     bench.feed.stop()
     assert (bench.source.stopped, bench.feed.is_running) == (1, False)
     bench.feed.start()
-    assert (bench.feed.received, bench.feed.lost, bench.feed.dropped, bench.feed.is_running) == (0, 0, 0, True)
+    assert (bench.feed.received, bench.feed.lost, bench.feed.dropped, bench.feed.is_running) == (
+        0,
+        0,
+        0,
+        True,
+    )
 
 
 def test_samples_from_before_a_stop_can_still_be_drained(bench: Bench) -> None:

@@ -69,7 +69,9 @@ class FakeSpatial:
     def pull_out(self) -> None:
         self.handlers["Detach"](self)
 
-    def send(self, acceleration: list[float], rate: list[float], field: list[float], timestamp: float) -> None:
+    def send(
+        self, acceleration: list[float], rate: list[float], field: list[float], timestamp: float
+    ) -> None:
         self.handlers["SpatialData"](self, acceleration, rate, field, timestamp)
 
     def err(self, code: int, description: str) -> None:
@@ -119,7 +121,11 @@ def test_an_attached_sensor_is_described_and_runs_at_its_highest_rate(bench: Ben
     channel.plug_in()
     info = bench.source.info
     assert info is not None
-    assert (info.model, info.serial, info.rate_hz) == ("PhidgetSpatial Precision 3/3/3 (1044_1B)", "473001", 250.0)
+    assert (info.model, info.serial, info.rate_hz) == (
+        "PhidgetSpatial Precision 3/3/3 (1044_1B)",
+        "473001",
+        250.0,
+    )
     assert info.rate_range_rad_s == pytest.approx(math.radians(1000))
     assert info.acceleration_range_m_s2 == pytest.approx(8 * 9.80665)
     assert (info.has_acceleration, info.has_field) == (True, True)
@@ -179,7 +185,11 @@ def test_unavailable_ranges_are_unknown(bench: Bench) -> None:
     bench.start().plug_in()
     info = bench.source.info
     assert info is not None
-    assert (info.rate_range_rad_s, info.acceleration_range_m_s2, info.has_field) == (0.0, 0.0, False)
+    assert (info.rate_range_rad_s, info.acceleration_range_m_s2, info.has_field) == (
+        0.0,
+        0.0,
+        False,
+    )
 
 
 def test_saturation_is_reported(bench: Bench) -> None:
@@ -191,7 +201,8 @@ def test_saturation_is_reported(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize(
-    ("code", "advice"), [(2, "Close the other program"), (3, "network server"), (1, "same version"), (4099, "lost")]
+    ("code", "advice"),
+    [(2, "Close the other program"), (3, "network server"), (1, "same version"), (4099, "lost")],
 )
 def test_an_error_is_reported_with_what_to_do(bench: Bench, code: int, advice: str) -> None:
     channel = bench.start()
@@ -226,8 +237,14 @@ def test_a_sensor_that_cannot_be_set_up_is_reported(bench: Bench) -> None:
 def test_missing_permission_is_reported_with_the_udev_rule(bench: Bench, code: int) -> None:
     bench.failing["open"] = PhidgetError(code, "Access Denied")
     bench.start()
-    assert bench.statuses[-1] == Status(state="error", at=bench.statuses[-1].at, detail=NO_PERMISSION)
-    for part in ("/etc/udev/rules.d/", 'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"', "plug it in again"):
+    assert bench.statuses[-1] == Status(
+        state="error", at=bench.statuses[-1].at, detail=NO_PERMISSION
+    )
+    for part in (
+        "/etc/udev/rules.d/",
+        'SUBSYSTEM=="usb", ATTRS{idVendor}=="06c2", TAG+="uaccess"',
+        "plug it in again",
+    ):
         assert part in NO_PERMISSION
 
 
@@ -257,7 +274,9 @@ def test_a_missing_driver_is_reported_with_how_to_install_it(error: Exception, c
     source.stop()
 
 
-def test_missing_permission_for_an_attached_sensor_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_permission_for_an_attached_sensor_is_reported_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(phidget, "_LOOK_AGAIN_S", 0.0)
     looks = iter([False, True, False, True, True])
     bench = Bench(denied=lambda: next(looks))
@@ -269,7 +288,8 @@ def test_missing_permission_for_an_attached_sensor_is_reported_once(monkeypatch:
 
 
 @pytest.mark.parametrize(
-    ("may", "vendor", "denied"), [(False, "06c2", True), (True, "06c2", False), (False, "046d", False)]
+    ("may", "vendor", "denied"),
+    [(False, "06c2", True), (True, "06c2", False), (False, "046d", False)],
 )
 def test_permissions_are_read_from_the_linux_device_list(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, may: bool, vendor: str, denied: bool
@@ -357,7 +377,9 @@ def test_a_sensor_on_the_network_is_found_by_host_and_port(
 
     added: list[Any] = []
     monkeypatch.setattr(Net, "addServer", lambda *arguments: added.append(arguments))
-    monkeypatch.setattr(Net, "removeServer", lambda name: added.remove(next(a for a in added if a[0] == name)))
+    monkeypatch.setattr(
+        Net, "removeServer", lambda name: added.remove(next(a for a in added if a[0] == name))
+    )
     bench = Bench(address)
     channel = bench.start()
     assert added == [(f"sar-tui {host}:{port}", host, port, "", 0)]
@@ -384,7 +406,8 @@ def test_an_invalid_server_is_reported_and_adding_one_twice_is_no_error(
 
 
 @pytest.mark.parametrize(
-    "address", ["first", "-1", "//", "//host:port", "//host:99999", "//me:secret@host", "http://x", "//[::1"]
+    "address",
+    ["first", "-1", "//", "//host:port", "//host:99999", "//me:secret@host", "http://x", "//[::1"],
 )
 def test_an_invalid_address_is_refused_with_the_valid_forms(address: str) -> None:
     with pytest.raises(SourceError, match="phidget://HOST:PORT"):

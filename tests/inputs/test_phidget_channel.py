@@ -47,7 +47,12 @@ def test_five_seconds_of_samples_arrive_whole_in_order_and_in_our_units(interval
 
     samples = np.concatenate([block.samples for block in drained])
     statuses = [status for block in drained for status in block.statuses]
-    assert [status.state for status in statuses] == ["detached", "attached", "saturated", "detached"]
+    assert [status.state for status in statuses] == [
+        "detached",
+        "attached",
+        "saturated",
+        "detached",
+    ]
     assert samples["device_ms"].tolist() == [float(index * interval_ms) for index in range(count)]
     assert (feed.received, feed.lost, feed.dropped) == (count, 0, 0)
     assert (np.diff(samples["at"]) > 0).all()
@@ -63,7 +68,9 @@ def test_without_a_device_there_is_a_hint_and_no_error(capfd: pytest.CaptureFixt
     feed.start()
     feed.source.zero()
     feed.stop()
-    assert [(status.state, "1" in status.detail) for status in feed.drain().statuses] == [("detached", True)]
+    assert [(status.state, "1" in status.detail) for status in feed.drain().statuses] == [
+        ("detached", True)
+    ]
     assert feed.info is None
     assert capfd.readouterr().err == ""
 

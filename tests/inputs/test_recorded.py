@@ -40,7 +40,9 @@ def play(source: RecordedSource) -> list[Any]:
 
 
 @pytest.mark.parametrize("speed", ["real time", "fast"])
-def test_all_samples_are_played_in_order_between_attached_and_ended(speed: Literal["real time", "fast"]) -> None:
+def test_all_samples_are_played_in_order_between_attached_and_ended(
+    speed: Literal["real time", "fast"],
+) -> None:
     attached, *played, ended = play(RecordedSource(samples(20), speed))
     assert (attached.state, ended.state) == ("attached", "ended")
     assert [sample.rate[2] for sample in played] == [float(number) for number in range(20)]

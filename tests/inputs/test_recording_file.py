@@ -46,15 +46,25 @@ def write_recording(path: Path, samples: Samples) -> None:
         with path.open("wb") as file:
             np.savez_compressed(file, **columns)
         return
-    times = (f"{'-' if at < 0 else ''}{abs(at) // 10**9}.{abs(at) % 10**9:09}" for at in samples["at"].tolist())
-    measured = zip(*(column.tolist() for name, column in columns.items() if name != "t"), strict=True)
-    rows = (",".join([at, *(f"{value:.9g}" for value in row)]) for at, row in zip(times, measured, strict=True))
+    times = (
+        f"{'-' if at < 0 else ''}{abs(at) // 10**9}.{abs(at) % 10**9:09}"
+        for at in samples["at"].tolist()
+    )
+    measured = zip(
+        *(column.tolist() for name, column in columns.items() if name != "t"), strict=True
+    )
+    rows = (
+        ",".join([at, *(f"{value:.9g}" for value in row)])
+        for at, row in zip(times, measured, strict=True)
+    )
     path.write_text("\n".join([",".join(columns), *rows]) + "\n")
 
 
 @pytest.fixture(autouse=True)
 def usual_field_limit() -> Iterator[None]:
-    """Set the longest field of a CSV file to its default: other libraries of the tests raise it for the process."""
+    """Set the longest field of a CSV file to its default: other libraries of the tests raise it for
+    the process.
+    """
     before = field_size_limit(131_072)
     yield
     field_size_limit(before)
@@ -79,7 +89,9 @@ def npz(tmp_path: Path) -> Callable[..., Path]:
     def write(**changed: Any) -> Path:
         good: dict[str, Any] = {name: np.linspace(0, 1, 40) for name in ("t", "wx", "wy", "wz")}
         path = tmp_path / "walk.npz"
-        np.savez(path, **{name: array for name, array in (good | changed).items() if array is not None})
+        np.savez(
+            path, **{name: array for name, array in (good | changed).items() if array is not None}
+        )
         return path
 
     return write
@@ -114,7 +126,9 @@ def test_degrees_and_g_are_converted(csv: Callable[..., Path]) -> None:
 
 
 def test_acceleration_is_optional_and_other_columns_are_ignored(csv: Callable[..., Path]) -> None:
-    samples = read_recording(csv("label,wz,wy,wx,t", *(f"hand,3,2,1,{0.01 * index:.2f}" for index in range(30))))
+    samples = read_recording(
+        csv("label,wz,wy,wx,t", *(f"hand,3,2,1,{0.01 * index:.2f}" for index in range(30)))
+    )
     assert samples["rate"][0].tolist() == [1.0, 2.0, 3.0]
     assert np.isnan(samples["acceleration"]).all()
     assert recording(samples).acceleration is None
@@ -123,7 +137,9 @@ def test_acceleration_is_optional_and_other_columns_are_ignored(csv: Callable[..
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("header", [HEADER, HEADER.replace(",", " , ")])
-def test_tables_from_spreadsheets_are_read(csv: Callable[..., Path], encoding: str, end: str, header: str) -> None:
+def test_tables_from_spreadsheets_are_read(
+    csv: Callable[..., Path], encoding: str, end: str, header: str
+) -> None:
     assert len(read_recording(csv(header, *ROWS, "", " ", end=end, encoding=encoding))) == 40
 
 
@@ -157,7 +173,9 @@ def test_a_time_that_goes_back_between_two_blocks_is_a_fault(
 
 @pytest.mark.usefixtures("in_small_blocks")
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
-def test_a_file_read_in_blocks_takes_no_more_memory_if_it_is_longer(tmp_path: Path, suffix: str) -> None:
+def test_a_file_read_in_blocks_takes_no_more_memory_if_it_is_longer(
+    tmp_path: Path, suffix: str
+) -> None:
     peaks = []
     for count in (2000, 8000):
         path = tmp_path / f"{count}{suffix}"
@@ -182,28 +200,69 @@ def test_a_file_read_in_blocks_takes_no_more_memory_if_it_is_longer(tmp_path: Pa
         (["t,t,wx,wx,wy,wz", *ROWS], "FILE: there are two columns t, wx; keep one of each."),
         ([HEADER.replace(",", ";"), *ROWS], "Separate columns by commas, not by semicolons"),
         (ROWS, "FILE: the columns t, wx, wy, wz are missing."),
-        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,5", *ROWS[4:]], "FILE, line 5: 6 values for 7 columns; "),
-        ([HEADER, *ROWS[:3], "", "0,03,1,2,3,4,5,6", *ROWS[4:]], "FILE, line 6: 8 values for 7 columns; "),
-        ([HEADER, *ROWS[:3], "0.03,1,2,3,x,5,6"], 'FILE, line 5: "x" in the column wx is not a number.'),
-        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,,6"], 'FILE, line 5: "" in the column wy is not a number.'),
-        ([HEADER, *ROWS[:3], "0.03,1,2,3,nan,5,6", *ROWS[4:]], "FILE, line 5: nan in the column wx is no measurement"),
-        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,-inf,6", *ROWS[4:]], "line 5: -inf in the column wy is no measurement"),
-        ([HEADER, *ROWS[:3], "0.03,1,2,3,4,5,1e40", *ROWS[4:]], "line 5: 1e+40 in the column wz is no measurement"),
-        ([HEADER, *ROWS[:3], "0.03,inf,2,3,4,5,6", *ROWS[4:]], "line 5: inf in the column ax is no measurement"),
-        ([HEADER, *ROWS[:3], "0.02,1,2,3,4,5,6", *ROWS[4:]], "line 5: the time 0.02 is the same as that of the sample"),
+        (
+            [HEADER, *ROWS[:3], "0.03,1,2,3,4,5", *ROWS[4:]],
+            "FILE, line 5: 6 values for 7 columns; ",
+        ),
+        (
+            [HEADER, *ROWS[:3], "", "0,03,1,2,3,4,5,6", *ROWS[4:]],
+            "FILE, line 6: 8 values for 7 columns; ",
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.03,1,2,3,x,5,6"],
+            'FILE, line 5: "x" in the column wx is not a number.',
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.03,1,2,3,4,,6"],
+            'FILE, line 5: "" in the column wy is not a number.',
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.03,1,2,3,nan,5,6", *ROWS[4:]],
+            "FILE, line 5: nan in the column wx is no measurement",
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.03,1,2,3,4,-inf,6", *ROWS[4:]],
+            "line 5: -inf in the column wy is no measurement",
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.03,1,2,3,4,5,1e40", *ROWS[4:]],
+            "line 5: 1e+40 in the column wz is no measurement",
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.03,inf,2,3,4,5,6", *ROWS[4:]],
+            "line 5: inf in the column ax is no measurement",
+        ),
+        (
+            [HEADER, *ROWS[:3], "0.02,1,2,3,4,5,6", *ROWS[4:]],
+            "line 5: the time 0.02 is the same as that of the sample",
+        ),
         (
             [HEADER, *ROWS[:3], "0.01,1,2,3,4,5,6", *ROWS[4:]],
             "line 5: the time 0.01 is before that of the sample above",
         ),
-        ([HEADER, *ROWS[:3], "nan,1,2,3,4,5,6", *ROWS[4:]], "line 5: the time nan cannot be; t is in seconds."),
-        ([HEADER, "1.7e12,1,2,3,4,5,6", *ROWS[4:]], "line 2: the time 1.7e+12 cannot be; t is in seconds."),
+        (
+            [HEADER, *ROWS[:3], "nan,1,2,3,4,5,6", *ROWS[4:]],
+            "line 5: the time nan cannot be; t is in seconds.",
+        ),
+        (
+            [HEADER, "1.7e12,1,2,3,4,5,6", *ROWS[4:]],
+            "line 2: the time 1.7e+12 cannot be; t is in seconds.",
+        ),
         ([HEADER], "FILE holds 0 samples; at least 20 are needed."),
         ([HEADER, *ROWS[:19]], "FILE holds 19 samples; at least 20 are needed."),
-        ([HEADER, *(f"{index},1,2,3,4,5,6" for index in range(40))], "FILE holds 1 samples a second (t is in seconds)"),
-        ([HEADER, '0.00,"1' + "1" * 140_000, *ROWS[1:]], "this is not CSV: field larger than field limit"),
+        (
+            [HEADER, *(f"{index},1,2,3,4,5,6" for index in range(40))],
+            "FILE holds 1 samples a second (t is in seconds)",
+        ),
+        (
+            [HEADER, '0.00,"1' + "1" * 140_000, *ROWS[1:]],
+            "this is not CSV: field larger than field limit",
+        ),
     ],
 )
-def test_a_fault_is_reported_with_its_position(csv: Callable[..., Path], lines: list[str], said: str) -> None:
+def test_a_fault_is_reported_with_its_position(
+    csv: Callable[..., Path], lines: list[str], said: str
+) -> None:
     assert said in fault(csv(*lines))
 
 
@@ -213,11 +272,15 @@ def test_missing_acceleration_values_are_no_fault(csv: Callable[..., Path]) -> N
 
 
 def test_text_that_is_not_utf_8_is_reported_with_its_line(csv: Callable[..., Path]) -> None:
-    assert "FILE, line 2: this is not UTF-8 text" in fault(csv(HEADER, "0,1,2,3,4,5,6 é", encoding="latin-1"))
+    assert "FILE, line 2: this is not UTF-8 text" in fault(
+        csv(HEADER, "0,1,2,3,4,5,6 é", encoding="latin-1")
+    )
     assert "this is not UTF-8 text" in fault(csv(HEADER, *ROWS, encoding="utf-16"))
 
 
-def test_a_path_that_is_not_a_file_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_path_that_is_not_a_file_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert fault(tmp_path / "none.csv") == "There is no file FILE."
     assert fault(tmp_path) == "FILE is not a file: name a recording, FILE.csv or FILE.npz."
     secret = tmp_path / "secret.csv"
@@ -252,12 +315,17 @@ def test_a_file_too_large_for_memory_is_refused(
         ({"wx": np.zeros((40, 2))}, "FILE: the array wx must be one row of numbers."),
         ({"wx": np.array(["1"] * 40)}, "FILE: the array wx must be one row of numbers."),
         ({"wx": np.zeros(40, dtype=complex)}, "FILE: the array wx must be one row of numbers."),
-        ({"wx": np.array([print] * 40, dtype=object)}, "FILE: the array wx cannot be read: Object arrays"),
+        (
+            {"wx": np.array([print] * 40, dtype=object)},
+            "FILE: the array wx cannot be read: Object arrays",
+        ),
         ({"wx": np.full(40, np.nan)}, "FILE, sample 1: nan in the column wx is no measurement"),
         ({"t": np.zeros(40)}, "FILE, sample 2: the time 0 is the same as"),
     ],
 )
-def test_a_fault_of_the_arrays_is_reported(npz: Callable[..., Path], changed: dict[str, Any], said: str) -> None:
+def test_a_fault_of_the_arrays_is_reported(
+    npz: Callable[..., Path], changed: dict[str, Any], said: str
+) -> None:
     assert said in fault(npz(**changed))
 
 
@@ -271,7 +339,9 @@ def test_a_damaged_archive_is_reported(npz: Callable[..., Path], keep: int) -> N
 def test_an_array_that_claims_an_impossible_size_is_reported(npz: Callable[..., Path]) -> None:
     path = npz()
     header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)})
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)}
+    )
     with zipfile.ZipFile(path, "w") as archive:
         for name in ("t", "wx", "wy", "wz"):
             archive.writestr(f"{name}.npy", header.getvalue())

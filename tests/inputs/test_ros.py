@@ -31,7 +31,10 @@ def imu(
     seconds, nanoseconds = divmod(ns, SECOND)
     names = ("sec", "nanosec") if ros == 2 else ("secs", "nsecs")
     message: dict[str, Any] = {
-        "header": {"stamp": dict(zip(names, (seconds, nanoseconds), strict=True)), "frame_id": "imu_link"},
+        "header": {
+            "stamp": dict(zip(names, (seconds, nanoseconds), strict=True)),
+            "frame_id": "imu_link",
+        },
         "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
         "orientation_covariance": [-1.0] + [0.0] * 8,
         "angular_velocity": dict(zip("xyz", rate, strict=True)),
@@ -109,12 +112,16 @@ def connect() -> Iterator[Callable[..., Bench]]:
 
 
 @pytest.mark.parametrize("ros", [1, 2])
-def test_samples_have_sensor_and_host_times_and_none_is_lost(connect: Callable[..., Bench], ros: int) -> None:
+def test_samples_have_sensor_and_host_times_and_none_is_lost(
+    connect: Callable[..., Bench], ros: int
+) -> None:
     bench = connect()
     before = host_now()
     bench.send(LOOKED_AT + 10, step_ns=4 * MS, ros=ros)
     wait_until(lambda: len(bench.samples) == LOOKED_AT + 10)
-    assert [sample.device_ms for sample in bench.samples] == [4.0 * n for n in range(LOOKED_AT + 10)]
+    assert [sample.device_ms for sample in bench.samples] == [
+        4.0 * n for n in range(LOOKED_AT + 10)
+    ]
     assert all(before < sample.host_ns < host_now() for sample in bench.samples)
     assert bench.samples[0].rate == (0.1, -0.2, 0.3)
     assert bench.samples[0].acceleration == (0.0, 0.5, 9.81)
@@ -135,7 +142,10 @@ def test_it_reports_what_it_waits_for_until_samples_arrive(connect: Callable[...
     port = bench.server.port
     assert [(status.state, status.detail) for status in bench.statuses] == [
         ("detached", f"Waiting for the ROS bridge at 127.0.0.1, port {port}."),
-        ("detached", f"Waiting for samples on /imu/data of the ROS bridge at 127.0.0.1, port {port}."),
+        (
+            "detached",
+            f"Waiting for samples on /imu/data of the ROS bridge at 127.0.0.1, port {port}.",
+        ),
         ("attached", ""),
     ]
 
@@ -165,10 +175,14 @@ def test_the_hosts_clock_replaces_zero_stamps(connect: Callable[..., Bench]) -> 
     wait_until(lambda: len(bench.samples) == 3)
     first, *others = bench.samples
     assert first.device_ms == 0.0
-    assert [sample.device_ms for sample in others] == [(sample.host_ns - first.host_ns) / 1e6 for sample in others]
+    assert [sample.device_ms for sample in others] == [
+        (sample.host_ns - first.host_ns) / 1e6 for sample in others
+    ]
 
 
-def test_a_sensor_without_an_accelerometer_says_so_by_its_covariance(connect: Callable[..., Bench]) -> None:
+def test_a_sensor_without_an_accelerometer_says_so_by_its_covariance(
+    connect: Callable[..., Bench],
+) -> None:
     bench = connect("?rate=100")
     bench.send(linear_acceleration_covariance=[-1] + [0] * 8)
     wait_until(lambda: len(bench.samples) == 1)
@@ -177,7 +191,9 @@ def test_a_sensor_without_an_accelerometer_says_so_by_its_covariance(connect: Ca
     assert not bench.source.info.has_acceleration
 
 
-def test_a_sensor_without_a_gyroscope_is_refused_in_words_once(connect: Callable[..., Bench]) -> None:
+def test_a_sensor_without_a_gyroscope_is_refused_in_words_once(
+    connect: Callable[..., Bench],
+) -> None:
     bench = connect("?rate=100")
     bench.send(5, angular_velocity_covariance=[-1.0] + [0.0] * 8)
     bench.send()
@@ -212,11 +228,15 @@ def test_messages_that_are_not_imu_are_left_out_and_reported_once_in_a_row(
     bench.send()
     wait_until(lambda: len(bench.samples) == 3)
     assert bench.states == ["detached", "detached", "attached", "error", "error"]
-    assert bench.wait_for("error").detail.startswith("The messages on /imu/data are not sensor_msgs/Imu (")
+    assert bench.wait_for("error").detail.startswith(
+        "The messages on /imu/data are not sensor_msgs/Imu ("
+    )
 
 
 @pytest.mark.parametrize("nothing", [None, math.nan, math.inf, -math.inf, 1e300])
-def test_an_invalid_rate_is_left_out_and_reported_by_the_feed(connect: Callable[..., Bench], nothing: Any) -> None:
+def test_an_invalid_rate_is_left_out_and_reported_by_the_feed(
+    connect: Callable[..., Bench], nothing: Any
+) -> None:
     bench = connect("?rate=100", by_feed=True)
     bench.send()
     bench.send(rate=(0.0, nothing, 0.0))
@@ -233,7 +253,8 @@ def test_constant_stamps_are_reported(connect: Callable[..., Bench]) -> None:
     bench = connect()
     bench.send(LOOKED_AT, step_ns=0)
     assert bench.wait_for("error").detail == (
-        "The time stamps on /imu/data do not increase, so the sample rate is unknown: set it with ?rate=NUMBER."
+        "The time stamps on /imu/data do not increase, so the sample rate is unknown: set it with "
+        "?rate=NUMBER."
     )
     assert bench.samples == []
 

@@ -55,7 +55,9 @@ class Bench:
     def published(self) -> list[str | list[float]]:
         """Return the statuses and the sensor's stamps of each block, in order."""
         return [
-            unpack(message.samples)["device_ms"].tolist() if isinstance(message, ImuBlock) else message.state
+            unpack(message.samples)["device_ms"].tolist()
+            if isinstance(message, ImuBlock)
+            else message.state
             for record in self.records
             if isinstance(message := record.message, ImuBlock | SensorChanged)
         ]
@@ -120,7 +122,9 @@ def test_an_attached_sensor_is_described(bench: Bench) -> None:
 def test_other_reports_are_passed_on_literally(bench: Bench) -> None:
     bench.report("error", detail="The cable is broken.")
     bench.wait(10)
-    assert bench.records[-1].message == SensorChanged(state="error", at=1010 * MS, detail="The cable is broken.")
+    assert bench.records[-1].message == SensorChanged(
+        state="error", at=1010 * MS, detail="The cable is broken."
+    )
 
 
 def test_reports_are_published_in_order_with_the_samples() -> None:
@@ -170,7 +174,8 @@ def test_a_session_that_ends_before_it_has_begun_starts_no_sensor() -> None:
     assert bench.records == []
 
 
-# --- a sensor that has been looked at before -----------------------------------------------------------------------
+# --- a sensor that has been looked at before
+# -----------------------------------------------------------------------
 
 
 def test_a_running_sensor_is_taken_over_without_a_restart() -> None:

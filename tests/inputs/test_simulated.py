@@ -46,9 +46,13 @@ def test_the_same_moves_give_the_same_samples_each_time() -> None:
     assert session("patient")[0].tobytes() == session("patient")[0].tobytes()
 
 
-def test_a_hand_that_moves_while_it_is_measured_gives_the_samples_of_one_that_was_told_before() -> None:
+def test_a_hand_that_moves_while_it_is_measured_gives_the_samples_of_one_that_was_told_before() -> (
+    None
+):
     clock = VirtualClock()
-    source, told = (SimulatedSource(SimulatedHand(PROFILES["patient"], 250.0, seed=3), clock) for _ in range(2))
+    source, told = (
+        SimulatedSource(SimulatedHand(PROFILES["patient"], 250.0, seed=3), clock) for _ in range(2)
+    )
     found: list[list[Sample]] = [[], []]
     for number in range(3):
         told.move((1 + 3 * number) * SECOND, REACH)

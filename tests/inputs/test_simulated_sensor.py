@@ -1,4 +1,6 @@
-"""Samples of a simulated sensor come in blocks of any size, and the session is the same as with 10 ms at a time."""
+"""Samples of a simulated sensor come in blocks of any size, and the session is the same as with 10
+ms at a time.
+"""
 
 import random
 from collections.abc import Callable
@@ -37,11 +39,15 @@ RECORDING = Path(__file__).parents[2] / "data/table-4.1.csv"
 
 
 class Recorded(SimulatedHand):
-    """A hand whose samples are those of a recording, without and with gaps; it moves as recorded."""
+    """A hand whose samples are those of a recording, without and with gaps; it moves as
+    recorded.
+    """
 
     def __init__(self, *, gaps: bool) -> None:
         self.recording = read_recording(RECORDING)
-        super().__init__(PROFILES["clean"], round(1e9 / float(np.median(np.diff(self.recording["at"])))))
+        super().__init__(
+            PROFILES["clean"], round(1e9 / float(np.median(np.diff(self.recording["at"]))))
+        )
         if gaps:
             luck = np.random.default_rng(1).random(len(self.recording))
             self.recording = self.recording[luck > 0.02]
@@ -70,15 +76,21 @@ class Presser(Node):
 Nodes = Callable[[Any, VirtualClock], list[Node]]
 
 
-def played(nodes: Nodes, parameters: dict[str, Any], seconds: float, divisions: list[int]) -> list[Record]:
-    """Return all messages of a session until then, with callbacks at ``divisions`` (ns) that only divide blocks."""
+def played(
+    nodes: Nodes, parameters: dict[str, Any], seconds: float, divisions: list[int]
+) -> list[Record]:
+    """Return all messages of a session until then, with callbacks at ``divisions`` (ns) that only
+    divide blocks.
+    """
     kind = CATALOGUE.task("reaching")
     task = set_up(kind, kind.Parameters(**parameters))
     clock = VirtualClock()
     session = Session(task, CATALOGUE.theme("calm"), clock, 1, nodes(task, clock))
     records: list[Record] = []
     session.bus.tap(records.extend)
-    session.bus.subscribe(TRIAL, lambda t: session.bus.publish(STORED, Stored(attempt=t.attempt, trial=t.trial)))
+    session.bus.subscribe(
+        TRIAL, lambda t: session.bus.publish(STORED, Stored(attempt=t.attempt, trial=t.trial))
+    )
     for at in [*divisions, round(seconds * SECOND)]:
         clock.call_at(at, lambda: None)
     session.begin()
@@ -91,7 +103,9 @@ def played(nodes: Nodes, parameters: dict[str, Any], seconds: float, divisions: 
 
 def stored(records: list[Record]) -> tuple[list[tuple[int, int, str, Message]], Any]:
     """Return what is stored of messages: the events, and the rows of the sensor's samples."""
-    events = [(seq, at, topic.name, message) for seq, at, topic, message in records if topic is not IMU]
+    events = [
+        (seq, at, topic.name, message) for seq, at, topic, message in records if topic is not IMU
+    ]
     streams, chunks, _ = StreamRows("S", 1).rows(records)
     return events, (streams, chunks)
 
@@ -104,25 +118,40 @@ def divided(seed: int, number: int, seconds: float) -> list[int]:
     """Return random times (ns), some of them those at which samples are published."""
     draw = random.Random(seed)
     times = [draw.uniform(0, seconds) for _ in range(number)]
-    return [round(time * (SECOND if number % 2 else 100)) * (1 if number % 2 else 10 * MS) for time in times]
+    return [
+        round(time * (SECOND if number % 2 else 100)) * (1 if number % 2 else 10 * MS)
+        for time in times
+    ]
 
 
 @examples(40)
 @given(st.integers(0, 1000), st.sampled_from(sorted(PEOPLE)), st.integers(0, 300), st.booleans())
-def test_a_simulated_session_is_the_same_in_blocks_of_any_size(seed: int, user: str, number: int, go: bool) -> None:
+def test_a_simulated_session_is_the_same_in_blocks_of_any_size(
+    seed: int, user: str, number: int, go: bool
+) -> None:
     person, seconds = PEOPLE[user], 16.0
 
     def in_steps(task: Any, clock: VirtualClock) -> list[Node]:
         source = SimulatedSource(simulated_hand(person.hand, seed), clock)
-        return [SimulatedParticipant(person, task, seed, source.move), Imu(ImuFeed(source, clock.now))]
+        return [
+            SimulatedParticipant(person, task, seed, source.move),
+            Imu(ImuFeed(source, clock.now)),
+        ]
 
     def in_blocks(task: Any, clock: VirtualClock) -> list[Node]:
         sensor = SimulatedSensor(simulated_hand(person.hand, seed))
         return [SimulatedParticipant(person, task, seed, sensor.move), sensor]
 
-    parameters = {"attempts": 3, "go_signal": go, "response_timeout_ms": 20_000 if seed % 4 else 2500}
+    parameters = {
+        "attempts": 3,
+        "go_signal": go,
+        "response_timeout_ms": 20_000 if seed % 4 else 2500,
+    }
     divisions = divided(seed, number, seconds)
-    in_few, in_many = played(in_blocks, parameters, seconds, divisions), played(in_steps, parameters, seconds, [])
+    in_few, in_many = (
+        played(in_blocks, parameters, seconds, divisions),
+        played(in_steps, parameters, seconds, []),
+    )
     assert stored(in_few) == stored(in_many)
     assert blocks(in_few) < blocks(in_many)
     assert any(record.topic is REACH for record in in_few)
@@ -134,7 +163,10 @@ def test_a_recorded_hand_gives_the_same_events_in_blocks_of_any_size(
     seed: int, number: int, gaps: bool, keys: bool
 ) -> None:
     draw, seconds = random.Random(seed), 20.0
-    presses = {draw.randrange(2000, 20_000): draw.choice(["space", "enter", "escape"]) for _ in range(10 * keys)}
+    presses = {
+        draw.randrange(2000, 20_000): draw.choice(["space", "enter", "escape"])
+        for _ in range(10 * keys)
+    }
 
     def others(task: Any, clock: VirtualClock) -> list[Node]:
         return [SimulatedParticipant(PEOPLE["average"], task, seed), Presser(clock, presses)]
@@ -148,7 +180,10 @@ def test_a_recorded_hand_gives_the_same_events_in_blocks_of_any_size(
 
     parameters = {"attempts": 9, "still_ms": 1000}
     divisions = divided(seed, number, seconds)
-    in_few, in_many = played(in_blocks, parameters, seconds, divisions), played(in_steps, parameters, seconds, [])
+    in_few, in_many = (
+        played(in_blocks, parameters, seconds, divisions),
+        played(in_steps, parameters, seconds, []),
+    )
     assert stored(in_few) == stored(in_many)
     assert blocks(in_few) < blocks(in_many)
 

@@ -48,7 +48,9 @@ def _plugins(monkeypatch: pytest.MonkeyPatch) -> None:
             "absent": "nowhere",
         }.items()
     ]
-    monkeypatch.setattr(sources, "entry_points", lambda group: [entry for entry in entries if entry.group == group])
+    monkeypatch.setattr(
+        sources, "entry_points", lambda group: [entry for entry in entries if entry.group == group]
+    )
 
 
 @pytest.fixture
@@ -109,12 +111,16 @@ def test_a_recording_is_opened_with_options_after_the_question_mark(walk: Path) 
     assert source.info.source == "walk.csv"
 
 
-@pytest.mark.parametrize("query", ["", "?loop=yes", "?speed=real time&acceleration=m/s²", "?speed=real+time&loop=no"])
+@pytest.mark.parametrize(
+    "query", ["", "?loop=yes", "?speed=real time&acceleration=m/s²", "?speed=real+time&loop=no"]
+)
 def test_options_of_a_recording_may_be_left_out(walk: Path, query: str) -> None:
     assert isinstance(open_source(f"recorded:{walk}{query}"), RecordedSource)
 
 
-@pytest.mark.parametrize("query", ["rate=rpm", "speed", "colour=red", "loop=", "rate=deg/s&", "speed=fast;loop=yes"])
+@pytest.mark.parametrize(
+    "query", ["rate=rpm", "speed", "colour=red", "loop=", "rate=deg/s&", "speed=fast;loop=yes"]
+)
 def test_an_unknown_option_is_reported_with_the_known_ones(walk: Path, query: str) -> None:
     with pytest.raises(SourceError, match=r"Options after the file: rate=rad/s or deg/s"):
         open_source(f"recorded:{walk}?{query}")
@@ -126,8 +132,14 @@ def test_an_unknown_option_is_reported_with_the_known_ones(walk: Path, query: st
         ("recorded", "Name a recording"),
         ("recorded:", "Name a recording"),
         ("recorded:none.csv", "There is no file none.csv"),
-        ("simulated:kind=jump", 'There is no kind of reach "jump". Choose one of: lift-extend-touch, from-the-side'),
-        ("simulated:wild", 'There is no simulated hand "wild". Choose one of: clean, steady, noisy'),
+        (
+            "simulated:kind=jump",
+            'There is no kind of reach "jump". Choose one of: lift-extend-touch, from-the-side',
+        ),
+        (
+            "simulated:wild",
+            'There is no simulated hand "wild". Choose one of: clean, steady, noisy',
+        ),
         ("phidget:first", "phidget:SERIAL"),
         ("telepathy", 'There is no sensor "telepathy". Choose one of: '),
         ("", 'There is no sensor "". Choose one of: '),
@@ -149,7 +161,16 @@ def test_a_plug_in_is_opened_by_its_name_with_the_text_after_the_colon() -> None
     camera = open_source("camera:473001")
     assert isinstance(camera, GuardedSource)
     assert isinstance(camera.plug_in, PhidgetSource)
-    assert source_names() == ["absent", "camera", "faulty", "hollow", "phidget", "recorded", "ros", "simulated"]
+    assert source_names() == [
+        "absent",
+        "camera",
+        "faulty",
+        "hollow",
+        "phidget",
+        "recorded",
+        "ros",
+        "simulated",
+    ]
 
 
 def test_shipped_names_are_always_available() -> None:
@@ -157,6 +178,11 @@ def test_shipped_names_are_always_available() -> None:
 
 
 def test_listing_the_names_loads_no_driver() -> None:
-    look = "import sys, sar_tui.inputs.sources as s; s.open_source('phidget'); print('Phidget22' in sys.modules)"
-    run: Any = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, check=True)
+    look = (
+        "import sys, sar_tui.inputs.sources as s; s.open_source('phidget'); print('Phidget22' "
+        "in sys.modules)"
+    )
+    run: Any = subprocess.run(
+        [sys.executable, "-c", look], capture_output=True, text=True, check=True
+    )
     assert run.stdout.strip() == "False"

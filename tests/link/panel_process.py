@@ -1,6 +1,7 @@
 """Panel in a process of its own that tests can freeze and kill. It prints each state of its link.
 
-``python -m tests.link.panel_process SESSION LINK NAME ROLE``; each line on standard input is sent as a note.
+``python -m tests.link.panel_process SESSION LINK NAME ROLE``; each line on standard input is sent
+as a note.
 """
 
 import asyncio

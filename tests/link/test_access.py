@@ -23,7 +23,15 @@ from sar_tui.link.zenoh_settings import (
     network_settings,
     socket_settings,
 )
-from tests.link.tls_fixtures import FakeBroker, LinkGuests, eventually, free_port, hosting, invite_guests, visiting
+from tests.link.tls_fixtures import (
+    FakeBroker,
+    LinkGuests,
+    eventually,
+    free_port,
+    hosting,
+    invite_guests,
+    visiting,
+)
 
 
 @pytest.fixture(scope="module")
@@ -51,21 +59,30 @@ def settings_of(invited: Invitation, **changes: object) -> str:
     return msgspec.json.encode(settings).decode()
 
 
-def received_before_last(host: FakeBroker, at: LinkGuests, guest: zenoh.Session, name: str) -> list[str]:
-    """Return the keys that the host received before a final ping: nothing sent earlier can still come."""
+def received_before_last(
+    host: FakeBroker, at: LinkGuests, guest: zenoh.Session, name: str
+) -> list[str]:
+    """Return the keys that the host received before a final ping: nothing sent earlier can still
+    come.
+    """
     guest.put(at.keys.ping(name), b"last")
     assert eventually(lambda: (at.keys.ping(name), b"last") in host.received)
     return [key for key, payload in host.received if payload != b"last"]
 
 
-# --- admission -----------------------------------------------------------------------------------------------------
+# --- admission
+# -----------------------------------------------------------------------------------------------------
 
 
-def test_operator_with_valid_certificate_sends_and_receives(at: LinkGuests, host: FakeBroker) -> None:
+def test_operator_with_valid_certificate_sends_and_receives(
+    at: LinkGuests, host: FakeBroker
+) -> None:
     received: list[bytes] = []
     with visiting(at.anna) as [anna]:
         anna.declare_subscriber(at.keys.broadcast, lambda s: received.append(bytes(s.payload)))
-        anna.declare_subscriber(at.keys.reply("operator.anna"), lambda s: received.append(bytes(s.payload)))
+        anna.declare_subscriber(
+            at.keys.reply("operator.anna"), lambda s: received.append(bytes(s.payload))
+        )
         anna.put(at.keys.act("operator.anna"), b"veto")
         assert eventually(lambda: (at.keys.act("operator.anna"), b"veto") in host.received)
 
@@ -98,7 +115,9 @@ def test_connection_with_certificate_of_another_authority_fails(
     at: LinkGuests, host: FakeBroker, tmp_path: Path
 ) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
-    trusting = Credentials(at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key)
+    trusting = Credentials(
+        at.anna.credentials.authority, stranger.credentials.certificate, stranger.credentials.key
+    )
     with pytest.raises(zenoh.ZError):
         zenoh.open(config(network_settings(at.where, trusting)))
 
@@ -113,9 +132,13 @@ def test_panel_that_is_not_admitted_reports_why(
     at: LinkGuests, host: FakeBroker, is_new: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(transport, "_ADMISSION_TIMEOUT_S", 0.2)
-    invitation = at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
+    invitation = (
+        at.authority.invite(Guest("newcomer", "operator"), [at.where], 30) if is_new else at.gone
+    )
     received: list[object] = []
-    panel = transport.Transport(transport.connection_target(invitation), str(invitation.guest), received.append)
+    panel = transport.Transport(
+        transport.connection_target(invitation), str(invitation.guest), received.append
+    )
     panel.open()
     try:
         assert eventually(lambda: panel.send_ping(b"hello") or received)
@@ -125,7 +148,9 @@ def test_panel_that_is_not_admitted_reports_why(
     assert host.received == []
 
 
-def test_guest_rejects_host_of_another_authority(at: LinkGuests, host: FakeBroker, tmp_path: Path) -> None:
+def test_guest_rejects_host_of_another_authority(
+    at: LinkGuests, host: FakeBroker, tmp_path: Path
+) -> None:
     stranger = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [at.where], 30)
     with pytest.raises(zenoh.ZError), visiting(stranger):
         pass
@@ -153,7 +178,8 @@ def test_guest_rejects_host_with_another_name(at: LinkGuests) -> None:
         zenoh.open(config(network_settings(elsewhere, at.anna.credentials)))
 
 
-# --- permissions ------------------------------------------------------------------------------------------------
+# --- permissions
+# ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mode", ["client", "peer"])
@@ -161,7 +187,14 @@ def test_observer_cannot_act_in_another_name(at: LinkGuests, host: FakeBroker, m
     keys = at.keys
     targets = [
         *(keys.act(name) for name in ("operator.anna", "*", "**")),
-        *(keys.ping("operator.anna"), keys.reply("operator.anna"), keys.broadcast, keys.all, "**", "other/thing"),
+        *(
+            keys.ping("operator.anna"),
+            keys.reply("operator.anna"),
+            keys.broadcast,
+            keys.all,
+            "**",
+            "other/thing",
+        ),
     ]
     connect = {"endpoints": [at.where.locator], "timeout_ms": 2000, "exit_on_failure": True}
     with zenoh.open(config(settings_of(at.eve, mode=mode, connect=connect))) as eve:
@@ -194,7 +227,13 @@ def test_operator_cannot_act_under_another_name(at: LinkGuests, host: FakeBroker
 def test_guest_does_not_receive_messages_of_others(at: LinkGuests, host: FakeBroker) -> None:
     received: list[str] = []
     with visiting(at.anna, at.eve) as [anna, eve]:
-        for key in ("**", at.keys.all, at.keys.act("*"), at.keys.reply("operator.anna"), at.keys.ping("*")):
+        for key in (
+            "**",
+            at.keys.all,
+            at.keys.act("*"),
+            at.keys.reply("operator.anna"),
+            at.keys.ping("*"),
+        ):
             eve.declare_subscriber(key, lambda s: received.append(str(s.key_expr)))
         eve.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
         anna.put(at.keys.act("operator.anna"), b"veto")
@@ -213,7 +252,9 @@ def test_revoked_guest_neither_sends_nor_receives(at: LinkGuests, host: FakeBrok
     received_by_anna: list[str] = []
     with visiting(at.gone, at.anna) as [gone, anna]:
         gone.declare_subscriber(at.keys.broadcast, lambda s: received.append(str(s.key_expr)))
-        anna.declare_subscriber(at.keys.broadcast, lambda s: received_by_anna.append(str(s.key_expr)))
+        anna.declare_subscriber(
+            at.keys.broadcast, lambda s: received_by_anna.append(str(s.key_expr))
+        )
         gone.put(at.keys.act("operator.gone"), b"still here")
         gone.put(at.keys.ping("operator.gone"), b"still here")
 
@@ -229,7 +270,9 @@ def test_revoked_guest_neither_sends_nor_receives(at: LinkGuests, host: FakeBrok
 
 def test_without_guests_everything_is_denied(at: LinkGuests, tmp_path: Path) -> None:
     elsewhere = Endpoint("127.0.0.1", free_port())
-    settings = host_settings(at.authority.link, listen=[elsewhere], files=at.authority.host_files([elsewhere]))
+    settings = host_settings(
+        at.authority.link, listen=[elsewhere], files=at.authority.host_files([elsewhere])
+    )
     received: list[str] = []
     with (
         zenoh.open(config(settings)) as session,
@@ -254,7 +297,8 @@ def test_socket_allows_only_keys_of_the_link(tmp_path: Path) -> None:
     assert received == ["sar-tui/abc/act/operator.anna"]
 
 
-# --- probe --------------------------------------------------------------------------------------------------------
+# --- probe
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -288,7 +332,9 @@ def test_probe_of_expired_guest_fails(at: LinkGuests) -> None:
 
 def test_probe_fails_where_nothing_listens(at: LinkGuests) -> None:
     with pytest.raises(LinkError, match="Nothing listens there"):
-        probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
+        probe(
+            network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link
+        )
 
 
 def test_probe_ignores_modules_in_the_working_directory(
@@ -297,4 +343,6 @@ def test_probe_ignores_modules_in_the_working_directory(
     (tmp_path / "zenoh.py").write_text("open(0).read(); print('admitted')")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(LinkError, match="Nothing listens there"):
-        probe(network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link)
+        probe(
+            network_settings(Endpoint("127.0.0.1", free_port()), at.anna.credentials), at.anna.link
+        )

@@ -33,7 +33,10 @@ class Bench:
         self.events: list[BrokerEvent] = []
         self.answers: list[tuple[str, SessionMessage]] = []
         self.admission = Admission(
-            2 * SECOND, self.events.append, lambda name, answer: self.answers.append((name, answer)), "here"
+            2 * SECOND,
+            self.events.append,
+            lambda name, answer: self.answers.append((name, answer)),
+            "here",
         )
 
     def ping(
@@ -90,7 +93,10 @@ def test_leaving_peer_has_left_and_silent_peer_is_lost(bench: Bench) -> None:
     bench.ping(OLAF, 0)
     bench.ping(OLAF, 0, is_leaving=True)
     bench.admission.tick(2 * SECOND + 1)
-    assert bench.take()[2:] == [PeerLeft(OLAF, "left"), PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms.")]
+    assert bench.take()[2:] == [
+        PeerLeft(OLAF, "left"),
+        PeerLeft(ANNA, "lost", "No heartbeat for 2000 ms."),
+    ]
 
 
 def test_peer_whose_connection_breaks_is_lost_at_once(bench: Bench) -> None:
@@ -120,7 +126,9 @@ def test_peer_that_reconnects_in_time_is_not_lost(bench: Bench) -> None:
 def test_act_is_forwarded(bench: Bench) -> None:
     bench.ping(ANNA, 0)
     bench.act(ANNA, 1)
-    assert bench.take()[1:] == [ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(NOTE)))]
+    assert bench.take()[1:] == [
+        ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(NOTE)))
+    ]
 
 
 def test_act_counts_as_heartbeat(bench: Bench) -> None:
@@ -143,7 +151,9 @@ def test_an_act_of_a_silent_terminal_does_not_bring_it_back(bench: Bench) -> Non
     bench.admission.tick(3 * SECOND)
     bench.take()
     bench.act(ANNA, 3 * SECOND, silence=3 * SECOND)
-    assert bench.take() == [RequestRefused(ANNA, NOTE_ADDED.name, "The terminal of this panel does not answer.", 1)]
+    assert bench.take() == [
+        RequestRefused(ANNA, NOTE_ADDED.name, "The terminal of this panel does not answer.", 1)
+    ]
     bench.ping(ANNA, 3 * SECOND, wants_snapshot=True, silence=3 * SECOND)
     assert bench.take() == []
     assert isinstance(pong := bench.answers[-1][1], Pong)
@@ -172,7 +182,9 @@ def test_an_operator_without_proof_is_reported_once_and_an_observer_not(bench: B
 def test_a_multiplexer_proves_nothing(bench: Bench) -> None:
     bench.ping(ANNA, 0, silence=0, is_relayed=True)
     bench.admission.tick(1)
-    assert bench.take()[1:] == [PeerUnproven(ANNA, "tmux, screen, Zellij or mosh answers for the terminal.")]
+    assert bench.take()[1:] == [
+        PeerUnproven(ANNA, "tmux, screen, Zellij or mosh answers for the terminal.")
+    ]
 
 
 def test_a_silence_below_zero_is_refused(bench: Bench) -> None:
@@ -213,15 +225,17 @@ def test_observer_may_stop_the_agent(bench: Bench) -> None:
     assert bench.take()[1:] == [ActReceived(OLAF, COMMAND.name, msgspec.Raw(protocol.encode(stop)))]
 
 
-@pytest.mark.parametrize("name", ["*", "**", "anna", "director.anna", "operator.", "operator.a/b", "operator.\x1b"])
+@pytest.mark.parametrize(
+    "name", ["*", "**", "anna", "director.anna", "operator.", "operator.a/b", "operator.\x1b"]
+)
 def test_invalid_name_is_refused(bench: Bench, name: str) -> None:
     bench.ping(name, 0)
     bench.act(name, 0)
     refused = bench.take()
     assert [type(event) for event in refused] == [RequestRefused, RequestRefused]
-    assert all(isinstance(event, RequestRefused) and event.name == "unknown" for event in refused), (
-        "an invalid name is not repeated"
-    )
+    assert all(
+        isinstance(event, RequestRefused) and event.name == "unknown" for event in refused
+    ), "an invalid name is not repeated"
     assert bench.answers == []
 
 

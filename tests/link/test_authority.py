@@ -72,7 +72,11 @@ def test_expired_and_revoked_guests_are_not_admitted(authority: Authority) -> No
     assert authority.guests(NOW) == (ANNA, EVE)
     assert authority.guests(NOW + timedelta(days=20)) == (ANNA,)
     later = NOW + timedelta(days=20)
-    assert [issued.state(later) for issued in authority.invitations] == ["good", "expired", "revoked"]
+    assert [issued.state(later) for issued in authority.invitations] == [
+        "good",
+        "expired",
+        "revoked",
+    ]
 
 
 def test_name_is_taken_while_its_invitation_is_valid(authority: Authority) -> None:
@@ -103,7 +107,9 @@ def test_revoking_an_unknown_guest_is_refused(authority: Authority) -> None:
         authority.revoke("ben")
 
 
-@pytest.mark.parametrize("name", ["", "anna b", "a/b", "a*", "anna.b", "-anna", "x" * 33, "änna", "anna\n"])
+@pytest.mark.parametrize(
+    "name", ["", "anna b", "a/b", "a*", "anna.b", "-anna", "x" * 33, "änna", "anna\n"]
+)
 def test_invalid_name_is_refused(authority: Authority, name: str) -> None:
     with pytest.raises(LinkError, match="cannot be a guest's name"):
         authority.invite(Guest(name, "operator"), [HERE], 30)
@@ -121,7 +127,8 @@ def test_invalid_number_of_days_is_refused(authority: Authority, days: int) -> N
         authority.invite(ANNA, [HERE], days)
 
 
-# --- the host's own certificate --------------------------------------------------------------------------------------
+# --- the host's own certificate
+# --------------------------------------------------------------------------------------
 
 
 def test_host_certificate_names_all_endpoints(authority: Authority) -> None:
@@ -151,7 +158,8 @@ def test_lost_host_key_is_replaced(authority: Authority, spoil: Callable[[Path],
     assert "PRIVATE KEY" in files.key.read_text()
 
 
-# --- faults ----------------------------------------------------------------------------------------------------------
+# --- faults
+# ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["authority.pem", "authority.key", "invitations.json"])

@@ -12,7 +12,15 @@ from sar_tui.link import client, protocol
 from sar_tui.link.authority import Authority
 from sar_tui.link.discovery import JoinableSession
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.peer import Connection, Frame, MotionTrace, Peer, PeerEvent, TerminalState, Welcome
+from sar_tui.link.peer import (
+    Connection,
+    Frame,
+    MotionTrace,
+    Peer,
+    PeerEvent,
+    TerminalState,
+    Welcome,
+)
 from sar_tui.link.protocol import ActRequest, Batch, LinkClosed, MotionTraces, Ping, Pong, Snapshot
 from sar_tui.link.transport import Received
 from sar_tui.link.zenoh_settings import Endpoint, Guest
@@ -80,7 +88,9 @@ class Panel:
 
     def levels(self) -> list[int]:
         frames = [frame for each in self.events if isinstance(each, list) for frame in each]
-        return [frame.message.level for frame in frames if isinstance(frame.message, m.LevelChanged)]
+        return [
+            frame.message.level for frame in frames if isinstance(frame.message, m.LevelChanged)
+        ]
 
     def wants_snapshot(self) -> bool:
         return self.transport.pings[-1].wants_snapshot
@@ -108,11 +118,19 @@ async def test_snapshot_connects_and_messages_follow_in_order(panel: Panel) -> N
     assert panel.events == [Connection("connecting")]
     assert panel.wants_snapshot()
     await panel.receive(
-        panel.pong(), batch(2), Snapshot(3, WELCOME, protocol.encode_frames([level(1)])), batch(3), batch(4)
+        panel.pong(),
+        batch(2),
+        Snapshot(3, WELCOME, protocol.encode_frames([level(1)])),
+        batch(3),
+        batch(4),
     )
     frames = [each for each in panel.events if isinstance(each, list)]
     assert panel.events[1:3] == [Connection("connected"), WELCOME]
-    assert frames == [[Frame(*level(1))], [Frame(*level(4))]]  # batches within the snapshot are skipped
+    # batches within the snapshot are skipped
+    assert frames == [
+        [Frame(*level(1))],
+        [Frame(*level(4))],
+    ]
 
 
 async def test_missing_batch_stops_messages_until_a_snapshot(panel: Panel) -> None:
@@ -139,7 +157,8 @@ async def test_act_is_sent_only_while_connected(panel: Panel) -> None:
     panel.peer.take_control()
     sent = panel.transport.acts
     assert [(act.topic, act.client_id) for act in sent] == [
-        (topic, panel.transport.pings[0].client_id) for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
+        (topic, panel.transport.pings[0].client_id)
+        for topic in (NOTE_ADDED.name, protocol.TAKE_CONTROL)
     ]
     assert protocol.decode_act(sent[0].topic, sent[0].message) == note
 
@@ -154,7 +173,9 @@ async def test_heartbeats_and_acts_say_how_long_the_terminal_has_been_silent(pan
     assert (ping.silence, ping.is_relayed, act.silence) == (7, True, 7)
 
 
-async def test_a_panel_whose_terminal_was_silent_shows_the_present_state_when_it_is_back(panel: Panel) -> None:
+async def test_a_panel_whose_terminal_was_silent_shows_the_present_state_when_it_is_back(
+    panel: Panel,
+) -> None:
     await panel.connect()
     await panel.receive(panel.pong(refusal="The terminal of this panel does not answer."), batch(4))
     assert panel.events == [Connection("connecting", "The terminal of this panel does not answer.")]
@@ -186,7 +207,8 @@ async def test_reason_for_no_connection_is_reported_once(panel: Panel) -> None:
 async def test_refusal_is_reported_only_to_the_program_it_is_for(panel: Panel) -> None:
     await panel.receive(Pong(0, 0, "h", 0, "another", "The name is taken."))
     assert panel.events == [Connection("connecting")]
-    await panel.receive(panel.pong(refusal="The name is taken."), Snapshot(1, WELCOME, []))  # for the other program
+    # for the other program
+    await panel.receive(panel.pong(refusal="The name is taken."), Snapshot(1, WELCOME, []))
     assert panel.events[1:] == [Connection("connecting", "The name is taken.")]
 
 
@@ -206,7 +228,10 @@ async def test_resumed_session_on_this_machine_is_rejoined(panel: Panel) -> None
     await panel.receive(Connection("connected"))
     assert panel.wants_snapshot()
     await panel.receive(panel.pong(), Snapshot(1, WELCOME, protocol.encode_frames([level(1)])))
-    assert [each.state for each in panel.events if isinstance(each, Connection)] == ["ended", "connected"]
+    assert [each.state for each in panel.events if isinstance(each, Connection)] == [
+        "ended",
+        "connected",
+    ]
 
 
 async def test_by_invitation_a_session_that_is_over_is_not_rejoined(
@@ -214,7 +239,9 @@ async def test_by_invitation_a_session_that_is_over_is_not_rejoined(
 ) -> None:
     monkeypatch.setattr(client, "Transport", FakeTransport)
     monkeypatch.setattr(client, "connection_target", lambda where: where)
-    invitation = Authority.open_or_create(tmp_path).invite(Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30)
+    invitation = Authority.open_or_create(tmp_path).invite(
+        Guest("anna", "operator"), [Endpoint("127.0.0.1", 7447)], 30
+    )
     panel = Panel(invitation)
     await panel.receive()
     await panel.connect()
@@ -236,7 +263,13 @@ async def test_close_says_goodbye_and_waits_for_the_answer(panel: Panel) -> None
 
 @pytest.mark.parametrize(
     ("name", "part"),
-    [("anna", "anna"), ("jörg m.", "j-rg-m"), ("*/**", "somebody"), ("", "somebody"), ("x" * 99, "x" * 32)],
+    [
+        ("anna", "anna"),
+        ("jörg m.", "j-rg-m"),
+        ("*/**", "somebody"),
+        ("", "somebody"),
+        ("x" * 99, "x" * 32),
+    ],
 )
 def test_name_as_part_of_a_key(name: str, part: str) -> None:
     assert client.to_key_part(name) == part

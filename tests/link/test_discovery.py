@@ -11,7 +11,13 @@ from pathlib import Path
 import pytest
 
 from sar_tui.link import discovery
-from sar_tui.link.discovery import JoinableSession, announce, live_sessions, socket_folder, socket_path
+from sar_tui.link.discovery import (
+    JoinableSession,
+    announce,
+    live_sessions,
+    socket_folder,
+    socket_path,
+)
 from sar_tui.link.errors import LinkError
 
 HERE = JoinableSession("1a2b3c4d5e", "keyboard", "1a2b3c4d5e", os.getpid())
@@ -50,7 +56,9 @@ def test_without_a_runtime_folder_it_is_in_the_temporary_folder(
     assert socket_folder() == tmp_path / f"sar-tui-{os.getuid()}"
 
 
-def test_without_the_variable_the_usual_runtime_folder_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_variable_the_usual_runtime_folder_is_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     usual = tmp_path / "run" / str(os.getuid())
     usual.mkdir(parents=True, mode=0o700)
     monkeypatch.delenv("XDG_RUNTIME_DIR")
@@ -79,7 +87,9 @@ def test_a_file_in_its_place_is_refused(runtime: Path) -> None:
 def test_a_folder_of_another_user_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     owner = socket_folder().stat().st_uid
     monkeypatch.setattr(discovery.os, "getuid", lambda: owner + 1)
-    with pytest.raises(LinkError, match=r"belongs to somebody else.* Set XDG_RUNTIME_DIR to a folder that only you"):
+    with pytest.raises(
+        LinkError, match=r"belongs to somebody else.* Set XDG_RUNTIME_DIR to a folder that only you"
+    ):
         socket_folder()
 
 
@@ -99,7 +109,9 @@ def test_without_unix_sockets_the_network_is_offered(monkeypatch: pytest.MonkeyP
         socket_folder()
 
 
-def test_a_path_that_is_too_long_for_a_socket_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_path_that_is_too_long_for_a_socket_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     long = tmp_path / ("x" * 90)
     long.mkdir()
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(long))
@@ -134,7 +146,10 @@ def test_full_disk_is_reported_and_leaves_no_files(monkeypatch: pytest.MonkeyPat
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(LinkError, match="cannot be written to: No space left on device"), announce(HERE):
+    with (
+        pytest.raises(LinkError, match="cannot be written to: No space left on device"),
+        announce(HERE),
+    ):
         pass
     assert list(socket_folder().iterdir()) == []
 
@@ -142,7 +157,9 @@ def test_full_disk_is_reported_and_leaves_no_files(monkeypatch: pytest.MonkeyPat
 def test_files_of_a_killed_program_are_removed() -> None:
     with (
         announce(HERE),
-        subprocess.Popen([sys.executable, "-c", ANNOUNCE], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other,
+        subprocess.Popen(
+            [sys.executable, "-c", ANNOUNCE], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        ) as other,
     ):
         try:
             assert other.stdout is not None
@@ -157,7 +174,9 @@ def test_files_of_a_killed_program_are_removed() -> None:
         assert not list(socket_folder().glob("feedbeef00*"))
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b'{"session": "another", "task": "", "link": "", "pid": 1}'])
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b'{"session": "another", "task": "", "link": "", "pid": 1}']
+)
 def test_invalid_description_is_ignored(content: bytes) -> None:
     with announce(HERE) as path:
         path.with_suffix(".json").write_bytes(content)

@@ -72,7 +72,8 @@ def test_repr_shows_no_key(anna: Invitation) -> None:
     assert "PRIVATE" not in f"{anna!r} {anna}"
 
 
-# --- reading --------------------------------------------------------------------------------------------------
+# --- reading
+# --------------------------------------------------------------------------------------------------
 
 
 def test_missing_file_is_reported(tmp_path: Path) -> None:
@@ -85,7 +86,9 @@ def test_a_folder_is_not_an_invitation(tmp_path: Path) -> None:
         read(tmp_path)
 
 
-@pytest.mark.parametrize("content", [b"", b"hello", b"\xff\xfe\x00", b'{"format": "another"}', b"x" * 100_000])
+@pytest.mark.parametrize(
+    "content", [b"", b"hello", b"\xff\xfe\x00", b'{"format": "another"}', b"x" * 100_000]
+)
 def test_another_file_is_not_an_invitation(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "x.sar-link").write_bytes(content)
     with pytest.raises(LinkError, match="is not an invitation"):
@@ -113,7 +116,9 @@ def test_an_invitation_that_was_cut_off_is_damaged(path: Path) -> None:
         lambda plain: plain["credentials"].update(certificate=plain["credentials"]["authority"]),
     ],
 )
-def test_invalid_field_is_reported_as_damage(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
+def test_invalid_field_is_reported_as_damage(
+    path: Path, change: Callable[[dict[str, Any]], object]
+) -> None:
     with pytest.raises(LinkError, match="is damaged"):
         read(changed(path, change))
 

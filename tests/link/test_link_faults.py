@@ -1,4 +1,6 @@
-"""Recovery of the link with real processes: panel or broker killed or frozen, floods of messages."""
+"""Recovery of the link with real processes: panel or broker killed or frozen, floods of
+messages.
+"""
 
 import asyncio
 import os
@@ -67,9 +69,21 @@ class PanelProcess:
     """Panel in a process of its own."""
 
     def __init__(self, live: JoinableSession, name: str, role: m.Role = "operator") -> None:
-        program = [sys.executable, "-m", "tests.link.panel_process", live.session, live.link, name, role]
+        program = [
+            sys.executable,
+            "-m",
+            "tests.link.panel_process",
+            live.session,
+            live.link,
+            name,
+            role,
+        ]
         self.process = subprocess.Popen(
-            program, bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=Path(__file__).parents[2]
+            program,
+            bufsize=0,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            cwd=Path(__file__).parents[2],
         )
         assert self.process.stdout
         os.set_blocking(self.process.stdout.fileno(), False)
@@ -141,15 +155,24 @@ class LinkSession:
 
 
 @pytest.fixture
-async def session(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[LinkSession]:
+async def session(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> AsyncIterator[LinkSession]:
     lost_ms = getattr(request, "param", LOST_MS)
     folder = Path(tempfile.mkdtemp(prefix="sar"))  # a socket's path must be short
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
     session_id = secrets.token_hex(5)
     with open_link(
-        folder, session_id, "keyboard", ["P01"], ListenOptions.parse(operator=True, listen=None), lost_ms
+        folder,
+        session_id,
+        "keyboard",
+        ["P01"],
+        ListenOptions.parse(operator=True, listen=None),
+        lost_ms,
     ) as broker:
-        live = JoinableSession(session=session_id, task="keyboard", link=broker.link, pid=os.getpid())
+        live = JoinableSession(
+            session=session_id, task="keyboard", link=broker.link, pid=os.getpid()
+        )
         session = LinkSession(broker, live)
         try:
             yield session
@@ -162,12 +185,16 @@ async def test_late_peer_gets_welcome_and_snapshot(session: LinkSession) -> None
     panel = await session.panel("anna")
     welcomes = [each for each in panel.events if isinstance(each, Welcome)]
     distinct = {(welcome.name, welcome.role, welcome.session) for welcome in welcomes}
-    assert distinct == {(ANNA, "operator", session.live.session)}, "on a busy machine it may come twice"
+    assert distinct == {(ANNA, "operator", session.live.session)}, (
+        "on a busy machine it may come twice"
+    )
     await until(lambda: STARTED in [frame.message for frame in panel.frames])
     assert session.states(ANNA) == ["joined", "baton"]
 
 
-async def test_files_beside_the_socket_are_private_whatever_the_folder_is(session: LinkSession) -> None:
+async def test_files_beside_the_socket_are_private_whatever_the_folder_is(
+    session: LinkSession,
+) -> None:
     files = list(session.live.socket.parent.iterdir())
     assert session.live.socket in files
     assert {stat.S_IMODE(each.stat().st_mode) & 0o177 for each in files} == {0}
@@ -221,7 +248,9 @@ async def test_panel_that_reconnects_in_time_is_not_lost(session: LinkSession) -
     changes: list[str] = []
     socket = session.live.socket
     with zenoh.open(config(socket_settings(socket))) as watcher:
-        handler = zenoh.handlers.Callback(lambda sample: changes.append(str(sample.kind)), indirect=False)
+        handler = zenoh.handlers.Callback(
+            lambda sample: changes.append(str(sample.kind)), indirect=False
+        )
         tokens = LinkKeys(session.live.link).ping("*")
         watching = watcher.liveliness().declare_subscriber(tokens, handler)
         panel_process.process.send_signal(signal.SIGSTOP)
@@ -269,7 +298,9 @@ async def test_flood_is_held_back_and_an_operator_can_still_act(session: LinkSes
 
     def flood() -> None:
         with zenoh.open(config(socket_settings(session.live.socket))) as flooder:
-            publisher = flooder.declare_publisher(keys.act(ANNA), congestion_control=zenoh.CongestionControl.BLOCK)
+            publisher = flooder.declare_publisher(
+                keys.act(ANNA), congestion_control=zenoh.CongestionControl.BLOCK
+            )
             deadline = time.monotonic() + 60
             while not publisher.matching_status.matching and time.monotonic() < deadline:
                 time.sleep(0.01)
@@ -283,7 +314,11 @@ async def test_flood_is_held_back_and_an_operator_can_still_act(session: LinkSes
     ben.peer.send(NOTE_ADDED, m.NoteAdded(text="calm"))
     await until(lambda: "calm" in [note.text for note in session.of(NOTE_ADDED)])
     await flooding
-    await until(lambda: sum(refused.count for refused in session.of(REFUSED) if refused.actor == ANNA) > 10_000)
+    await until(
+        lambda: (
+            sum(refused.count for refused in session.of(REFUSED) if refused.actor == ANNA) > 10_000
+        )
+    )
     assert len(received) < 100 + 50 * (time.monotonic() - started)
 
 
@@ -295,8 +330,16 @@ async def test_invalid_messages_are_refused_and_logged(session: LinkSession) -> 
     with zenoh.open(config(socket_settings(session.live.socket))) as guest:
         for key in ("act/operator.anna", "act/nobody", "act/*"):
             guest.put(f"sar-tui/{session.live.link}/{key}", b"nonsense")
-        whys = ("20000 bytes", "4000 characters", "control characters", "cannot be read", "who sent it")
-        await until(lambda: all(any(why in each.why for each in session.of(REFUSED)) for why in whys))
+        whys = (
+            "20000 bytes",
+            "4000 characters",
+            "control characters",
+            "cannot be read",
+            "who sent it",
+        )
+        await until(
+            lambda: all(any(why in each.why for each in session.of(REFUSED)) for why in whys)
+        )
     assert session.of(NOTE_ADDED) == []
 
 
@@ -313,7 +356,9 @@ async def test_panels_rejoin_a_resumed_session(session: LinkSession) -> None:
     session.broker.close()
     await until(lambda: panel.states[-1] == "ended")
     live = session.live
-    host = BrokerProcess(protocol.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS))
+    host = BrokerProcess(
+        protocol.Setup(host_settings(live.link, socket=live.socket), live.link, LOST_MS * MS)
+    )
     resumed = LinkNode(host)
     resumed.welcome = session.node.welcome
     try:
@@ -335,7 +380,9 @@ def test_broker_ends_when_the_program_is_killed(tmp_path: Path) -> None:
         "host = BrokerProcess(Setup(host_settings('link'), 'link', 10**9)); host.open();"
         "print(host.pid, flush=True); time.sleep(60)"
     )
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as parent:
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as parent:
         assert parent.stdout
         try:
             child = int(parent.stdout.readline())

@@ -1,4 +1,6 @@
-"""Damaged and forged messages: none ends the link, none lets an observer act, and what is taken is what was meant."""
+"""Damaged and forged messages: none ends the link, none lets an observer act, and what is taken is
+what was meant.
+"""
 
 import io
 import random
@@ -34,7 +36,10 @@ FRAMES = fewer(10_000)
 ACTS: tuple[tuple[str, Message], ...] = (
     (COMMAND.name, m.SessionCommand(command="pause", reason="tired", at=5)),
     (COMMAND.name, m.SessionCommand(command="level", value=3, at=5)),
-    (DECISION.name, m.Decision(action="a1", verdict="edit", text="Well done.", valence="positive", at=5)),
+    (
+        DECISION.name,
+        m.Decision(action="a1", verdict="edit", text="Well done.", valence="positive", at=5),
+    ),
     (REMARK.name, m.Remark(text="Keep on like this.", source="free text", at=5)),
     (MODE.name, m.ModeChanged(kind="feedback", mode="veto", at=5)),
     (PROPOSAL_SEEN.name, m.ProposalSeen(action="a1", at=5)),
@@ -43,17 +48,28 @@ ACTS: tuple[tuple[str, Message], ...] = (
 
 
 def valid_acts() -> list[bytes]:
-    acts = [protocol.ActRequest("1", topic, msgspec.Raw(protocol.encode(act)), 7 * MS) for topic, act in ACTS]
-    return [protocol.encode(each) for each in (*acts, protocol.ActRequest("1", protocol.TAKE_CONTROL))]
+    acts = [
+        protocol.ActRequest("1", topic, msgspec.Raw(protocol.encode(act)), 7 * MS)
+        for topic, act in ACTS
+    ]
+    return [
+        protocol.encode(each) for each in (*acts, protocol.ActRequest("1", protocol.TAKE_CONTROL))
+    ]
 
 
 def valid_pings() -> list[bytes]:
-    pings = Ping("1", 77), Ping("1", 77, wants_snapshot=True, silence=7 * MS), Ping("2", 77, is_leaving=True)
+    pings = (
+        Ping("1", 77),
+        Ping("1", 77, wants_snapshot=True, silence=7 * MS),
+        Ping("2", 77, is_leaving=True),
+    )
     return [protocol.encode(each) for each in pings]
 
 
 def mutated(data: bytes, others: list[bytes], rng: random.Random) -> bytes:
-    """Return a message with one to four faults: bits flipped, bytes lost, doubled, inserted, or of another message."""
+    """Return a message with one to four faults: bits flipped, bytes lost, doubled, inserted, or of
+    another message.
+    """
     found = bytearray(data)
     for _ in range(rng.randint(1, 4)):
         at = rng.randrange(len(found) + 1)
@@ -76,7 +92,16 @@ def mutated(data: bytes, others: list[bytes], rng: random.Random) -> bytes:
 
 def names(rng: random.Random) -> str:
     """Return the name of a peer, or what somebody might send in its place."""
-    forged = "operator.", "director.anna", "operator.anna/x", "observer.olaf\n", "operator.\x1b[31m", "", "*", "o" * 500
+    forged = (
+        "operator.",
+        "director.anna",
+        "operator.anna/x",
+        "observer.olaf\n",
+        "operator.\x1b[31m",
+        "",
+        "*",
+        "o" * 500,
+    )
     return rng.choice((ANNA, OLAF, OLAF, rng.choice(forged)))
 
 
@@ -103,17 +128,23 @@ def test_no_mutated_message_of_a_peer_ends_the_link_or_lets_an_observer_act(seed
                 assert event.topic in (*protocol.OPERATOR_TOPICS, protocol.TAKE_CONTROL)
                 session.receive(event)
     assert taken, "some faults leave a message that can be read"
-    published = [record for record in session.records if record.topic.name in protocol.OPERATOR_TOPICS]
+    published = [
+        record for record in session.records if record.topic.name in protocol.OPERATOR_TOPICS
+    ]
     assert published
     assert {record.message.actor for record in published} == {ANNA}
-    assert {type(record.message) for record in published} <= {topic.type for topic in protocol.OPERATOR_TOPICS.values()}
+    assert {type(record.message) for record in published} <= {
+        topic.type for topic in protocol.OPERATOR_TOPICS.values()
+    }
     assert OLAF not in {each.holder for each in session.of(PRESENCE)}
     session.node.detach()
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_session_that_acts_reach_takes_damage_between_the_processes_as_well(seed: int) -> None:
-    """The broker process has checked an act; its node does so again, and ignores all but the operator in control."""
+    """The broker process has checked an act; its node does so again, and ignores all but the
+    operator in control.
+    """
     rng = random.Random(seed)
     session = NodeBench()
     session.receive(PeerJoined(ANNA), PeerJoined(OLAF))
@@ -122,7 +153,9 @@ def test_the_session_that_acts_reach_takes_damage_between_the_processes_as_well(
     for number in range(FRAMES // 4):
         name = rng.choice((ANNA, OLAF))
         content = mutated(rng.choice(contents), contents, rng)
-        session.receive(ActReceived(name, rng.choice([*topics, "input/key", ""]), msgspec.Raw(content)))
+        session.receive(
+            ActReceived(name, rng.choice([*topics, "input/key", ""]), msgspec.Raw(content))
+        )
         session.clock.advance(SECOND if number % 50 == 0 else MS)
     acted = [record for record in session.records if record.topic.name in protocol.OPERATOR_TOPICS]
     assert {record.message.actor for record in acted} == {ANNA}
@@ -154,12 +187,19 @@ FROM_SESSION = [
     )
 ]
 FROM_BROKER = [
-    b"".join(map(protocol.pack_frame, (protocol.Heartbeat(), PeerJoined(ANNA), protocol.PeerLeft(ANNA, "lost", "x")))),
+    b"".join(
+        map(
+            protocol.pack_frame,
+            (protocol.Heartbeat(), PeerJoined(ANNA), protocol.PeerLeft(ANNA, "lost", "x")),
+        )
+    ),
     protocol.pack_frame(protocol.PeerUnproven(ANNA, "x")),
 ]
 
 
-@pytest.mark.parametrize(("valid", "read"), [(FROM_SESSION, _read_batch), (FROM_BROKER, _read_pipe)])
+@pytest.mark.parametrize(
+    ("valid", "read"), [(FROM_SESSION, _read_batch), (FROM_BROKER, _read_pipe)]
+)
 def test_mutated_messages_of_a_session_or_a_broker_are_read_or_refused(
     valid: list[bytes], read: Callable[[bytes], None]
 ) -> None:

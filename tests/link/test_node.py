@@ -7,7 +7,14 @@ import msgspec
 import pytest
 
 from sar_tui.link import protocol
-from sar_tui.link.channel import BrokerEnded, BrokerListener, Outgoing, OutgoingBatch, OutgoingSamples, OutgoingSnapshot
+from sar_tui.link.channel import (
+    BrokerEnded,
+    BrokerListener,
+    Outgoing,
+    OutgoingBatch,
+    OutgoingSamples,
+    OutgoingSnapshot,
+)
 from sar_tui.link.node import LinkNode
 from sar_tui.link.peer import MarkKey, Welcome
 from sar_tui.link.protocol import (
@@ -145,11 +152,14 @@ def bench() -> Iterator[Bench]:
     bench.node.detach()
 
 
-# --- control --------------------------------------------------------------------------------------------------
+# --- control
+# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", [BEN, OLAF])
-def test_everyone_may_stop_the_agent_without_control_and_nothing_else(bench: Bench, name: str) -> None:
+def test_everyone_may_stop_the_agent_without_control_and_nothing_else(
+    bench: Bench, name: str
+) -> None:
     bench.receive(PeerJoined(ANNA), PeerJoined(name))
     bench.act(name, COMMAND, m.SessionCommand(command="stop", at=START))
     bench.act(name, COMMAND, m.SessionCommand(command="pause"))
@@ -171,11 +181,15 @@ def test_first_operator_is_reported_and_in_control(bench: Bench) -> None:
 
 def test_act_is_published_with_the_name_known_to_the_link(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA))
-    bench.act(ANNA, DECISION, m.Decision(action="a1", verdict="veto", actor="somebody else", at=START))
+    bench.act(
+        ANNA, DECISION, m.Decision(action="a1", verdict="veto", actor="somebody else", at=START)
+    )
     assert bench.of(DECISION) == [m.Decision(action="a1", verdict="veto", actor=ANNA, at=START)]
 
 
-@pytest.mark.parametrize(("said_ms", "stored_ms"), [(-90_000, -60_000), (-59_000, -59_000), (9_000, 0)])
+@pytest.mark.parametrize(
+    ("said_ms", "stored_ms"), [(-90_000, -60_000), (-59_000, -59_000), (9_000, 0)]
+)
 def test_stamp_is_limited_to_the_last_minute(bench: Bench, said_ms: int, stored_ms: int) -> None:
     bench.receive(PeerJoined(ANNA))
     now = bench.clock.now()
@@ -186,7 +200,9 @@ def test_stamp_is_limited_to_the_last_minute(bench: Bench, said_ms: int, stored_
 
 def test_act_without_stamp_gets_the_time_of_receipt(bench: Bench) -> None:
     bench.receive(PeerJoined(ANNA))
-    bench.node.receive(ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x")))))
+    bench.node.receive(
+        ActReceived(ANNA, NOTE_ADDED.name, msgspec.Raw(protocol.encode(m.NoteAdded(text="x"))))
+    )
     assert bench.of(NOTE_ADDED)[0].at == bench.clock.now()
 
 
@@ -204,7 +220,11 @@ def test_proposal_seen_by_another_operator_is_ignored(bench: Bench) -> None:
 
 
 def test_control_moves_at_once_when_taken(bench: Bench) -> None:
-    bench.receive(PeerJoined(ANNA), PeerJoined(BEN), ActReceived(BEN, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")))
+    bench.receive(
+        PeerJoined(ANNA),
+        PeerJoined(BEN),
+        ActReceived(BEN, protocol.TAKE_CONTROL, msgspec.Raw(b"\xc0")),
+    )
     bench.act(ANNA, COMMAND, m.SessionCommand(command="pause"))
     bench.act(BEN, COMMAND, m.SessionCommand(command="skip"))
     assert bench.presence()[-1] == (BEN, "baton", True)
@@ -226,7 +246,9 @@ def test_act_for_unknown_seat_is_refused(bench: Bench) -> None:
 
 
 def test_a_mark_that_the_task_does_not_have_is_refused(bench: Bench) -> None:
-    bench.node.welcome = msgspec.structs.replace(WELCOME, marks=(MarkKey("missed", "Marker missed"),))
+    bench.node.welcome = msgspec.structs.replace(
+        WELCOME, marks=(MarkKey("missed", "Marker missed"),)
+    )
     bench.receive(PeerJoined(ANNA))
     for name in ("missed", "nonsense", ""):
         bench.act(ANNA, COMMAND, m.SessionCommand(command="mark", reason=name))
@@ -275,8 +297,16 @@ def test_session_is_operated_while_an_operator_is_present(bench: Bench) -> None:
 
 
 def test_an_operator_without_proof_still_counts_and_is_reported(bench: Bench) -> None:
-    bench.receive(PeerJoined(ANNA), PeerUnproven(ANNA, "the terminal answers no queries."), PeerUnproven(BEN, ""))
-    assert bench.presence() == [(ANNA, "joined", True), (ANNA, "baton", True), (ANNA, "unproven", True)]
+    bench.receive(
+        PeerJoined(ANNA),
+        PeerUnproven(ANNA, "the terminal answers no queries."),
+        PeerUnproven(BEN, ""),
+    )
+    assert bench.presence() == [
+        (ANNA, "joined", True),
+        (ANNA, "baton", True),
+        (ANNA, "unproven", True),
+    ]
     assert bench.of(PRESENCE)[-1].detail == "the terminal answers no queries."
 
 
@@ -285,16 +315,21 @@ def test_all_peers_are_lost_when_the_broker_ends_and_a_final_end_is_reported(ben
     bench.records.clear()
     bench.receive(BrokerEnded("It ended."), BrokerEnded("It ended for good.", is_final=True))
     assert bench.presence() == [(ANNA, "lost", False), (OLAF, "lost", False)]
-    assert [(refused.actor, refused.why) for refused in bench.of(REFUSED)] == [("link", "It ended for good.")]
+    assert [(refused.actor, refused.why) for refused in bench.of(REFUSED)] == [
+        ("link", "It ended for good.")
+    ]
 
 
 def test_refusal_of_the_broker_is_logged_with_count(bench: Bench) -> None:
     bench.receive(RequestRefused(OLAF, "an act", "An observer cannot act.", 12))
-    refused = m.PeerRequestRefused(actor=OLAF, what="an act", why="An observer cannot act.", count=12)
+    refused = m.PeerRequestRefused(
+        actor=OLAF, what="an act", why="An observer cannot act.", count=12
+    )
     assert bench.of(REFUSED) == [refused]
 
 
-# --- to the peers ---------------------------------------------------------------------------------------------
+# --- to the peers
+# ---------------------------------------------------------------------------------------------
 
 
 def test_without_peers_nothing_is_sent(bench: Bench) -> None:
@@ -305,15 +340,23 @@ def test_without_peers_nothing_is_sent(bench: Bench) -> None:
 
 def test_late_peer_gets_a_snapshot(bench: Bench) -> None:
     for level in (2, 3):
-        bench.publisher.publish((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
+        bench.publisher.publish(
+            (LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success"))
+        )
     bench.receive(PeerJoined(ANNA), SnapshotRequested(ANNA))
     bench.clock.advance(50 * MS)
     (snapshot,) = bench.snapshots()
-    assert (snapshot.welcome.name, snapshot.welcome.role, snapshot.welcome.session) == (ANNA, "operator", "s1")
+    assert (snapshot.welcome.name, snapshot.welcome.role, snapshot.welcome.session) == (
+        ANNA,
+        "operator",
+        "s1",
+    )
     messages = [record.message for record in snapshot.records]
     assert STARTED in messages
     assert [each.level for each in messages if isinstance(each, m.LevelChanged)] == [3]
-    assert [record.seq for record in snapshot.records] == sorted(record.seq for record in snapshot.records)
+    assert [record.seq for record in snapshot.records] == sorted(
+        record.seq for record in snapshot.records
+    )
 
 
 def test_snapshot_of_resumed_session_omits_former_peers() -> None:
@@ -339,12 +382,16 @@ def test_messages_are_sent_in_numbered_batches(bench: Bench) -> None:
     bench.clock.advance(SECOND)
     (presence,) = bench.batches()
     for level in (2, 3):
-        bench.publisher.publish((LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success")))
+        bench.publisher.publish(
+            (LEVEL, m.LevelChanged(previous=level - 1, level=level, reason="success"))
+        )
     assert bench.batches() == [presence]
     bench.clock.advance(50 * MS)
     _, levels = bench.batches()
     assert [record.topic for record in levels.records] == [LEVEL, LEVEL]  # the keys stay here
-    bench.publisher.publish((CUE, m.CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left")))
+    bench.publisher.publish(
+        (CUE, m.CueGiven(attempt=1, trial=1, presentation=1, side="left", gaze="left"))
+    )
     bench.clock.advance(50 * MS)
     assert [record.topic for record in bench.batches()[-1].records] == [CUE]
     assert (presence.number, levels.number) == (1, 2)
@@ -359,7 +406,9 @@ def test_nothing_is_sent_while_a_prompt_is_on_its_way(bench: Bench) -> None:
     bench.publisher.publish((PROMPT, prompt))
     bench.clock.advance(300 * MS)
     assert len(bench.batches()) == before
-    bench.bus.publish(SHOWN, m.Shown(attempt=1, trial=1, presentation=1, at=bench.clock.now(), source="virtual"))
+    bench.bus.publish(
+        SHOWN, m.Shown(attempt=1, trial=1, presentation=1, at=bench.clock.now(), source="virtual")
+    )
     bench.clock.advance(100 * MS)
     assert [record.topic for record in bench.batches()[-1].records] == [PROMPT, SHOWN]
 
@@ -381,7 +430,10 @@ def test_samples_are_joined_by_seat(bench: Bench) -> None:
         bench.bus.publish(IMU, m.ImuBlock(samples=samples))
     bench.bus.publish(IMU, m.ImuBlock(seat="B", samples=b"three"))
     bench.clock.advance(100 * MS)
-    assert bench.channel.sent[-2:] == [OutgoingSamples("A", b"onetwo"), OutgoingSamples("B", b"three")]
+    assert bench.channel.sent[-2:] == [
+        OutgoingSamples("A", b"onetwo"),
+        OutgoingSamples("B", b"three"),
+    ]
 
 
 def test_full_channel_is_followed_by_snapshots_for_all(bench: Bench) -> None:

@@ -13,9 +13,18 @@ def made(name: str, **parameters: object) -> Task:
 
 def test_welcome_has_format_and_length() -> None:
     welcome = session_welcome(
-        made("keyboard", attempts=5, practice_attempts=2, prompts_per_attempt=7), "s1", "l1", {"A": "P01"}
+        made("keyboard", attempts=5, practice_attempts=2, prompts_per_attempt=7),
+        "s1",
+        "l1",
+        {"A": "P01"},
     )
-    assert (welcome.unit, welcome.decimals, welcome.attempts, welcome.trials, welcome.spoken_names) == (
+    assert (
+        welcome.unit,
+        welcome.decimals,
+        welcome.attempts,
+        welcome.trials,
+        welcome.spoken_names,
+    ) == (
         "ms",
         0,
         7,
@@ -27,7 +36,10 @@ def test_welcome_has_format_and_length() -> None:
 
 def test_welcome_of_two_has_their_spoken_names() -> None:
     people = {"A": "P01", "B": "P02"}
-    assert session_welcome(made("pairs"), "s1", "l1", people).spoken_names == {"A": "Left", "B": "Right"}
+    assert session_welcome(made("pairs"), "s1", "l1", people).spoken_names == {
+        "A": "Left",
+        "B": "Right",
+    }
     assert session_welcome(made("pairs", address="code"), "s1", "l1", people).spoken_names == people
     assert session_welcome(made("pairs", language="es"), "s1", "l1", people).spoken_names == {
         "A": "Izquierda",

@@ -26,9 +26,13 @@ def test_name_belongs_to_one_program_until_it_leaves() -> None:
 
 
 def pings(presence: Presence, begin: int, end: int, silence: int | None) -> None:
-    """Send heartbeats of a panel whose terminal has been silent for ``silence`` at ``begin``, and stays silent."""
+    """Send heartbeats of a panel whose terminal has been silent for ``silence`` at ``begin``, and
+    stays silent.
+    """
     for now in range(begin, end, 150 * MS):
-        presence.heartbeat("operator.anna", "1", now, None if silence is None else silence + now - begin)
+        presence.heartbeat(
+            "operator.anna", "1", now, None if silence is None else silence + now - begin
+        )
 
 
 def test_a_panel_whose_terminal_answers_no_more_is_lost_though_its_program_runs() -> None:
@@ -83,7 +87,9 @@ def test_an_older_answer_does_not_count() -> None:
 
 def test_number_of_peers_is_limited() -> None:
     presence = Presence(2 * SECOND)
-    assert {presence.heartbeat(f"observer.{number}", "1", 0) for number in range(MAX_PEERS)} == {"joined"}
+    assert {presence.heartbeat(f"observer.{number}", "1", 0) for number in range(MAX_PEERS)} == {
+        "joined"
+    }
     assert presence.heartbeat("observer.late", "1", 0) == "full"
     assert not presence.leave("observer.late")
 

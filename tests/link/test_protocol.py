@@ -30,13 +30,20 @@ def test_act_round_trip() -> None:
 def test_frame_round_trip() -> None:
     record = Record(7, 123_456_789_012, NOTE_ADDED, NOTE)
     decoded = protocol.decode(
-        protocol.encode(protocol.Batch(1, protocol.encode_frames([record]))), protocol.SessionMessage
+        protocol.encode(protocol.Batch(1, protocol.encode_frames([record]))),
+        protocol.SessionMessage,
     )
-    assert [tuple(frame) for frame in protocol.decode_frames(decoded.frames, ALL)] == [tuple(record)]
+    assert [tuple(frame) for frame in protocol.decode_frames(decoded.frames, ALL)] == [
+        tuple(record)
+    ]
 
 
 def test_unknown_or_invalid_frames_are_skipped() -> None:
-    frames = [(1, 1, "another/version", raw(NOTE)), (2, 2, TRIAL.name, raw(NOTE)), (3, 3, NOTE_ADDED.name, raw(NOTE))]
+    frames = [
+        (1, 1, "another/version", raw(NOTE)),
+        (2, 2, TRIAL.name, raw(NOTE)),
+        (3, 3, NOTE_ADDED.name, raw(NOTE)),
+    ]
     assert [frame.seq for frame in protocol.decode_frames(frames, ALL)] == [3]
 
 
@@ -99,7 +106,11 @@ def test_a_deeply_nested_message_is_refused() -> None:
 
 
 def test_frames_on_a_pipe_are_read_one_by_one_until_its_end() -> None:
-    parts = [protocol.Heartbeat(), protocol.PeerJoined("operator.anna"), protocol.BrokerStarted("no")]
+    parts = [
+        protocol.Heartbeat(),
+        protocol.PeerJoined("operator.anna"),
+        protocol.BrokerStarted("no"),
+    ]
     pipe = io.BytesIO(b"".join(map(protocol.pack_frame, parts)))
     assert [protocol.read_frame(pipe, protocol.BrokerEvent) for _ in range(4)] == [*parts, None]
 
@@ -107,7 +118,8 @@ def test_frames_on_a_pipe_are_read_one_by_one_until_its_end() -> None:
 def test_a_pipe_that_ends_within_a_frame_has_ended() -> None:
     assert (
         protocol.read_frame(
-            io.BytesIO(protocol.pack_frame(protocol.PeerJoined("operator.anna"))[:-1]), protocol.BrokerEvent
+            io.BytesIO(protocol.pack_frame(protocol.PeerJoined("operator.anna"))[:-1]),
+            protocol.BrokerEvent,
         )
         is None
     )

@@ -1,4 +1,6 @@
-"""Refusals parsed from Zenoh's log. The lines are from Zenoh 1.10; the last test produces new ones."""
+"""Refusals parsed from Zenoh's log. The lines are from Zenoh 1.10; the last test produces new
+ones.
+"""
 
 import os
 import subprocess
@@ -14,18 +16,26 @@ from tests.link.tls_fixtures import invite_guests, visiting
 
 ZID = "b5fa3a2865218a34b09927dff29185fb"
 TLS = "2026-11-21T19:38:04.543323Z  WARN acc-0 ThreadId(05) zenoh_link_tls::unicast: "
-ACL = "2026-11-21T19:38:03.971810Z TRACE  rx-0 ThreadId(08) zenoh::net::routing::interceptor::access_control: "
+ACL = (
+    "2026-11-21T19:38:03.971810Z TRACE  rx-0 ThreadId(08) "
+    "zenoh::net::routing::interceptor::access_control: "
+)
 HINT = " Hint: increase the system open file limit."
 KEY = "sar-tui/1422cbb3724b/act/operator.anna"
 EVE_CAME = (
-    "2026-11-21T19:38:03.971039Z DEBUG acc-0 ThreadId(05) zenoh_link_tls::unicast: Accepted TLS connection on "
+    "2026-11-21T19:38:03.971039Z DEBUG acc-0 ThreadId(05) zenoh_link_tls::unicast: Accepted TLS "
+    "connection on "
     "127.0.0.1:50529: 127.0.0.1:39750. Common Name: observer.eve."
 )
 EVE_OPENED = (
-    "2026-11-21T19:38:03.971568Z DEBUG acc-0 ThreadId(05) zenoh_transport::unicast::establishment::accept: New "
-    f"transport link accepted from {ZID} to 6702d3c00651398862d7c3468323badf: TransportLinkUnicast {{ link: Link {{ "
-    "src: tls/127.0.0.1:50529, dst: tls/127.0.0.1:39750, mtu: 49152, is_reliable: true, is_streamed: true }, config: "
-    "TransportLinkUnicastConfig { direction: Inbound, batch: BatchConfig { mtu: 49152, is_streamed: true, "
+    "2026-11-21T19:38:03.971568Z DEBUG acc-0 ThreadId(05) "
+    "zenoh_transport::unicast::establishment::accept: New "
+    f"transport link accepted from {ZID} to 6702d3c00651398862d7c3468323badf: "
+    "TransportLinkUnicast { link: Link { "
+    "src: tls/127.0.0.1:50529, dst: tls/127.0.0.1:39750, mtu: 49152, is_reliable: true, "
+    "is_streamed: true }, config: "
+    "TransportLinkUnicastConfig { direction: Inbound, batch: BatchConfig { mtu: 49152, "
+    "is_streamed: true, "
     "is_compression: false }, priorities: None, reliability: None } } "
 )
 EVE = f"{ZID} on Interface(lo)+CertCommonName(observer.eve)+Transport(Tls)+{ZID}"
@@ -41,13 +51,18 @@ def log() -> RefusalLog:
     [
         ("peer sent no certificates.", "it has no certificate"),
         (
-            "invalid peer certificate: certificate expired: verification time 1795289884 (UNIX), but certificate is "
+            "invalid peer certificate: certificate expired: verification time 1795289884 (UNIX), "
+            "but certificate is "
             "not valid after 1795203483 (86401 seconds ago).",
             "its invitation has expired",
         ),
-        ("invalid peer certificate: UnknownIssuer.", "its certificate was made by another authority"),
         (
-            "invalid peer certificate: certificate does not allow extended key usage for client authentication, allows "
+            "invalid peer certificate: UnknownIssuer.",
+            "its certificate was made by another authority",
+        ),
+        (
+            "invalid peer certificate: certificate does not allow extended key usage for client "
+            "authentication, allows "
             "server authentication.",
             "its certificate is not one for a guest",
         ),
@@ -58,7 +73,9 @@ def log() -> RefusalLog:
         ("something that no version said so far.", "it could not identify itself"),
     ],
 )
-def test_rejected_connection_is_reported_with_its_reason(log: RefusalLog, message: str, why: str) -> None:
+def test_rejected_connection_is_reported_with_its_reason(
+    log: RefusalLog, message: str, why: str
+) -> None:
     assert log.parse(TLS + message + HINT) == Refusal("connection", "", why)
 
 
@@ -75,7 +92,9 @@ def test_revoked_guest_is_refused_by_name() -> None:
 
 def test_denied_message_is_reported_with_its_sender(log: RefusalLog) -> None:
     line = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(line) == Refusal(
+        "message", "observer.eve", "it may not send among the acts of operator.anna"
+    )
 
 
 @pytest.mark.parametrize(
@@ -89,16 +108,22 @@ def test_denied_message_is_reported_with_its_sender(log: RefusalLog) -> None:
     ],
 )
 def test_denied_action_is_described(log: RefusalLog, act: str, place: str, why: str) -> None:
-    refusal = log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on sar-tui/1422cbb3724b/{place}")
+    refusal = log.parse(
+        f"{ACL}{EVE} is unauthorized to {act} (ingress) on sar-tui/1422cbb3724b/{place}"
+    )
     assert refusal == Refusal("message", "observer.eve", why)
 
 
 def test_denial_without_name_is_attributed_by_connection(log: RefusalLog) -> None:
     line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(line) == Refusal("message", "", "it may not send among the acts of operator.anna")
+    assert log.parse(line) == Refusal(
+        "message", "", "it may not send among the acts of operator.anna"
+    )
     log.parse(EVE_CAME)
     log.parse(EVE_OPENED)
-    assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(line) == Refusal(
+        "message", "observer.eve", "it may not send among the acts of operator.anna"
+    )
 
 
 @pytest.mark.parametrize(
@@ -106,10 +131,13 @@ def test_denial_without_name_is_attributed_by_connection(log: RefusalLog) -> Non
     [
         f"{ACL}{EVE} is authorized to Put (ingress) on sar-tui/1422cbb3724b/hello/observer.eve",
         f"{ACL}{EVE} is unauthorized to Put (egress) on sar-tui/1422cbb3724b/back/operator.anna",
-        f"{ACL}Using cached result: {ZID} is authorized to Put (egress) on sar-tui/1422cbb3724b/out",
-        "2026-11-21T19:38:03.781410Z DEBUG ThreadId(01) zenoh::net::routing::interceptor::access_control: Access "
+        f"{ACL}Using cached result: {ZID} is authorized to Put (egress) on "
+        "sar-tui/1422cbb3724b/out",
+        "2026-11-21T19:38:03.781410Z DEBUG ThreadId(01) "
+        "zenoh::net::routing::interceptor::access_control: Access "
         "control is disabled",
-        "2026-11-21T19:22:07.573894Z  INFO ThreadId(01) zenoh::net::runtime::orchestrator: Zenoh can be reached at: "
+        "2026-11-21T19:22:07.573894Z  INFO ThreadId(01) zenoh::net::runtime::orchestrator: Zenoh "
+        "can be reached at: "
         "tls/127.0.0.1:38741",
         "Z/",
         "",
@@ -125,13 +153,16 @@ def test_cached_permissions_are_no_refusal(log: RefusalLog) -> None:
         assert log.parse(f"{ACL}{EVE} is unauthorized to {act} (ingress) on {KEY}") is None
     assert log.parse(f"{ACL}{EVE} is authorized to Liveliness Query (ingress) on {KEY}") is None
     done = f"{ACL}{EVE} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(done) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(done) == Refusal(
+        "message", "observer.eve", "it may not send among the acts of operator.anna"
+    )
 
 
 def test_connection_closed_on_expiry_is_reported(log: RefusalLog) -> None:
     log.parse(EVE_CAME)
     ended = (
-        "2026-11-21T19:29:12.001263Z  WARN acc-0 ThreadId(04) zenoh_link_commons::tls::expiration: Closing TLS link "
+        "2026-11-21T19:29:12.001263Z  WARN acc-0 ThreadId(04) "
+        "zenoh_link_commons::tls::expiration: Closing TLS link "
         "127.0.0.1:50529 => 127.0.0.1:39750 : remote certificate chain expired"
     )
     assert log.parse(ended) == Refusal("connection", "observer.eve", "its invitation has expired")
@@ -151,13 +182,19 @@ def test_memory_is_bounded(log: RefusalLog) -> None:
     log.parse(EVE_CAME)
     log.parse(EVE_OPENED)
     line = f"{ACL}Using cached result: {ZID} is unauthorized to Put (ingress) on {KEY}"
-    assert log.parse(line) == Refusal("message", "observer.eve", "it may not send among the acts of operator.anna")
+    assert log.parse(line) == Refusal(
+        "message", "observer.eve", "it may not send among the acts of operator.anna"
+    )
     assert len(log._guest_at) < 100
 
 
-# --- guest --------------------------------------------------------------------------------------------------
+# --- guest
+# --------------------------------------------------------------------------------------------------
 
-HEAD = "2026-11-21T19:22:08.687339Z  WARN ThreadId(01) zenoh::net::runtime::orchestrator: Unable to connect to "
+HEAD = (
+    "2026-11-21T19:22:08.687339Z  WARN ThreadId(01) zenoh::net::runtime::orchestrator: Unable "
+    "to connect to "
+)
 SOURCE = " at /src/io/zenoh-links/zenoh-link-tls/src/unicast.rs:226."
 
 
@@ -168,23 +205,29 @@ SOURCE = " at /src/io/zenoh-links/zenoh-link-tls/src/unicast.rs:226."
         ("received fatal alert: CertificateExpired", "has expired"),
         ("received fatal alert: UnsupportedCertificate", "refused the certificate"),
         (
-            "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): invalid peer certificate: "
+            "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): "
+            "invalid peer certificate: "
             "UnknownIssuer",
             "is not the one that made",
         ),
         (
-            "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): [127.0.0.1:1: Connection "
+            "Can not create a new TLS link bound to IpAddress(V4(Ipv4Addr([127, 0, 0, 1]))): "
+            "[127.0.0.1:1: Connection "
             "refused (os error 111)",
             "Nothing listens there",
         ),
-        ("failed to lookup address information: Name or service not known", "no computer of that name"),
+        (
+            "failed to lookup address information: Name or service not known",
+            "no computer of that name",
+        ),
         ("something that no version said so far", "cannot be reached"),
     ],
 )
 def test_reason_of_failed_connection(said: str, words: str) -> None:
     log = (
         f"{HEAD}tls/127.0.0.1:38741! {said}{SOURCE}\n"
-        f"{HEAD}any of [Single(tls/127.0.0.1:38741)]!  at /src/zenoh/src/net/runtime/orchestrator.rs:447.\n"
+        f"{HEAD}any of [Single(tls/127.0.0.1:38741)]!  at "
+        "/src/zenoh/src/net/runtime/orchestrator.rs:447.\n"
     )
     assert words in why_not_connected(log)
 
@@ -195,7 +238,8 @@ def test_private_key_in_the_log_is_not_repeated() -> None:
     assert why_not_connected(log) == "The session there cannot be reached."
 
 
-# --- installed Zenoh --------------------------------------------------------------------------------
+# --- installed Zenoh
+# --------------------------------------------------------------------------------
 
 HOST = """
 import sys, zenoh
@@ -210,7 +254,9 @@ with zenoh.open(config(sys.stdin.readline())):
 def test_log_of_a_real_host(tmp_path: Path) -> None:
     at = invite_guests(tmp_path)
     files = at.authority.host_files([at.where])
-    settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
+    settings = host_settings(
+        at.authority.link, listen=[at.where], files=files, guests=at.authority.guests()
+    )
     with subprocess.Popen(
         [sys.executable, "-c", HOST],
         stdin=subprocess.PIPE,
@@ -229,18 +275,41 @@ def test_log_of_a_real_host(tmp_path: Path) -> None:
             refused = []
 
             def wait_for(refusal: Refusal) -> None:
-                """Read the host's log until it has the refusal: a session that closes may drop what it has not sent."""
+                """Read the host's log until it has the refusal: a session that closes may drop what
+                it has not sent.
+                """
                 while refusal not in refused:
                     refused.extend(found for found in [log.parse(next(lines))] if found)
 
             with visiting(at.eve, at.gone) as [eve, _]:
-                wait_for(Refusal("connection", "operator.gone", "its invitation was revoked, or is not known here"))
+                wait_for(
+                    Refusal(
+                        "connection",
+                        "operator.gone",
+                        "its invitation was revoked, or is not known here",
+                    )
+                )
                 sure = zenoh.CongestionControl.BLOCK
                 eve.put(at.keys.ping("operator.anna"), b"evil", congestion_control=sure)
-                wait_for(Refusal("message", "observer.eve", "it may not send among the heartbeats of operator.anna"))
-                # A declared key, not a publisher, which sends nothing if it knows in time that nobody subscribes.
-                eve.put(eve.declare_keyexpr(at.keys.act("operator.anna")), b"evil", congestion_control=sure)
-                wait_for(Refusal("message", "observer.eve", "it may not send among the acts of operator.anna"))
+                wait_for(
+                    Refusal(
+                        "message",
+                        "observer.eve",
+                        "it may not send among the heartbeats of operator.anna",
+                    )
+                )
+                # A declared key, not a publisher, which sends nothing if it knows in time that
+                # nobody subscribes.
+                eve.put(
+                    eve.declare_keyexpr(at.keys.act("operator.anna")),
+                    b"evil",
+                    congestion_control=sure,
+                )
+                wait_for(
+                    Refusal(
+                        "message", "observer.eve", "it may not send among the acts of operator.anna"
+                    )
+                )
             with pytest.raises(zenoh.ZError), visiting(at.late):
                 pass
             wait_for(Refusal("connection", "", "its invitation has expired"))

@@ -16,7 +16,9 @@ class Watch:
         return self.now
 
 
-def ping(clock: RemoteClock, watch: Watch, outward: int, back: int, clock_id: str = "there") -> None:
+def ping(
+    clock: RemoteClock, watch: Watch, outward: int, back: int, clock_id: str = "there"
+) -> None:
     """Exchange a ping with these travel times (ns)."""
     sent = watch.now
     watch.now += outward + back

@@ -45,7 +45,8 @@ def sockets() -> set[str]:
     return found
 
 
-# --- endpoints -------------------------------------------------------------------------------------------------------
+# --- endpoints
+# -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -67,14 +68,27 @@ def test_endpoint_with_and_without_port(text: str, host: str, port: int) -> None
 
 @pytest.mark.parametrize(
     "text",
-    ["", ":7447", "lab pc", "lab-pc:0", "lab-pc:99999", "lab-pc:x", "[::1", "[::1]7447", "tcp/lab-pc", "lab#a=b", "-a"],
+    [
+        "",
+        ":7447",
+        "lab pc",
+        "lab-pc:0",
+        "lab-pc:99999",
+        "lab-pc:x",
+        "[::1",
+        "[::1]7447",
+        "tcp/lab-pc",
+        "lab#a=b",
+        "-a",
+    ],
 )
 def test_invalid_endpoint_is_refused(text: str) -> None:
     with pytest.raises(LinkError, match=r"lab-pc\.local"):
         parse_endpoint(text)
 
 
-# --- hosts -----------------------------------------------------------------------------------------------------------
+# --- hosts
+# -----------------------------------------------------------------------------------------------------------
 
 
 def test_host_without_endpoints_opens_no_socket() -> None:
@@ -94,7 +108,10 @@ def test_guest_opens_only_the_socket_to_its_host(tmp_path: Path) -> None:
 
 def test_host_listens_only_on_its_endpoints_and_does_not_scout(tmp_path: Path) -> None:
     settings = decoded(host_settings("abc", socket=tmp_path / "s.sock", listen=[HERE], files=FILES))
-    assert settings["listen"]["endpoints"] == ["tls/lab-pc.local:7447", f"unixsock-stream/{tmp_path}/s.sock"]
+    assert settings["listen"]["endpoints"] == [
+        "tls/lab-pc.local:7447",
+        f"unixsock-stream/{tmp_path}/s.sock",
+    ]
     assert settings["connect"]["endpoints"] == []
     assert not settings["scouting"]["multicast"]["enabled"]
     assert not settings["scouting"]["gossip"]["enabled"]
@@ -141,7 +158,8 @@ def test_default_is_deny_and_guests_may_act_in_their_own_name_only() -> None:
     assert sends("observer.eve") == {keys.act("observer.eve"), keys.ping("observer.eve")}
 
 
-# --- guests ----------------------------------------------------------------------------------------------------------
+# --- guests
+# ----------------------------------------------------------------------------------------------------------
 
 
 def test_guest_does_not_listen_and_verifies_the_host() -> None:

@@ -12,7 +12,14 @@ import zenoh
 
 from sar_tui.link.authority import Authority
 from sar_tui.link.invitation import Invitation
-from sar_tui.link.zenoh_settings import Endpoint, Guest, LinkKeys, config, host_settings, network_settings
+from sar_tui.link.zenoh_settings import (
+    Endpoint,
+    Guest,
+    LinkKeys,
+    config,
+    host_settings,
+    network_settings,
+)
 
 NOW = datetime.now(UTC)
 LONG_AGO = NOW - timedelta(days=40)
@@ -68,7 +75,9 @@ def invite_guests(data: Path) -> LinkGuests:
 
 
 class FakeBroker:
-    """Host's Zenoh session that records messages as ``(key, payload)``, queries, and changes of liveliness."""
+    """Host's Zenoh session that records messages as ``(key, payload)``, queries, and changes of
+    liveliness.
+    """
 
     def __init__(self, session: zenoh.Session, keys: LinkKeys) -> None:
         self.session = session
@@ -76,9 +85,13 @@ class FakeBroker:
         self.queries: list[str] = []
         self.liveliness: list[str] = []
         self._held = (
-            session.declare_subscriber("**", lambda s: self.received.append((str(s.key_expr), bytes(s.payload)))),
+            session.declare_subscriber(
+                "**", lambda s: self.received.append((str(s.key_expr), bytes(s.payload)))
+            ),
             session.declare_queryable("**", lambda q: self.queries.append(str(q.key_expr))),
-            session.liveliness().declare_subscriber(keys.ping("*"), lambda s: self.liveliness.append(str(s.key_expr))),
+            session.liveliness().declare_subscriber(
+                keys.ping("*"), lambda s: self.liveliness.append(str(s.key_expr))
+            ),
         )
 
 
@@ -86,7 +99,9 @@ class FakeBroker:
 def hosting(at: LinkGuests) -> Iterator[FakeBroker]:
     """Run the host as a session with ``--listen`` does."""
     files = at.authority.host_files([at.where])
-    settings = host_settings(at.authority.link, listen=[at.where], files=files, guests=at.authority.guests())
+    settings = host_settings(
+        at.authority.link, listen=[at.where], files=files, guests=at.authority.guests()
+    )
     with zenoh.open(config(settings)) as session:
         yield FakeBroker(session, at.keys)
 
@@ -96,6 +111,8 @@ def visiting(*invitations: Invitation) -> Iterator[list[zenoh.Session]]:
     """Open Zenoh sessions of guests. Raises zenoh.ZError if one is rejected."""
     with ExitStack() as stack:
         yield [
-            stack.enter_context(zenoh.open(config(network_settings(invited.where[0], invited.credentials))))
+            stack.enter_context(
+                zenoh.open(config(network_settings(invited.where[0], invited.credentials)))
+            )
             for invited in invitations
         ]

@@ -11,8 +11,12 @@ POLICIES: tuple[Policy, ...] = ("queue", "interrupt", "drop")
 OPEN: set[tuple[str, ActionPart]] = {("speech", "say"), ("robot", "gesture"), ("robot", "say")}
 
 
-def proposal(name: str, priority: int = 0, policy: Policy = "queue", due: int = 0, seat: str = "A") -> Proposal:
-    return Proposal(seat=seat, id=name, kind="feedback", text=name, priority=priority, policy=policy, due=due)
+def proposal(
+    name: str, priority: int = 0, policy: Policy = "queue", due: int = 0, seat: str = "A"
+) -> Proposal:
+    return Proposal(
+        seat=seat, id=name, kind="feedback", text=name, priority=priority, policy=policy, due=due
+    )
 
 
 def begun(queue: ActionQueue, one: Proposal) -> ActionQueue:
@@ -164,8 +168,12 @@ class QueueMachine(RuleBasedStateMachine):
 
     @rule(only=st.sampled_from(["", *POLICIES]))
     def give_up(self, only: str) -> None:
-        gone = {given_up.id for given_up in self.queue.remove(lambda each: only in ("", each.policy))}
-        assert gone == {name for name, waiting in self.waiting.items() if only in ("", waiting.policy)}
+        gone = {
+            given_up.id for given_up in self.queue.remove(lambda each: only in ("", each.policy))
+        }
+        assert gone == {
+            name for name, waiting in self.waiting.items() if only in ("", waiting.policy)
+        }
         self.waiting = {name: waiting for name, waiting in self.waiting.items() if name not in gone}
 
     @invariant()

@@ -6,7 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sar_tui.loop.agent_state import AgentState, step
-from sar_tui.model.messages import Action, AgentActing, CueGiven, Halt, Message, OutputReport, Waiting
+from sar_tui.model.messages import (
+    Action,
+    AgentActing,
+    CueGiven,
+    Halt,
+    Message,
+    OutputReport,
+    Waiting,
+)
 
 FOREPERIOD = Waiting(what="foreperiod", stage="trial")
 HALT = Halt(reason="stopped", asked=0)
@@ -14,7 +22,9 @@ BETWEEN = Waiting(what="enter", stage="attempt")
 
 
 def action(text: str = "", **more: Any) -> Action:
-    return Action(**({"id": "a1", "kind": "feedback"} | more), text=text, decision="accepted", actor="agent")
+    return Action(
+        **({"id": "a1", "kind": "feedback"} | more), text=text, decision="accepted", actor="agent"
+    )
 
 
 def report(state: Any, output: str = "speech", part: Any = "say") -> OutputReport:
@@ -31,8 +41,15 @@ def after(*messages: Message, state: AgentState = SILENT) -> AgentState:
 
 
 def test_words_replace_others_and_joined_words_stand_below_them() -> None:
-    state = after(action("Well done.", face="happy", valence="positive"), action("Rest.", joins=True))
-    assert (state.words, state.more, state.face, state.valence) == ("Well done.", "Rest.", "happy", "positive")
+    state = after(
+        action("Well done.", face="happy", valence="positive"), action("Rest.", joins=True)
+    )
+    assert (state.words, state.more, state.face, state.valence) == (
+        "Well done.",
+        "Rest.",
+        "happy",
+        "positive",
+    )
     state = after(action("Again."), state=state)
     assert (state.words, state.more, state.face) == ("Again.", "", "happy")
 
@@ -76,7 +93,13 @@ def test_it_speaks_while_any_voice_sounds() -> None:
     assert not after(report("started", part="gesture")).is_speaking
 
 
-@given(st.lists(st.sampled_from([report("started"), report("started", "ros"), report("done"), HALT, FOREPERIOD])))
+@given(
+    st.lists(
+        st.sampled_from(
+            [report("started"), report("started", "ros"), report("done"), HALT, FOREPERIOD]
+        )
+    )
+)
 def test_once_the_agent_has_stopped_acting_its_mouth_is_shut(messages: list[Message]) -> None:
     assert not after(*messages, AgentActing(acting=False)).is_speaking
     assert not after(*messages).silenced().is_speaking
@@ -98,5 +121,7 @@ def test_the_face_is_kind_in_a_pause_and_rests_with_somebody_tired() -> None:
 
 
 def test_words_said_in_a_pause_keep_their_face_after_it() -> None:
-    state = after(Waiting(what="resume", stage="paused"), action("Shall we go on?", face="speaking"), BETWEEN)
+    state = after(
+        Waiting(what="resume", stage="paused"), action("Shall we go on?", face="speaking"), BETWEEN
+    )
     assert state.face == "speaking"

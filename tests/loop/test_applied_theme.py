@@ -14,20 +14,29 @@ from tests.outputs.fake_outputs import FakeOutput
 
 CALM = Catalogue().theme("calm")
 KEYBOARD = Catalogue().task("keyboard")
-SET_UP = {"attempts": 4, "prompts_per_attempt": 1, "feedback_form": "qualitative", "difficulty_policy": "fixed"}
+SET_UP = {
+    "attempts": 4,
+    "prompts_per_attempt": 1,
+    "feedback_form": "qualitative",
+    "difficulty_policy": "fixed",
+}
 ROUNDS = {"attempt {number} of {total}": "round {number} of {total}"}
 
 
 def edited(theme: Theme, word: str, **more: object) -> Theme:
     """Return the theme with one phrase per key."""
-    return msgspec.structs.replace(theme, phrases=dict.fromkeys(theme.phrases, (f"{word}.",)), **more)
+    return msgspec.structs.replace(
+        theme, phrases=dict.fromkeys(theme.phrases, (f"{word}.",)), **more
+    )
 
 
 def said(driver: LoopDriver) -> list[str]:
     return [action.text for action in driver.all(ACTION) if action.kind == "feedback"]
 
 
-def new_session(theme: Theme = CALM, history: LoopDriver | None = None, **more: object) -> LoopDriver:
+def new_session(
+    theme: Theme = CALM, history: LoopDriver | None = None, **more: object
+) -> LoopDriver:
     records = history.records if history else None
     return LoopDriver(KEYBOARD, theme, history=records, **{**SET_UP, **more})  # type: ignore[arg-type]
 
@@ -49,14 +58,23 @@ def test_an_edited_theme_changes_words_and_manner_from_then_on(driver: LoopDrive
     assert first in CALM.phrases["positive_strong"]
     assert second == "Splendid."
     action = driver.all(ACTION)[-1]
-    assert (action.face, action.gesture, action.gaze, action.tone) == ("neutral", "shake", "up", "end")
+    assert (action.face, action.gesture, action.gaze, action.tone) == (
+        "neutral",
+        "shake",
+        "up",
+        "end",
+    )
 
 
 def test_every_output_receives_the_edited_theme() -> None:
     fake = FakeOutput()
     driver = LoopDriver(KEYBOARD, CALM, extra=[OutputNode(fake, "fake", CALM)], **SET_UP)
     driver.session.apply_theme(edited(CALM, "Splendid", name="edited"))
-    assert [what[1] for what in fake.asked if what[0] == "apply_theme"] == ["calm", "calm", "edited"]
+    assert [what[1] for what in fake.asked if what[0] == "apply_theme"] == [
+        "calm",
+        "calm",
+        "edited",
+    ]
 
 
 def test_texts_of_the_theme_replace_those_of_the_task(driver: LoopDriver) -> None:
@@ -69,7 +87,9 @@ def test_texts_of_the_theme_replace_those_of_the_task(driver: LoopDriver) -> Non
     assert driver.waiting.attempt_name == "attempt 4 of 4"
 
 
-def test_a_session_with_several_themes_is_resumed_with_the_present_theme(driver: LoopDriver) -> None:
+def test_a_session_with_several_themes_is_resumed_with_the_present_theme(
+    driver: LoopDriver,
+) -> None:
     driver.session.apply_theme(edited(CALM, "Splendid", texts=ROUNDS))
     driver.attempt()
     driver.session.apply_theme(edited(CALM, "Great"))
@@ -88,7 +108,8 @@ def test_a_session_is_resumed_although_the_texts_of_its_theme_have_changed() -> 
     driver.enter()
     assert driver.waiting.attempt_name == "round 1 of 4"
     resumed = new_session(
-        edited(CALM, "Splendid", texts={name: f"next {text}" for name, text in ROUNDS.items()}), driver
+        edited(CALM, "Splendid", texts={name: f"next {text}" for name, text in ROUNDS.items()}),
+        driver,
     )
     resumed.press("enter")
     assert resumed.waiting.attempt_name == "next round 1 of 4"

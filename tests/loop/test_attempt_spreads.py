@@ -1,4 +1,6 @@
-"""The spread of an attempt's trials is published with its means, so that a change can be told from noise."""
+"""The spread of an attempt's trials is published with its means, so that a change can be told from
+noise.
+"""
 
 from statistics import stdev
 
@@ -23,7 +25,9 @@ class Median(Lift):
 
 
 def lift(time_ms: float, sway: float, *flags: str, correct: bool = True) -> Result:
-    return Result(correct=correct, response="lift", value=time_ms, details={"sway": sway}, flags=flags)
+    return Result(
+        correct=correct, response="lift", value=time_ms, details={"sway": sway}, flags=flags
+    )
 
 
 def ended(*results: Result, rules: int = 5, kind: type[Task] = Lift) -> AttemptEnded:
@@ -35,7 +39,10 @@ def ended(*results: Result, rules: int = 5, kind: type[Task] = Lift) -> AttemptE
 
 def test_the_number_and_sd_of_right_trials_are_published() -> None:
     found = ended(lift(900, 5), lift(1000, 7), lift(1100, 12), lift(5000, 99, correct=False))
-    assert found.spreads == {"lift_time": Spread(3, 100.0), "sway": Spread(3, stdev([5.0, 7.0, 12.0]))}
+    assert found.spreads == {
+        "lift_time": Spread(3, 100.0),
+        "sway": Spread(3, stdev([5.0, 7.0, 12.0])),
+    }
     assert ended(lift(900, 5)).spreads == {"lift_time": Spread(1, 0.0), "sway": Spread(1, 0.0)}
 
 
@@ -48,7 +55,9 @@ def test_a_metric_that_is_no_mean_of_its_trials_has_no_spread() -> None:
 
 
 @pytest.mark.parametrize(("rules", "sway"), [(5, 6.0), (4, 7.0)])
-def test_a_doubtful_trial_counts_for_the_result_but_not_for_qualities(rules: int, sway: float) -> None:
+def test_a_doubtful_trial_counts_for_the_result_but_not_for_qualities(
+    rules: int, sway: float
+) -> None:
     found = ended(lift(900, 5), lift(1000, 7), lift(1100, 9, DOUBTFUL), rules=rules)
     assert (found.metric, found.qualities["sway"]) == (1000.0, sway)
     if rules == 5:

@@ -24,7 +24,8 @@ def lift(value: float, correct: bool = True, **details: Any) -> Results:
     return {"A": Result(correct=correct, response="lift", value=value, details=details)}
 
 
-# --- goals of levels ------------------------------------------------------------------------------------------
+# --- goals of levels
+# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -56,7 +57,8 @@ def test_goals_of_successive_attempts_follow_their_levels() -> None:
     assert under_way.level == 4
 
 
-# --- knowledge of performance ---------------------------------------------------------------------------------
+# --- knowledge of performance
+# ---------------------------------------------------------------------------------
 
 
 def test_a_quality_is_the_mean_over_correct_trials_that_have_it() -> None:
@@ -68,7 +70,11 @@ def test_a_quality_is_the_mean_over_correct_trials_that_have_it() -> None:
     ]
     scored = attempt(session_attempts(lifts=4), *results)
     assert scored.first.feedback is not None
-    assert scored.first.ended.qualities == scored.first.feedback.qualities == {"sway": 3.0, "grip": 40.0}
+    assert (
+        scored.first.ended.qualities
+        == scored.first.feedback.qualities
+        == {"sway": 3.0, "grip": 40.0}
+    )
 
 
 def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
@@ -77,7 +83,8 @@ def test_a_quality_that_no_correct_trial_has_is_left_out() -> None:
     ).first.ended.qualities == {"sway": 1.0}
 
 
-# --- amending -------------------------------------------------------------------------------------------------
+# --- amending
+# -------------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_amendable_before_the_first_trial_and_after_the_next_attempt_has_begun() -> None:
@@ -100,8 +107,12 @@ def test_amending_within_an_attempt_replaces_the_last_trial_and_scores_nothing()
 
 
 @pytest.mark.parametrize("attempts", [1, 4])
-def test_an_amended_attempt_is_scored_as_if_it_had_the_amended_results_from_the_start(attempts: int) -> None:
-    under_way, at_once = (session_attempts(lifts=2, attempts=attempts, start_level=4) for _ in range(2))
+def test_an_amended_attempt_is_scored_as_if_it_had_the_amended_results_from_the_start(
+    attempts: int,
+) -> None:
+    under_way, at_once = (
+        session_attempts(lifts=2, attempts=attempts, start_level=4) for _ in range(2)
+    )
     said = attempt(under_way, lift(400), lift(500)).first.ended
     amended = under_way.amend(lift(500, correct=False))
     straight = attempt(at_once, lift(400), lift(500, correct=False))
@@ -119,12 +130,21 @@ def test_an_amended_attempt_is_scored_as_if_it_had_the_amended_results_from_the_
         straight.first.ended.outcome,
         straight.first.ended.goal,
     )
-    assert (under_way.attempt, under_way.trial, under_way.level) == (at_once.attempt, at_once.trial, at_once.level)
+    assert (under_way.attempt, under_way.trial, under_way.level) == (
+        at_once.attempt,
+        at_once.trial,
+        at_once.level,
+    )
     assert amended.level is not None
     assert (amended.level.previous, amended.level.level, amended.level.reason) == (5, 3, "mark")
 
 
-@given(st.lists(st.booleans(), min_size=1, max_size=6), st.booleans(), st.integers(1, 3), st.integers(1, 3))
+@given(
+    st.lists(st.booleans(), min_size=1, max_size=6),
+    st.booleans(),
+    st.integers(1, 3),
+    st.integers(1, 3),
+)
 def test_after_repeated_amendments_only_the_last_counts(
     words: list[bool], first: bool, successes: int, failures: int
 ) -> None:
@@ -159,7 +179,12 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
     under_way.advance()
     amended = under_way.amend(lift(500, correct=False))
     assert amended is not None
-    assert (amended.first.ended.level, amended.first.ended.outcome, amended.level, under_way.level) == (
+    assert (
+        amended.first.ended.level,
+        amended.first.ended.outcome,
+        amended.level,
+        under_way.level,
+    ) == (
         3,
         "failure",
         None,
@@ -167,10 +192,15 @@ def test_a_level_set_by_hand_in_an_attempt_survives_its_amendment() -> None:
     )
 
 
-# --- feedback -------------------------------------------------------------------------------------------------
+# --- feedback
+# -------------------------------------------------------------------------------------------------
 
 SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
-STEPS = st.lists(st.tuples(st.floats(300, 2000), st.none() | st.booleans(), st.booleans()), min_size=1, max_size=15)
+STEPS = st.lists(
+    st.tuples(st.floats(300, 2000), st.none() | st.booleans(), st.booleans()),
+    min_size=1,
+    max_size=15,
+)
 
 
 @given(st.sampled_from(SCHEDULES), STEPS, st.integers(1, 4), st.integers(0, 3))
@@ -196,7 +226,10 @@ def test_attempts_since_the_last_feedback_are_counted_despite_amendments_and_req
         if amended is not None:
             again = under_way.amend(lift(value, correct=amended))
             assert again is not None
-            assert (again.first.ended.choice, again.first.ended.feedback) == (choice, scored.first.ended.feedback)
+            assert (again.first.ended.choice, again.first.ended.feedback) == (
+                choice,
+                scored.first.ended.feedback,
+            )
         asked = under_way.request_feedback(now=3000) if asks else None
         assert (asked is not None) == (asks and schedule == "request")
         if (choice.due and number > practice) or asked:
@@ -205,30 +238,43 @@ def test_attempts_since_the_last_feedback_are_counted_despite_amendments_and_req
 
 @given(st.lists(st.floats(300, 2000), min_size=12, max_size=12), st.integers(2, 6))
 def test_a_summary_reports_the_means_of_its_attempts(values: list[float], every: int) -> None:
-    settings = {"feedback_schedule": "summary", "feedback_every": every, "difficulty_policy": "fixed"}
+    settings = {
+        "feedback_schedule": "summary",
+        "feedback_every": every,
+        "difficulty_policy": "fixed",
+    }
     under_way = session_attempts(attempts=12, **settings)
     for number, value in enumerate(values, 1):
         scored = attempt(under_way, lift(value))
         assert scored.first.is_feedback_due == (number % every == 0)
-        assert (scored.first.ended.metric, scored.first.ended.choice) == (value, scored.first.feedback.choice)
+        assert (scored.first.ended.metric, scored.first.ended.choice) == (
+            value,
+            scored.first.feedback.choice,
+        )
         if scored.first.is_feedback_due:
             last = values[number - every : number]
             mean = sum(last) / every
             assert scored.first.feedback.metric == pytest.approx(mean)
             assert scored.first.feedback.reached == sum(value < 1000 for value in last)
             assert scored.first.feedback.choice.attempts == every
-            assert scored.first.feedback.choice.degree == degree(scored.first.feedback.metric, Target(1000.0, 10.0))
+            assert scored.first.feedback.choice.degree == degree(
+                scored.first.feedback.metric, Target(1000.0, 10.0)
+            )
             assert scored.first.ended.feedback == scored.first.feedback.valence
 
 
 def test_a_summary_across_levels_uses_the_mean_goal() -> None:
     under_way = session_attempts(feedback_schedule="summary", feedback_every=3)
     answers = [attempt(under_way, lift(500)).first.feedback for _ in range(3)]
-    assert (answers[-1].goal, answers[-1].level) == (1100.0, 3), "the goals were 1000, 1100 and 1200"
+    assert (answers[-1].goal, answers[-1].level) == (1100.0, 3), (
+        "the goals were 1000, 1100 and 1200"
+    )
 
 
 def test_a_summary_uses_the_amended_result() -> None:
-    under_way = session_attempts(feedback_schedule="summary", feedback_every=2, difficulty_policy="fixed")
+    under_way = session_attempts(
+        feedback_schedule="summary", feedback_every=2, difficulty_policy="fixed"
+    )
     attempt(under_way, lift(400))
     under_way.amend(lift(800))
     assert attempt(under_way, lift(400)).first.feedback.metric == 600.0
@@ -248,19 +294,31 @@ def test_a_level_settled_during_an_attempt_applies_to_the_next_with_its_original
     under_way.begin(now=3000)
     settled = under_way.settle(2, under_way=True)
     assert settled is not None
-    assert (settled.previous, settled.level, settled.reason, under_way.level) == (1, 2, "success", 1)
+    assert (settled.previous, settled.level, settled.reason, under_way.level) == (
+        1,
+        2,
+        "success",
+        1,
+    )
     under_way.add(lift(5000.0))
     under_way.score(now=4000)
     assert under_way.level == 1, "the failure lowers the level that was settled"
 
 
 @given(st.booleans(), st.booleans(), st.integers(0, 1))
-def test_steps_do_not_change_the_state_they_are_given(first: bool, second: bool, practice: int) -> None:
-    under_way = session_attempts(practice_attempts=practice, feedback_schedule="request", start_level=3)
+def test_steps_do_not_change_the_state_they_are_given(
+    first: bool, second: bool, practice: int
+) -> None:
+    under_way = session_attempts(
+        practice_attempts=practice, feedback_schedule="request", start_level=3
+    )
     attempt(under_way, lift(500, correct=first))
     before = under_way.state
     copy = msgspec.msgpack.encode(before)
-    again = [steps.amend(Lift(build(Lift.Parameters, {})), before, lift(400, correct=second)) for _ in range(2)]
+    again = [
+        steps.amend(Lift(build(Lift.Parameters, {})), before, lift(400, correct=second))
+        for _ in range(2)
+    ]
     steps.request_feedback(before, now=3000)
     assert again[0] == again[1]
     assert msgspec.msgpack.encode(before) == copy

@@ -19,7 +19,9 @@ class Together(Lift):
 
 
 def attempts(**parameters: Any) -> Attempts:
-    return Attempts(Together(build(Together.Parameters, {"attempts": 4, "lifts": 1, **parameters})), seed=1)
+    return Attempts(
+        Together(build(Together.Parameters, {"attempts": 4, "lifts": 1, **parameters})), seed=1
+    )
 
 
 def lift(value: float, correct: bool = True) -> Result:
@@ -27,15 +29,24 @@ def lift(value: float, correct: bool = True) -> Result:
 
 
 def each(scored: AttemptScore) -> dict[str, tuple[Any, ...]]:
-    return {one.ended.seat: (one.ended.metric, one.ended.outcome, one.ended.feedback) for one in scored.seats}
+    return {
+        one.ended.seat: (one.ended.metric, one.ended.outcome, one.ended.feedback)
+        for one in scored.seats
+    }
 
 
-@pytest.mark.parametrize(("a", "b", "level"), [(500, 600, 2), (500, 1200, 1), (1200, 500, 1), (1200, 1300, 1)])
-def test_each_seat_has_its_result_and_the_level_rises_if_both_reach_the_goal(a: float, b: float, level: int) -> None:
+@pytest.mark.parametrize(
+    ("a", "b", "level"), [(500, 600, 2), (500, 1200, 1), (1200, 500, 1), (1200, 1300, 1)]
+)
+def test_each_seat_has_its_result_and_the_level_rises_if_both_reach_the_goal(
+    a: float, b: float, level: int
+) -> None:
     under_way = attempts()
     scored = attempt(under_way, {"A": lift(a), "B": lift(b)})
     assert [one.ended.metric for one in scored.seats] == [a, b]
-    assert [one.ended.outcome for one in scored.seats] == ["success" if v < 1000 else "failure" for v in (a, b)]
+    assert [one.ended.outcome for one in scored.seats] == [
+        "success" if v < 1000 else "failure" for v in (a, b)
+    ]
     assert [one.feedback.seat for one in scored.seats] == ["A", "B"]
     assert under_way.level == level
 
@@ -65,7 +76,10 @@ def test_requested_feedback_is_given_to_both_seats_once() -> None:
     assert [one.is_feedback_due for one in scored.seats] == [False, False]
     asked = under_way.request_feedback(now=3000)
     assert asked is not None
-    assert {seat: expected[2] for seat, expected in each(asked).items()} == {"A": "positive", "B": "negative"}
+    assert {seat: expected[2] for seat, expected in each(asked).items()} == {
+        "A": "positive",
+        "B": "negative",
+    }
     assert not under_way.can_request_feedback
     assert under_way.request_feedback(now=4000) is None
 
@@ -81,7 +95,10 @@ def test_amending_keeps_the_given_feedback_and_corrects_the_level() -> None:
     assert (again.level.reason, under_way.level) == ("mark", 1)
 
 
-REACHED, MISSED = Judgement("success", "positive", "goal"), Judgement("failure", "negative", "missed")
+REACHED, MISSED = (
+    Judgement("success", "positive", "goal"),
+    Judgement("failure", "negative", "missed"),
+)
 
 
 @pytest.mark.parametrize(

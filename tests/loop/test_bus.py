@@ -77,7 +77,9 @@ def test_handlers_run_in_the_order_of_their_subscription(bus: Bus) -> None:
     assert order == ["first", "second", "third"]
 
 
-def test_a_publish_inside_a_handler_waits_until_the_handler_and_its_peers_are_done(bus: Bus) -> None:
+def test_a_publish_inside_a_handler_waits_until_the_handler_and_its_peers_are_done(
+    bus: Bus,
+) -> None:
     order: list[str] = []
 
     def causes(_: Said) -> None:
@@ -124,7 +126,9 @@ def test_a_cascade_has_one_time_and_its_messages_count_up(
     ]
 
 
-def test_a_derived_message_without_a_cause_is_refused(bus: Bus, cascades: list[list[Record]]) -> None:
+def test_a_derived_message_without_a_cause_is_refused(
+    bus: Bus, cascades: list[list[Record]]
+) -> None:
     with pytest.raises(RuntimeError, match="test/out is derived"):
         bus.publish(OUT, said("from nowhere"))
     assert cascades == []
@@ -180,8 +184,14 @@ def test_a_handler_that_raises_publishes_a_fault_and_the_others_still_run(
     bus.publish(IN, said("one"))
     bus.publish(IN, said("two"))
     assert served == ["one", "two"]
-    (fault, *rest) = [r.message for cascade in cascades for r in cascade if isinstance(r.message, Fault)]
-    assert (fault.node, fault.topic, fault.error) == ("clumsy", "test/in", "ZeroDivisionError: no luck")
+    (fault, *rest) = [
+        r.message for cascade in cascades for r in cascade if isinstance(r.message, Fault)
+    ]
+    assert (fault.node, fault.topic, fault.error) == (
+        "clumsy",
+        "test/in",
+        "ZeroDivisionError: no luck",
+    )
     assert "breaks" in fault.trace
     assert len(rest) == 1
 
@@ -242,7 +252,10 @@ def test_messages_of_a_stream_are_not_numbered(bus: Bus, cascades: list[list[Rec
     bus.subscribe(OUT, react)
     bus.publish(STREAM, said("sample"))
     bus.publish(STREAM, said("another"))
-    assert [words(cascade) for cascade in cascades] == [["sample", "found in the stream"], ["another"]]
+    assert [words(cascade) for cascade in cascades] == [
+        ["sample", "found in the stream"],
+        ["another"],
+    ]
     assert [record.seq for cascade in cascades for record in cascade] == [1, 1, 2]
     assert during == [0, 0, 1]
 
@@ -276,7 +289,9 @@ def test_a_node_may_only_use_what_it_declares(bus: Bus) -> None:
     bus.subscribe(FAULT, faults.append)
     bus.publish(IN, said("go"))
     assert (Shy.receives(), Shy.answers()) == ((IN,), (DOUBLE,))
-    assert [fault.error for fault in faults] == ["ValueError: shy does not declare that it asks test/double"]
+    assert [fault.error for fault in faults] == [
+        "ValueError: shy does not declare that it asks test/double"
+    ]
     with pytest.raises(ValueError, match="does not declare that it emits test/kept"):
         node.emit(KEPT, said("secret"))
 
@@ -292,7 +307,9 @@ class Alarm(TimedNode):
         self.fired.append((name, self.now))
 
 
-def test_a_timer_fires_when_due_unless_cancelled_or_set_again(bus: Bus, clock: VirtualClock) -> None:
+def test_a_timer_fires_when_due_unless_cancelled_or_set_again(
+    bus: Bus, clock: VirtualClock
+) -> None:
     alarm = Alarm()
     alarm.attach(bus)
     alarm.set_timer("tea", 100)
@@ -303,7 +320,9 @@ def test_a_timer_fires_when_due_unless_cancelled_or_set_again(bus: Bus, clock: V
     assert alarm.fired == [("tea", 200)]
 
 
-def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(bus: Bus, clock: VirtualClock) -> None:
+def test_a_timer_that_was_cancelled_while_its_message_waited_is_ignored(
+    bus: Bus, clock: VirtualClock
+) -> None:
     alarm = Alarm()
     alarm.attach(bus)
 

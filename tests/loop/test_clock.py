@@ -21,10 +21,14 @@ def test_callbacks_run_by_time_then_in_the_order_of_request(times: list[int]) ->
     clock = VirtualClock()
     ran: list[tuple[int, int, int]] = []
     for number, when in enumerate(times):
-        clock.call_at(when, lambda number=number, when=when: ran.append((when, number, clock.now())))
+        clock.call_at(
+            when, lambda number=number, when=when: ran.append((when, number, clock.now()))
+        )
     while clock.step():
         pass
-    assert ran == [(when, number, when) for when, number in sorted((when, n) for n, when in enumerate(times))]
+    assert ran == [
+        (when, number, when) for when, number in sorted((when, n) for n, when in enumerate(times))
+    ]
 
 
 def test_a_callback_in_the_past_runs_now() -> None:
@@ -78,7 +82,9 @@ def test_call_soon_runs_before_any_time_passes() -> None:
     assert at == [7]
 
 
-async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_before_they_are_due() -> None:
+async def test_a_live_clock_runs_callbacks_where_its_run_is_awaited_and_not_before_they_are_due() -> (
+    None
+):
     clock = LiveClock(asyncio.get_running_loop())
     ran: list[tuple[str, bool]] = []
     done = asyncio.Event()

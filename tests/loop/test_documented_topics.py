@@ -23,14 +23,24 @@ the database.
 
 def lists() -> str:
     """The end of the page as it has to be."""
-    names = {name: topic for name, topic in vars(topics).items() if isinstance(topic, Topic)} | {"FAULT": FAULT}
+    names = {name: topic for name, topic in vars(topics).items() if isinstance(topic, Topic)} | {
+        "FAULT": FAULT
+    }
     rows = ["| name | topic | message and fields | |", "|---|---|---|---|"]
     for name, topic in names.items():
-        fields = ", ".join(f"`{field.name}`" for field in msgspec.structs.fields(topic.type) if field.name != "seat")
-        summary = re.split(r"(?<=\.)\s|:\s", " ".join((topic.type.__doc__ or "").split()))[0].rstrip(".")
+        fields = ", ".join(
+            f"`{field.name}`"
+            for field in msgspec.structs.fields(topic.type)
+            if field.name != "seat"
+        )
+        summary = re.split(r"(?<=\.)\s|:\s", " ".join((topic.type.__doc__ or "").split()))[
+            0
+        ].rstrip(".")
         kind = ", ".join([topic.origin] + ["kept"] * topic.keep + ["stream"] * topic.stream)
         summary = summary.replace("``", "`")
-        rows.append(f"| `{name}` | `{topic.name}` | `{topic.type.__name__}`: {summary}. {fields} | {kind} |")
+        rows.append(
+            f"| `{name}` | `{topic.name}` | `{topic.type.__name__}`: {summary}. {fields} | {kind} |"
+        )
     return _HEADING + _ABOUT + "\n".join(rows) + "\n"
 
 

@@ -1,4 +1,6 @@
-"""A therapist changes goal, feedback and level during a session; it is replayed and resumed with them."""
+"""A therapist changes goal, feedback and level during a session; it is replayed and resumed with
+them.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -83,8 +85,12 @@ def test_a_held_level_stays_until_it_is_released(new: New) -> None:
     assert driver.waiting.level == 6
 
 
-@pytest.mark.parametrize(("name", "value"), [("threshold", 1), ("feedback_every", 0), ("attempts", 3), ("none", 1)])
-def test_a_value_out_of_bounds_or_another_setting_changes_nothing(new: New, name: str, value: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "value"), [("threshold", 1), ("feedback_every", 0), ("attempts", 3), ("none", 1)]
+)
+def test_a_value_out_of_bounds_or_another_setting_changes_nothing(
+    new: New, name: str, value: float
+) -> None:
     driver = new()
     set_live(driver, name, value)
     driver.attempt()
@@ -104,12 +110,19 @@ def test_the_last_attempt_is_scored_again_by_the_goal_that_it_had(calm: Theme) -
     driver.operate("mark", reason="leaned")
     again = driver.last(ATTEMPT_ENDED)
     assert again is not before
-    assert (again.attempt, again.goal, again.outcome) == (before.attempt, before.goal, before.outcome)
+    assert (again.attempt, again.goal, again.outcome) == (
+        before.attempt,
+        before.goal,
+        before.outcome,
+    )
     driver.wait(1000)
     driver.press("enter")
     driver.lift(500)
     driver.lift(500)
-    assert (driver.last(ATTEMPT_ENDED).goal, driver.last(ATTEMPT_ENDED).outcome) == (700, "success"), "level 4"
+    assert (driver.last(ATTEMPT_ENDED).goal, driver.last(ATTEMPT_ENDED).outcome) == (
+        700,
+        "success",
+    ), "level 4"
 
 
 def _changed_session(driver: LoopDriver) -> None:
@@ -147,4 +160,6 @@ def test_only_settings_with_an_effect_can_be_adjusted(catalogue: Catalogue) -> N
     assert offered("reaching") == ("threshold", "feedback_every")
     own_goals = "900, 1000, 1100, 1200, 1300, 1400"
     assert offered("reaching", goal_times_ms=own_goals) == ("feedback_every",)
-    assert offered("keyboard", difficulty_policy="percentile") == ("feedback_every",), "the goal is the person's own"
+    assert offered("keyboard", difficulty_policy="percentile") == ("feedback_every",), (
+        "the goal is the person's own"
+    )

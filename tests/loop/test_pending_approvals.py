@@ -29,13 +29,25 @@ def edit(theme: Theme, proposal: Proposal = PRAISE, **changes: Any) -> Action:
 
 
 def pending(name: str, deadline: int | None) -> PendingApproval:
-    return PendingApproval(proposal=Proposal(id=name, kind="feedback", text=name), mode="veto", deadline=deadline)
+    return PendingApproval(
+        proposal=Proposal(id=name, kind="feedback", text=name), mode="veto", deadline=deadline
+    )
 
 
 def test_an_edited_valence_replaces_face_gesture_tone_and_degree(calm: Theme) -> None:
     action = edit(calm, valence="negative")
-    assert (action.face, action.gesture, action.tone, action.degree) == ("encouraging", "lean_in", "", "clear")
-    assert (action.text, action.decision, action.actor, action.decided) == ("Well done.", "edited", "operator.ana", 7)
+    assert (action.face, action.gesture, action.tone, action.degree) == (
+        "encouraging",
+        "lean_in",
+        "",
+        "clear",
+    )
+    assert (action.text, action.decision, action.actor, action.decided) == (
+        "Well done.",
+        "edited",
+        "operator.ana",
+        7,
+    )
 
 
 def test_an_edited_valence_adds_no_gesture_to_a_proposal_without_one(calm: Theme) -> None:
@@ -54,7 +66,9 @@ def test_an_edited_gesture_overrides_that_of_the_valence(calm: Theme) -> None:
     assert edit(calm, gesture="").gesture == ""
 
 
-@pytest.mark.parametrize("same", [{"text": "Well done."}, {"valence": "positive"}, {"gesture": "nod"}])
+@pytest.mark.parametrize(
+    "same", [{"text": "Well done."}, {"valence": "positive"}, {"gesture": "nod"}]
+)
 def test_an_edit_with_the_same_values_is_an_acceptance(calm: Theme, same: dict[str, str]) -> None:
     action = edit(calm, **same)
     assert (action.decision, action.degree, action.actor) == ("accepted", "strong", "operator.ana")

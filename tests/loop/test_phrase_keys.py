@@ -23,13 +23,25 @@ from sar_tui.loop.phrase_keys import (
 def test_every_phrase_key_is_either_verbal_or_numeric() -> None:
     assert set(QUALITATIVE) | set(QUANTITATIVE) == set(PHRASE_KEYS)
     assert not set(QUALITATIVE) & set(QUANTITATIVE)
-    assert {"positive", "negative_strong", "accuracy", "performance_improved", "greeting"} <= set(QUALITATIVE)
-    assert {"positive_first", "accuracy_figures", "performance_same_figures", "summary_figures"} <= set(QUANTITATIVE)
+    assert {"positive", "negative_strong", "accuracy", "performance_improved", "greeting"} <= set(
+        QUALITATIVE
+    )
+    assert {
+        "positive_first",
+        "accuracy_figures",
+        "performance_same_figures",
+        "summary_figures",
+    } <= set(QUANTITATIVE)
 
 
 def test_verbal_and_numeric_performance_have_the_same_phrase_keys() -> None:
     in_words = [name for name in PERFORMANCE if not name.endswith("_figures")]
-    assert in_words == ["performance_first", "performance_improved", "performance_worsened", "performance_same"]
+    assert in_words == [
+        "performance_first",
+        "performance_improved",
+        "performance_worsened",
+        "performance_same",
+    ]
     for name in in_words:
         assert PHRASE_KEYS[name] < PHRASE_KEYS[f"{name}_figures"]
 
@@ -68,9 +80,21 @@ def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
         ("neutral", "Three quarters there.", " holds a number: 'Three quarters there.'."),
         ("accuracy", "Get 8 right.", " holds a number: 'Get 8 right.'."),
         ("performance_first", "Do it twice {aim}.", " holds a number: 'Do it twice {aim}.'."),
-        ("negative_same", "The same as {reference}.", " has no slot for a figure: 'The same as {reference}.'."),
-        ("positive_improved", "You were {change}.", " has no slot for a figure: 'You were {change}.'."),
-        ("neutral_first", "At {value", " has broken slots (expected '}' before end of string): 'At {value'."),
+        (
+            "negative_same",
+            "The same as {reference}.",
+            " has no slot for a figure: 'The same as {reference}.'.",
+        ),
+        (
+            "positive_improved",
+            "You were {change}.",
+            " has no slot for a figure: 'You were {change}.'.",
+        ),
+        (
+            "neutral_first",
+            "At {value",
+            " has broken slots (expected '}' before end of string): 'At {value'.",
+        ),
         ("neutral_first", "At {value:.1f}", " has a slot with more than a name: 'At {value:.1f}'."),
         ("neutral_first", "At {value!x}", " has a slot with more than a name"),
         ("neutral_first", "At {value:{width}}", " has a slot with more than a name"),
@@ -78,7 +102,9 @@ def test_a_valid_wording_has_no_problems(situation: str, wording: str) -> None:
         ("neutral_first", "At {value.real}", " uses the unknown slot {value.real}."),
     ],
 )
-def test_an_invalid_wording_is_reported_in_one_sentence(situation: str, wording: str, problem: str) -> None:
+def test_an_invalid_wording_is_reported_in_one_sentence(
+    situation: str, wording: str, problem: str
+) -> None:
     problem_found, *_ = wording_problems(situation, wording, "en")
     assert problem_found.startswith(f"A wording for {situation} (en){problem}")
 
@@ -91,20 +117,31 @@ def test_number_words_are_those_of_the_language() -> None:
 
 
 @given(st.text(max_size=60), st.sampled_from(sorted(PHRASE_KEYS)), st.sampled_from(["en", "es"]))
-def test_a_wording_without_problems_can_be_formatted(wording: str, situation: str, language: str) -> None:
+def test_a_wording_without_problems_can_be_formatted(
+    wording: str, situation: str, language: str
+) -> None:
     if not wording_problems(situation, wording, language):
-        said = wording.format(**{slot: "12 ms" if slot in FIGURES else "faster" for slot in PHRASE_KEYS[situation]})
+        said = wording.format(
+            **{slot: "12 ms" if slot in FIGURES else "faster" for slot in PHRASE_KEYS[situation]}
+        )
         assert holds_number(said, language) == (situation in QUANTITATIVE)
 
 
-@given(st.lists(st.sampled_from(["{", "}", "{{", "}}", "value", "goal", "!", ":", "r", "12", "[0]", ".x", " "])))
+@given(
+    st.lists(
+        st.sampled_from(
+            ["{", "}", "{{", "}}", "value", "goal", "!", ":", "r", "12", "[0]", ".x", " "]
+        )
+    )
+)
 def test_wordings_with_any_braces_are_refused_or_can_be_formatted(parts: list[str]) -> None:
     wording = "".join(parts)
     if not wording_problems("neutral_first", wording, "en"):
         assert wording.format(value="12 ms", goal="12 ms")
 
 
-# --- numbers in a text ----------------------------------------------------------------------------------------
+# --- numbers in a text
+# ----------------------------------------------------------------------------------------
 
 SMALL = {
     "en": """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen
@@ -118,8 +155,9 @@ TENS = {
     "es": "veinte treinta cuarenta cincuenta sesenta setenta ochenta noventa",
 }
 HUNDREDS = (
-    "ciento doscientos trescientos cuatrocientos quinientos seiscientos setecientos ochocientos novecientos".split()
-)
+    "ciento doscientos trescientos cuatrocientos quinientos seiscientos setecientos "
+    "ochocientos novecientos"
+).split()
 
 
 def spelled(number: int, language: str) -> str:
@@ -151,34 +189,53 @@ def test_every_number_to_a_thousand_is_found_in_words(language: str) -> None:
 
 @pytest.mark.parametrize("language", ["en", "es"])
 def test_every_single_word_of_a_number_is_found_alone(language: str) -> None:
-    for word in {word for number in range(1001) for word in spelled(number, language).replace("-", " ").split()} - {
-        "y"
-    }:
+    for word in {
+        word
+        for number in range(1001)
+        for word in spelled(number, language).replace("-", " ").split()
+    } - {"y"}:
         assert holds_number(word, language), word
 
 
 @pytest.mark.parametrize(
     "text",
-    ["32 ms", "Two more.", "One-handed", "a hundred", "TWICE as good", "٣ times", "x2", "½", "Ⅳ", "x²", "half of it"],
+    [
+        "32 ms",
+        "Two more.",
+        "One-handed",
+        "a hundred",
+        "TWICE as good",
+        "٣ times",
+        "x2",
+        "½",
+        "Ⅳ",
+        "x²",
+        "half of it",
+    ],
 )
 def test_numbers_are_found_in_digits_and_words(text: str) -> None:
     assert holds_number(text)
 
 
 @pytest.mark.parametrize(
-    "text", ["Doscientas veces", "a la mitad", "el doble", "VEINTIDÓS", "veintidos", "la primera vez"]
+    "text",
+    ["Doscientas veces", "a la mitad", "el doble", "VEINTIDÓS", "veintidos", "la primera vez"],
 )
 def test_spanish_numbers_are_found_with_and_without_accents(text: str) -> None:
     for form in ("NFC", "NFD"):
         assert holds_number(unicodedata.normalize(form, text), "es")
 
 
-@pytest.mark.parametrize("text", ["Everyone is often at tension.", "Well done.", "Attend to the phone", ""])
+@pytest.mark.parametrize(
+    "text", ["Everyone is often at tension.", "Well done.", "Attend to the phone", ""]
+)
 def test_a_number_word_inside_another_word_is_not_a_number(text: str) -> None:
     assert not holds_number(text)
 
 
-@pytest.mark.parametrize("text", ["Un poco más, una vez más.", "Muy bien, sonríe.", "Familia, oncología, parada"])
+@pytest.mark.parametrize(
+    "text", ["Un poco más, una vez más.", "Muy bien, sonríe.", "Familia, oncología, parada"]
+)
 def test_the_spanish_article_and_parts_of_words_are_not_numbers(text: str) -> None:
     assert not holds_number(text, "es")
 
@@ -195,6 +252,10 @@ def test_digits_are_found_in_an_unknown_language() -> None:
     assert not holds_number("sept fois", "fr")
 
 
-@given(st.text(), st.sampled_from(["0", "7", "٣", "½"]), st.text(), st.sampled_from(["en", "es", "fr"]))
-def test_a_digit_is_found_anywhere_in_a_text(before: str, digit: str, after: str, language: str) -> None:
+@given(
+    st.text(), st.sampled_from(["0", "7", "٣", "½"]), st.text(), st.sampled_from(["en", "es", "fr"])
+)
+def test_a_digit_is_found_anywhere_in_a_text(
+    before: str, digit: str, after: str, language: str
+) -> None:
     assert holds_number(before + digit + after, language)

@@ -1,4 +1,6 @@
-"""Colours of prompts: they stand out on each theme, and people tell them apart, whatever their colour vision."""
+"""Colours of prompts: they stand out on each theme, and people tell them apart, whatever their
+colour vision.
+"""
 
 from itertools import combinations
 
@@ -13,13 +15,25 @@ from sar_tui.widgets.prompt_style import prompt_color
 VISION = {
     "normal": np.eye(3),
     "protanopia": np.array(
-        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ]
     ),
     "deuteranopia": np.array(
-        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ]
     ),
     "tritanopia": np.array(
-        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]
+        [
+            [1.255528, -0.076749, -0.178779],
+            [-0.078411, 0.930809, 0.147602],
+            [0.004733, 0.691367, 0.303900],
+        ]
     ),
 }
 """Linear RGB as people see it, by Machado, Oliveira & Fernandes (2009), severity 1."""
@@ -30,7 +44,10 @@ def lab(color: str, vision: str) -> np.ndarray:
     srgb = np.array([int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)])
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     seen = np.clip(VISION[vision] @ linear, 0, 1)
-    xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]) @ seen
+    xyz = (
+        np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+        @ seen
+    )
     x, y, z = np.cbrt(xyz / np.array([0.9505, 1.0, 1.089]))
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
@@ -38,12 +55,16 @@ def lab(color: str, vision: str) -> np.ndarray:
 @pytest.mark.parametrize("vision", VISION)
 def test_two_colours_differ_for_each_kind_of_colour_vision(vision: str) -> None:
     seen = {name: lab(color, vision) for name, color in OKABE_ITO.items()}
-    least = min(float(np.linalg.norm(seen[one] - seen[other])) for one, other in combinations(seen, 2))
+    least = min(
+        float(np.linalg.norm(seen[one] - seen[other])) for one, other in combinations(seen, 2)
+    )
     assert least > 10
 
 
 @pytest.mark.parametrize("name", OKABE_ITO)
-def test_a_colour_stands_out_on_the_background_of_each_theme(name: str, catalogue: Catalogue) -> None:
+def test_a_colour_stands_out_on_the_background_of_each_theme(
+    name: str, catalogue: Catalogue
+) -> None:
     for theme in map(catalogue.theme, catalogue.theme_names()):
         background = theme.colors.background
         assert contrast(color_on(name, background), background) >= LEAST_CONTRAST
@@ -53,15 +74,23 @@ def test_a_colour_stands_out_on_the_background_of_each_theme(name: str, catalogu
 
 @pytest.mark.parametrize("background", ["#000000", "#ffffff", "#777777", "#d55e00"])
 def test_colours_are_found_for_any_background(background: str) -> None:
-    assert all(contrast(color_on(name, background), background) >= LEAST_CONTRAST for name in OKABE_ITO)
+    assert all(
+        contrast(color_on(name, background), background) >= LEAST_CONTRAST for name in OKABE_ITO
+    )
 
 
 @pytest.mark.parametrize("background", ["#10171e", "#fff4d6"])
 @pytest.mark.parametrize("color_system", ["standard", "256", "truecolor"])
-def test_each_name_has_a_colour_of_its_own_in_any_terminal(color_system: str, background: str) -> None:
+def test_each_name_has_a_colour_of_its_own_in_any_terminal(
+    color_system: str, background: str
+) -> None:
     from rich.color import ColorSystem
 
-    system = {"standard": ColorSystem.STANDARD, "256": ColorSystem.EIGHT_BIT, "truecolor": ColorSystem.TRUECOLOR}
+    system = {
+        "standard": ColorSystem.STANDARD,
+        "256": ColorSystem.EIGHT_BIT,
+        "truecolor": ColorSystem.TRUECOLOR,
+    }
     colors = [prompt_color(name, background, color_system) for name in OKABE_ITO]
     drawn = {color.downgrade(system[color_system]) for color in colors if color}
     assert len(drawn) == len(OKABE_ITO)

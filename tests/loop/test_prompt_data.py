@@ -10,10 +10,23 @@ from sar_tui.model.trial_types import Stimulus
 
 
 def test_json_is_stored_as_it_is() -> None:
-    assert problem({"congruent": True, "side": "left", "soa_ms": 100, "list": [1, 2.5, None], "more": {"a": "b"}}) == ""
+    assert (
+        problem(
+            {
+                "congruent": True,
+                "side": "left",
+                "soa_ms": 100,
+                "list": [1, 2.5, None],
+                "more": {"a": "b"},
+            }
+        )
+        == ""
+    )
 
 
-@pytest.mark.parametrize("value", [(1, 2), math.nan, math.inf, {1: "a"}, {"a", "b"}, object(), b"bytes"])
+@pytest.mark.parametrize(
+    "value", [(1, 2), math.nan, math.inf, {1: "a"}, {"a", "b"}, object(), b"bytes"]
+)
 def test_anything_else_is_a_sentence(value: object) -> None:
     said = problem({"value": value})
     assert said.startswith("The data of a prompt ")

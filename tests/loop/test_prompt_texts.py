@@ -1,4 +1,6 @@
-"""A prompt whose texts are none ends the session with a sentence: it could not be stored, or not be read again."""
+"""A prompt whose texts are none ends the session with a sentence: it could not be stored, or not be
+read again.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,10 @@ def stimulus(**given: Any) -> Stimulus:
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"picture": Path("cat.png")}, "The picture of a prompt is a text, not PosixPath('cat.png')."),
+        (
+            {"picture": Path("cat.png")},
+            "The picture of a prompt is a text, not PosixPath('cat.png').",
+        ),
         ({"text": 3}, "The text of a prompt is a text, not 3."),
         ({"expected": None}, "The expected of a prompt is a text, not None."),
         ({"halves": (1, "2")}, "The halves of a prompt are a pair of texts, not (1, '2')."),
@@ -28,4 +33,9 @@ def test_what_is_no_text_is_named(given: dict[str, Any], sentence: str) -> None:
 
 
 def test_texts_are_fine() -> None:
-    assert stimulus_problem(stimulus(picture="cat.png", colour="red", frames=(Frame("X", 50), Frame("Y")))) == ""
+    assert (
+        stimulus_problem(
+            stimulus(picture="cat.png", colour="red", frames=(Frame("X", 50), Frame("Y")))
+        )
+        == ""
+    )

@@ -36,7 +36,13 @@ from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 from tests.loop_driver import LoopDriver
 
-SET_UP = {"attempts": 4, "practice_attempts": 1, "prompts_per_attempt": 3, "start_level": 4, "min_accuracy": 0.6}
+SET_UP = {
+    "attempts": 4,
+    "practice_attempts": 1,
+    "prompts_per_attempt": 3,
+    "start_level": 4,
+    "min_accuracy": 0.6,
+}
 
 
 class Disk(Node):
@@ -53,7 +59,9 @@ class Disk(Node):
 class Simulated:
     """A session with a simulated participant, either new or resumed from a record."""
 
-    def __init__(self, history: list[Record] | None = None, seed: int = 3, run: int = 2, **changed: Any) -> None:
+    def __init__(
+        self, history: list[Record] | None = None, seed: int = 3, run: int = 2, **changed: Any
+    ) -> None:
         catalogue = Catalogue()
         kind = catalogue.task("keyboard")
         task = kind(build(kind.Parameters, {**SET_UP, **changed}))
@@ -90,7 +98,16 @@ def shape(records: list[Record], *topics: Any) -> list[Any]:
             continue
         if isinstance(message, TrialEnded):
             timing = message.timing.foreperiod_ms
-            chosen.append((message.attempt, message.trial, message.stimulus, message.response, message.correct, timing))
+            chosen.append(
+                (
+                    message.attempt,
+                    message.trial,
+                    message.stimulus,
+                    message.response,
+                    message.correct,
+                    timing,
+                )
+            )
         else:
             plain = msgspec.to_builtins(message)
             for stamp in ("started", "ended", "metric", "due"):
@@ -147,9 +164,13 @@ def test_a_session_cut_off_anywhere_continues_as_if_it_had_not_been(data: st.Dat
 @given(st.data())
 def test_a_session_cut_off_twice_continues_too(data: st.DataObject) -> None:
     session = whole()
-    first = cut(data.draw(st.integers(0, len(session.cascades) - 1), label="cascades before the first cut"))
+    first = cut(
+        data.draw(st.integers(0, len(session.cascades) - 1), label="cascades before the first cut")
+    )
     second_run = Simulated(first).finish()
-    length = data.draw(st.integers(1, len(second_run.cascades)), label="cascades before the second cut")
+    length = data.draw(
+        st.integers(1, len(second_run.cascades)), label="cascades before the second cut"
+    )
     before = [*first, *(record for cascade in second_run.cascades[:length] for record in cascade)]
     if any(record.topic is SESSION_ENDED for record in before):
         return
@@ -176,7 +197,9 @@ def moments() -> dict[str, int]:
     return found
 
 
-@pytest.mark.parametrize("moment", ["trial: quiet", "trial: foreperiod", "trial: response", "attempt: enter"])
+@pytest.mark.parametrize(
+    "moment", ["trial: quiet", "trial: foreperiod", "trial: response", "attempt: enter"]
+)
 def test_a_resumed_session_waits_for_enter_and_says_it_was_interrupted(moment: str) -> None:
     waiting = [r.message for r in Simulated(cut(moments()[moment])).records if r.topic is WAITING]
     assert [(w.what, w.stage, w.reason) for w in waiting] == [("enter", "paused", "interrupted")]
@@ -191,15 +214,25 @@ def test_a_session_cut_off_in_its_instructions_shows_them_again() -> None:
 def test_an_unanswered_prompt_is_shown_again_under_its_number() -> None:
     before = cut(moments()["trial: response"])
     unanswered = [record.message for record in before if record.topic is PROMPT][-1]
-    again = next(record.message for record in Simulated(before).finish().records if record.topic is PROMPT)
+    again = next(
+        record.message for record in Simulated(before).finish().records if record.topic is PROMPT
+    )
     assert isinstance(again, Prompt)
     assert again == msgspec.structs.replace(unanswered, presentation=unanswered.presentation + 1)
 
 
-def test_a_session_cut_off_between_its_last_trial_and_the_acknowledgement_waits_for_enter_and_is_complete() -> None:
-    last = max(number for number, cascade in enumerate(whole().cascades, 1) if any(r.topic is TRIAL for r in cascade))
+def test_a_session_cut_off_between_its_last_trial_and_the_acknowledgement_waits_for_enter_and_is_complete() -> (
+    None
+):
+    last = max(
+        number
+        for number, cascade in enumerate(whole().cascades, 1)
+        if any(r.topic is TRIAL for r in cascade)
+    )
     resumed = Simulated(cut(last))
-    assert [(r.message.what, r.message.stage) for r in resumed.records if r.topic is WAITING] == [("enter", "review")]
+    assert [(r.message.what, r.message.stage) for r in resumed.records if r.topic is WAITING] == [
+        ("enter", "review")
+    ]
     records = resumed.finish().records
     assert [r.message.status for r in records if r.topic is SESSION_ENDED] == ["completed"]
     assert not any(r.topic is TRIAL for r in records)
@@ -229,7 +262,9 @@ def test_a_derived_message_that_was_changed_is_noticed(data: st.DataObject) -> N
 def test_a_replay_reads_a_record_as_it_goes_and_no_further_than_a_difference() -> None:
     records = list(whole().records)
     place = next(i for i, record in enumerate(records) if record.topic is TRIAL)
-    records[place] = records[place]._replace(message=msgspec.structs.replace(records[place].message, seat="B"))
+    records[place] = records[place]._replace(
+        message=msgspec.structs.replace(records[place].message, seat="B")
+    )
     read: list[int] = []
     history = (read.append(record.seq) or record for record in records)  # type: ignore[func-returns-value]
     with pytest.raises(ReplayError):
@@ -243,14 +278,18 @@ def test_a_corrected_sentence_does_not_stop_a_replay() -> None:
         changed = {"text", "notice", "attempt_name"} & set(record.message.__struct_fields__)
         if record.topic.origin == "derived" and changed:
             reworded = dict.fromkeys(changed, "As an earlier version said it.")
-            records[place] = record._replace(message=msgspec.structs.replace(record.message, **reworded))
+            records[place] = record._replace(
+                message=msgspec.structs.replace(record.message, **reworded)
+            )
     assert records != whole().records
     replay(records)
 
 
 def test_a_session_whose_misses_were_stored_without_details_can_be_replayed() -> None:
     def miss(details: dict[str, Any], response: str | None) -> TrialEnded:
-        trial = next(record.message for record in whole().records if isinstance(record.message, TrialEnded))
+        trial = next(
+            record.message for record in whole().records if isinstance(record.message, TrialEnded)
+        )
         return msgspec.structs.replace(trial, details=details, response=response)
 
     assert is_same(miss({}, ""), miss({"choices": None}, None))
@@ -258,10 +297,14 @@ def test_a_session_whose_misses_were_stored_without_details_can_be_replayed() ->
 
 
 def test_numbers_that_another_processor_rounds_differently_do_not_stop_a_replay() -> None:
-    trial = next(record.message for record in whole().records if isinstance(record.message, TrialEnded))
+    trial = next(
+        record.message for record in whole().records if isinstance(record.message, TrialEnded)
+    )
 
     def measured(smoothness: float, speeds: list[float], **changed: Any) -> TrialEnded:
-        return msgspec.structs.replace(trial, details={"ldlj_out": smoothness, "speeds": speeds}, **changed)
+        return msgspec.structs.replace(
+            trial, details={"ldlj_out": smoothness, "speeds": speeds}, **changed
+        )
 
     recorded = measured(-5.256055605931666, [0.0, 1.5])
     assert is_same(recorded, measured(-5.256055605931665, [1e-17, 1.5000000000000002]))
@@ -272,7 +315,13 @@ def test_numbers_that_another_processor_rounds_differently_do_not_stop_a_replay(
 
 def test_a_failure_is_the_same_wherever_the_code_that_failed_stands() -> None:
     def failed(error: str, line: int) -> Fault:
-        return Fault(node="task", topic="input/key", error=error, place=f"line {line} of task.py", trace=f"line {line}")
+        return Fault(
+            node="task",
+            topic="input/key",
+            error=error,
+            place=f"line {line} of task.py",
+            trace=f"line {line}",
+        )
 
     assert is_same(failed("KeyError: 3", 12), failed("KeyError: 3", 14))
     assert not is_same(failed("KeyError: 3", 12), failed("KeyError: 4", 12))
@@ -305,13 +354,21 @@ def test_a_response_that_was_changed_is_noticed() -> None:
         if record.topic is KEY:
             enters += 1
             if enters == 3:
-                records[place] = record._replace(message=msgspec.structs.replace(record.message, key="#"))
+                records[place] = record._replace(
+                    message=msgspec.structs.replace(record.message, key="#")
+                )
     with pytest.raises(ReplayError):
         replay(records)
 
 
 @pytest.mark.parametrize(
-    "changed", [{"prompts_per_attempt": 4}, {"threshold": 500}, {"choice_set": "left hand"}, {"foreperiod_min_ms": 700}]
+    "changed",
+    [
+        {"prompts_per_attempt": 4},
+        {"threshold": 500},
+        {"choice_set": "left hand"},
+        {"foreperiod_min_ms": 700},
+    ],
 )
 def test_a_task_that_was_changed_since_is_noticed(changed: dict[str, Any]) -> None:
     with pytest.raises(ReplayError, match="has changed since"):
@@ -325,7 +382,9 @@ def test_a_replay_uses_the_recorded_theme() -> None:
     assert again.ended
 
 
-def test_after_a_replay_the_clock_is_the_sessions_own_and_no_old_timer_fires(keyboard: type[Task], calm: Theme) -> None:
+def test_after_a_replay_the_clock_is_the_sessions_own_and_no_old_timer_fires(
+    keyboard: type[Task], calm: Theme
+) -> None:
     driver = LoopDriver(keyboard, calm)
     driver.enter()
     driver.press("enter")
@@ -346,7 +405,9 @@ class Clumsy(Node):
         raise RuntimeError("no such widget")
 
 
-def test_a_session_in_which_an_output_raised_can_be_resumed(keyboard: type[Task], calm: Theme) -> None:
+def test_a_session_in_which_an_output_raised_can_be_resumed(
+    keyboard: type[Task], calm: Theme
+) -> None:
     driver = LoopDriver(keyboard, calm, extra=[Clumsy()], prompts_per_attempt=2)
     driver.start()
     driver.answer()

@@ -34,7 +34,15 @@ def feedback_on(kind: type[Task], *results: Result, **parameters: object) -> Fee
         ((SKIPPED,) * 4, ""),
         ((RIGHT, RIGHT, RIGHT, RIGHT), ""),
     ],
-    ids=["none", "one-right", "half-wrong", "mostly-wrong", "wrong", "skipped-by-the-therapist", "right"],
+    ids=[
+        "none",
+        "one-right",
+        "half-wrong",
+        "mostly-wrong",
+        "wrong",
+        "skipped-by-the-therapist",
+        "right",
+    ],
 )
 def test_an_attempt_is_advised_on_what_most_of_its_prompts_lacked(
     keyboard: type[Task], results: tuple[Result, ...], advice: str
@@ -48,7 +56,9 @@ def test_an_attempt_that_needs_no_accuracy_is_advised_too(keyboard: type[Task]) 
 
 
 def test_the_advice_is_in_the_sessions_language(keyboard: type[Task]) -> None:
-    assert feedback_on(keyboard, NOTHING, language="es").advice == "Pulse la tecla en cuanto la vea."
+    assert (
+        feedback_on(keyboard, NOTHING, language="es").advice == "Pulse la tecla en cuanto la vea."
+    )
 
 
 def test_a_session_stored_without_advice_can_still_be_replayed(keyboard: type[Task]) -> None:

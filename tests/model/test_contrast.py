@@ -50,6 +50,8 @@ def test_a_colour_is_six_hexadecimal_digits_after_a_hash(value: str) -> None:
     assert is_color(value)
 
 
-@pytest.mark.parametrize("value", ["red", "#12345", "#1234567", "#12345g", "112233", "", "#112233\n", "#١١٢٢٣٣"])
+@pytest.mark.parametrize(
+    "value", ["red", "#12345", "#1234567", "#12345g", "112233", "", "#112233\n", "#١١٢٢٣٣"]
+)
 def test_anything_else_is_not_a_colour(value: str) -> None:
     assert not is_color(value)

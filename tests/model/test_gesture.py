@@ -16,7 +16,9 @@ poses = st.builds(Pose, **dict.fromkeys(JOINTS, positions))
 def gestures(draw: st.DrawFn) -> Gesture:
     """Generate valid gestures."""
     times = sorted(draw(st.sets(st.integers(1, LONGEST_MS), min_size=1, max_size=8)))
-    frames = [Keyframe(at_ms=ms, **{joint: draw(positions) for joint in JOINTS}) for ms in times[:-1]]
+    frames = [
+        Keyframe(at_ms=ms, **{joint: draw(positions) for joint in JOINTS}) for ms in times[:-1]
+    ]
     return Gesture((*frames, Keyframe(at_ms=times[-1])))
 
 
@@ -37,7 +39,9 @@ def test_it_passes_through_every_keyframe(gesture: Gesture, start: Pose) -> None
 
 
 @given(gestures(), poses, moments)
-def test_between_two_keyframes_no_joint_is_beyond_either(gesture: Gesture, start: Pose, ms: float) -> None:
+def test_between_two_keyframes_no_joint_is_beyond_either(
+    gesture: Gesture, start: Pose, ms: float
+) -> None:
     before = [start, *(frame.pose for frame in gesture.keyframes if frame.at_ms <= ms)][-1]
     after = next((frame.pose for frame in gesture.keyframes if frame.at_ms > ms), REST)
     pose = gesture.pose_at(ms, start)
@@ -55,13 +59,19 @@ def test_it_never_jumps_or_exceeds_the_speed_of_its_easing(
     now, then = gesture.pose_at(ms, start), gesture.pose_at(ms + later, start)
     for joint in JOINTS:
         way = [getattr(place, joint) for place in places]
-        fastest = max(abs(b - a) / (t - s) for a, b, s, t in zip(way, way[1:], times, times[1:], strict=False))
-        assert abs(getattr(then, joint) - getattr(now, joint)) <= fastest * math.pi / 2 * later + 1e-9
+        fastest = max(
+            abs(b - a) / (t - s) for a, b, s, t in zip(way, way[1:], times, times[1:], strict=False)
+        )
+        assert (
+            abs(getattr(then, joint) - getattr(now, joint)) <= fastest * math.pi / 2 * later + 1e-9
+        )
 
 
 @given(gestures(), poses)
 def test_it_stands_still_for_a_moment_at_every_keyframe(gesture: Gesture, start: Pose) -> None:
-    for frame, before in zip(gesture.keyframes, (start, *(f.pose for f in gesture.keyframes)), strict=False):
+    for frame, before in zip(
+        gesture.keyframes, (start, *(f.pose for f in gesture.keyframes)), strict=False
+    ):
         way = max(abs(getattr(frame, joint) - getattr(before, joint)) for joint in JOINTS)
         near = gesture.pose_at(frame.at_ms - 0.001, start)
         assert all(abs(getattr(near, j) - getattr(frame, j)) <= 3e-6 * way + 1e-12 for j in JOINTS)
@@ -92,7 +102,9 @@ def test_a_valid_gesture_has_no_problems(gesture: Gesture) -> None:
         ((Keyframe(at_ms=100, nod=1), Keyframe(at_ms=200, nod=0.1)), "must end at rest"),
     ],
 )
-def test_a_fault_of_a_gesture_is_reported_once_with_its_name(keyframes: tuple[Keyframe, ...], expected: str) -> None:
+def test_a_fault_of_a_gesture_is_reported_once_with_its_name(
+    keyframes: tuple[Keyframe, ...], expected: str
+) -> None:
     [problem] = Gesture(keyframes).problems("wave")
     assert expected in problem
     assert "wave" in problem

@@ -1,4 +1,6 @@
-"""Translated texts: complete, with the right slots, and in English where a translation is missing."""
+"""Translated texts: complete, with the right slots, and in English where a translation is
+missing.
+"""
 
 from pathlib import Path
 
@@ -22,20 +24,31 @@ def words(folder: Path, code: str, text: str) -> Path:
     return folder
 
 
-# --- the framework's translations --------------------------------------------------------------------------------
+# --- the framework's translations
+# --------------------------------------------------------------------------------
 
 
 def test_every_text_of_the_framework_is_translated_and_no_translation_is_obsolete() -> None:
-    code = (path.read_text("utf-8") for room in ("loop", "rules", "model") for path in (ROOT / room).rglob("*.py"))
+    code = (
+        path.read_text("utf-8")
+        for room in ("loop", "rules", "model")
+        for path in (ROOT / room).rglob("*.py")
+    )
     usual = Metric("x", unit="", better="lower")
     texts = {Task.trials, usual.improved, usual.worsened}.union(*map(texts_in, code))
-    texts |= {*BORG_WORDS.values(), *(text for step in QUESTIONS.values() for text in (step.text, *step.labels))}
+    texts |= {
+        *BORG_WORDS.values(),
+        *(text for step in QUESTIONS.values() for text in (step.text, *step.labels)),
+    }
     translations = read_words(ROOT / "loop" / "words.es.toml")
     assert set(translations) == texts
-    assert [problem for text, own in translations.items() if (problem := slot_problem(text, own))] == []
+    assert [
+        problem for text, own in translations.items() if (problem := slot_problem(text, own))
+    ] == []
 
 
-# --- missing translations --------------------------------------------------------------------------------------------
+# --- missing translations
+# --------------------------------------------------------------------------------------------
 
 
 def test_a_language_without_a_file_shows_english(tmp_path: Path) -> None:
@@ -54,7 +67,11 @@ def test_only_untranslated_texts_are_in_english(tmp_path: Path) -> None:
     [
         ("Less than {goal}.", "Menos de {gaol}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos.", "lacks {goal}"),
-        ("Less than {goal}.", "Menos de {goal}, {nombre}.", "has {nombre}, which the English does not have"),
+        (
+            "Less than {goal}.",
+            "Menos de {goal}, {nombre}.",
+            "has {nombre}, which the English does not have",
+        ),
         ("Less than {goal}.", "Menos de {goal:d}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos de {goal!r}.", "lacks {goal}"),
         ("Less than {goal}.", "Menos de {goal.real}.", "lacks {goal}"),
@@ -65,7 +82,9 @@ def test_only_untranslated_texts_are_in_english(tmp_path: Path) -> None:
         ("Ready?", "¿Listo, {goal}?", "has {goal}, which the English does not have"),
     ],
 )
-def test_a_translation_with_other_slots_is_reported_and_not_used(english: str, own: str, problem: str) -> None:
+def test_a_translation_with_other_slots_is_reported_and_not_used(
+    english: str, own: str, problem: str
+) -> None:
     assert slot_problem(english, own).startswith(problem)
     filled = {"goal": "5 s"} if "{goal}" in english else {}
     assert Language("es", {english: own})(english, **filled) == english.format(**filled)
@@ -80,7 +99,9 @@ def test_a_translation_with_other_slots_is_reported_and_not_used(english: str, o
         ("{{{share}}}", "({{{share}}})", "({0.5})"),
     ],
 )
-def test_slots_may_have_format_specifications_if_both_texts_agree(english: str, own: str, said: str) -> None:
+def test_slots_may_have_format_specifications_if_both_texts_agree(
+    english: str, own: str, said: str
+) -> None:
     assert slot_problem(english, own) == ""
     assert Language("es", {english: own})(english, share=0.5) == said
 
@@ -105,7 +126,8 @@ def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
     assert tr("Ready?") == "¿Todo listo?"
 
 
-# --- precedence of translations ------------------------------------------------------------------------------------
+# --- precedence of translations
+# ------------------------------------------------------------------------------------
 
 
 def test_texts_of_a_theme_precede_those_of_the_task_and_the_framework(tmp_path: Path) -> None:
@@ -118,11 +140,15 @@ def test_texts_of_a_theme_precede_those_of_the_task_and_the_framework(tmp_path: 
 def test_regional_texts_precede_those_of_the_language(tmp_path: Path) -> None:
     folder = words(tmp_path / "task", "es", '"key" = "tecla"\n"computer" = "ordenador"')
     words(folder, "es-mx", '"computer" = "computadora"')
-    assert [language("es-mx", folder)(text) for text in ("key", "computer")] == ["tecla", "computadora"]
+    assert [language("es-mx", folder)(text) for text in ("key", "computer")] == [
+        "tecla",
+        "computadora",
+    ]
     assert language("es", folder)("computer") == "ordenador"
 
 
-# --- numbers --------------------------------------------------------------------------------------------------------
+# --- numbers
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,10 @@ def test_a_number_does_not_depend_on_what_was_drawn_before() -> None:
 
 def test_streams_and_keys_are_independent() -> None:
     numbers = [
-        RandomStreams(seed, attempt).uniform(name) for seed in range(5) for attempt in range(5) for name in "abcde"
+        RandomStreams(seed, attempt).uniform(name)
+        for seed in range(5)
+        for attempt in range(5)
+        for name in "abcde"
     ]
     assert len(set(numbers)) == 125
 

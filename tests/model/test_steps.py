@@ -64,7 +64,9 @@ def test_nothing_is_chosen_before_a_key_chooses_it(step: Step) -> None:
         (TEXT, ("space", "é"), "é"),
     ],
 )
-def test_keys_choose_an_answer_that_enter_gives(step: Step, keys: str | tuple[str, ...], answer: object) -> None:
+def test_keys_choose_an_answer_that_enter_gives(
+    step: Step, keys: str | tuple[str, ...], answer: object
+) -> None:
     assert keyed(step, *keys, "enter") == Given("answered", answer)
 
 
@@ -78,7 +80,18 @@ def test_a_missing_answer_is_no_longer_missed_once_something_is_chosen() -> None
     assert keyed(TEXT, "space", "enter") == Entry(typed=" ", is_missing=True)
 
 
-KEYS = (*"0123456789., xé", "up", "down", "left", "right", "space", "backspace", "home", "end", "enter")
+KEYS = (
+    *"0123456789., xé",
+    "up",
+    "down",
+    "left",
+    "right",
+    "space",
+    "backspace",
+    "home",
+    "end",
+    "enter",
+)
 
 
 @examples(200)
@@ -114,7 +127,9 @@ def test_any_keys_give_an_answer_of_the_question_or_none(step: Step, keys: list[
         ({"before": True, "at_end": True}, [0, 4]),
     ],
 )
-def test_a_step_is_due_before_after_or_between_attempts(when: dict[str, object], due: list[int]) -> None:
+def test_a_step_is_due_before_after_or_between_attempts(
+    when: dict[str, object], due: list[int]
+) -> None:
     step = Step(name="a", text="A", **when)  # type: ignore[arg-type]
     assert [done for done in range(5) if step.is_due(done, 4)] == due
 
@@ -158,7 +173,9 @@ def test_simulated_people_answer_in_many_ways(step: Step) -> None:
         ('name="a"\ntext="A"\n[[steps]]\nname="a"\ntext="B"', "Two steps are named"),
     ],
 )
-def test_a_file_whose_steps_cannot_be_used_is_refused_in_a_sentence(tmp_path: Path, written: str, why: str) -> None:
+def test_a_file_whose_steps_cannot_be_used_is_refused_in_a_sentence(
+    tmp_path: Path, written: str, why: str
+) -> None:
     file = tmp_path / "steps.toml"
     file.write_text(f"[[steps]]\n{written}\n")
     with pytest.raises(StepFileError, match=why):

@@ -9,12 +9,27 @@ from sar_tui.loop import topics
 from sar_tui.loop.bus import Topic
 from sar_tui.loop.topics import ACTING, ALL, ARBITER_STATE, REPORT
 
-PROPOSAL = {"seat": "A", "id": "a1", "kind": "feedback", "text": "Well done.", "priority": 40, "policy": "interrupt"}
+PROPOSAL = {
+    "seat": "A",
+    "id": "a1",
+    "kind": "feedback",
+    "text": "Well done.",
+    "priority": 40,
+    "policy": "interrupt",
+}
 STORED: list[tuple[Topic[Any], dict[str, Any], str, Any]] = [
     (ACTING, {"seat": "A", "acting": False, "owing": True}, "awaits_operator", True),
     (
         REPORT,
-        {"seat": "A", "action": "a1", "output": "speech", "deed": "say", "state": "done", "at": 7, "detail": ""},
+        {
+            "seat": "A",
+            "action": "a1",
+            "output": "speech",
+            "deed": "say",
+            "state": "done",
+            "at": 7,
+            "detail": "",
+        },
         "part",
         "say",
     ),
@@ -24,7 +39,15 @@ STORED: list[tuple[Topic[Any], dict[str, Any], str, Any]] = [
             "seat": "A",
             "modes": {"feedback": "approve"},
             "operated": True,
-            "offers": [{"seat": "A", "proposal": PROPOSAL, "mode": "approve", "deadline": 9, "otherwise": "drop"}],
+            "offers": [
+                {
+                    "seat": "A",
+                    "proposal": PROPOSAL,
+                    "mode": "approve",
+                    "deadline": 9,
+                    "otherwise": "drop",
+                }
+            ],
             "queued": [],
             "current": None,
         },

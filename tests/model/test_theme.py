@@ -19,7 +19,11 @@ from tests.examples import examples
 
 NAMES = ("calm", "high-contrast", "playful")
 LANGUAGES = ("en", "es")
-DEGREES = tuple(f"{valence}{degree}" for valence in ("positive", "negative") for degree in ("_slight", "", "_strong"))
+DEGREES = tuple(
+    f"{valence}{degree}"
+    for valence in ("positive", "negative")
+    for degree in ("_slight", "", "_strong")
+)
 BREATH = 115
 """Maximum number of characters of an utterance, so that it can be said in one breath."""
 
@@ -41,12 +45,16 @@ UNTRUE = {
 """Pattern of words that exaggerate, give medical advice or promise recovery."""
 
 CHANGES = {"en": ("faster", "slower", "smoother"), "es": ("más rápido", "más lento", "más suave")}
-AIMS = {"en": ("as smoothly as you can", "with a steady hand"), "es": ("lo más suavemente posible", "con pulso firme")}
+AIMS = {
+    "en": ("as smoothly as you can", "with a steady hand"),
+    "es": ("lo más suavemente posible", "con pulso firme"),
+}
 COUNTS = ("correct", "trials", "reached", "attempts")
 UNITS = ("ms", "s", "cm", "%", "taps/s", "")
 ADVICE = {"en": "Press the key as soon as you see it.", "es": "Pulse la tecla en cuanto la vea."}
 SLOW = {
-    "en": r"slow(?:er|ly|down)?|your time|all the time|no hurry|no need to rush|calmer|calmly|a moment",
+    "en": r"slow(?:er|ly|down)?|your time|all the time|no hurry|no need to rush|calmer|calmly|a "
+    r"moment",
     "es": r"despaci\w+|lent[oa]s?|tiempo|sin prisa|no hay prisa|con (?:más )?calma|un momento",
 }
 """Pattern of words that ask somebody to be slower."""
@@ -91,7 +99,8 @@ def words_of(theme: Theme) -> str:
     return " ".join([*wordings, *theme.vocabulary.values()]).lower()
 
 
-# --- complete --------------------------------------------------------------------------------------------------------
+# --- complete
+# --------------------------------------------------------------------------------------------------------
 
 
 def test_names_of_the_shipped_themes(catalogue: Catalogue) -> None:
@@ -109,12 +118,17 @@ def test_every_shipped_theme_is_complete_in_every_language(theme: Theme) -> None
     assert theme.units
 
 
-# --- words -----------------------------------------------------------------------------------------------------------
+# --- words
+# -----------------------------------------------------------------------------------------------------------
 
 
 def test_every_situation_has_more_than_one_wording(theme: Theme) -> None:
     for situation, wordings in theme.phrases.items():
-        assert len(set(wordings)) == len(wordings) >= (3 if situation.startswith(("positive", "negative")) else 2)
+        assert (
+            len(set(wordings))
+            == len(wordings)
+            >= (3 if situation.startswith(("positive", "negative")) else 2)
+        )
 
 
 def test_each_degree_of_praise_and_consolation_has_its_own_wording(theme: Theme) -> None:
@@ -123,7 +137,9 @@ def test_each_degree_of_praise_and_consolation_has_its_own_wording(theme: Theme)
 
 
 def test_consolation_is_longer_the_farther_the_goal(theme: Theme) -> None:
-    slight, plain, strong = (sum(map(len, theme.phrases[f"negative{degree}"])) for degree in ("_slight", "", "_strong"))
+    slight, plain, strong = (
+        sum(map(len, theme.phrases[f"negative{degree}"])) for degree in ("_slight", "", "_strong")
+    )
     assert slight < plain < strong
 
 
@@ -132,13 +148,32 @@ def test_no_wording_blames(theme: Theme) -> None:
     assert re.findall(unkind, words_of(theme)) == []
 
 
-HEARTENING = ("encouragement", "encouragement_both", "performance_worsened", "performance_worsened_figures")
-CONSOLING = ("negative_slight", "negative", "negative_strong", "accuracy", "unanswered", "empty", "summary_negative")
+HEARTENING = (
+    "encouragement",
+    "encouragement_both",
+    "performance_worsened",
+    "performance_worsened_figures",
+)
+CONSOLING = (
+    "negative_slight",
+    "negative",
+    "negative_strong",
+    "accuracy",
+    "unanswered",
+    "empty",
+    "summary_negative",
+)
 
 
 def test_no_attempt_short_of_its_goal_is_answered_with_slow_down(theme: Theme) -> None:
-    wordings = [wording for situation in (*CONSOLING, *HEARTENING) for wording in theme.phrases[situation]]
-    assert [text for text in wordings if re.search(rf"\b(?:{SLOW[theme.language]})\b", text, re.IGNORECASE)] == []
+    wordings = [
+        wording for situation in (*CONSOLING, *HEARTENING) for wording in theme.phrases[situation]
+    ]
+    assert [
+        text
+        for text in wordings
+        if re.search(rf"\b(?:{SLOW[theme.language]})\b", text, re.IGNORECASE)
+    ] == []
 
 
 def test_no_encouragement_after_two_misses_calls_the_next_attempt_hard(theme: Theme) -> None:
@@ -147,8 +182,17 @@ def test_no_encouragement_after_two_misses_calls_the_next_attempt_hard(theme: Th
     assert [text for text in wordings if re.search(rf"\b(?:{hard})\b", text, re.IGNORECASE)] == []
 
 
-def test_each_result_in_words_has_a_wording_that_does_not_repeat_the_figures_beside_it(theme: Theme) -> None:
-    slots = {"value": "1", "goal": "2", "difference": "1", "reached": "1", "attempts": "3", "change": "x"}
+def test_each_result_in_words_has_a_wording_that_does_not_repeat_the_figures_beside_it(
+    theme: Theme,
+) -> None:
+    slots = {
+        "value": "1",
+        "goal": "2",
+        "difference": "1",
+        "reached": "1",
+        "attempts": "3",
+        "change": "x",
+    }
     together = [("summary_neutral", "summary_figures"), ("summary_positive", "summary_figures")]
     for valence in ("positive", "neutral", "negative"):
         graded = [name for name in ("neutral", *DEGREES) if name.split("_")[0] == valence]
@@ -167,7 +211,11 @@ def test_no_wording_says_how_far_the_goal_is(theme: Theme) -> None:
 
 def test_no_consolation_announces_another_attempt_as_it_may_follow_the_last(theme: Theme) -> None:
     wordings = [wording for situation in CONSOLING for wording in theme.phrases[situation]]
-    assert [text for text in wordings if re.search(rf"\b(?:{MORE[theme.language]})\b", text, re.IGNORECASE)] == []
+    assert [
+        text
+        for text in wordings
+        if re.search(rf"\b(?:{MORE[theme.language]})\b", text, re.IGNORECASE)
+    ] == []
 
 
 def test_each_wording_after_unanswered_prompts_gives_the_tasks_advice(theme: Theme) -> None:
@@ -177,7 +225,9 @@ def test_each_wording_after_unanswered_prompts_gives_the_tasks_advice(theme: The
 def test_the_face_fits_the_words(theme: Theme) -> None:
     faces = {situation: theme.manner(situation).face for situation in MANNERS}
     assert {faces[situation] for situation in (*DEGREES[:3], "greeting", "goodbye")} == {"happy"}
-    assert {faces[situation] for situation in (*DEGREES[3:], "encouragement", "goodbye_early")} == {"encouraging"}
+    assert {faces[situation] for situation in (*DEGREES[3:], "encouragement", "goodbye_early")} == {
+        "encouraging"
+    }
     assert faces["rest"] == "sleeping"
 
 
@@ -187,7 +237,9 @@ def test_no_wording_exaggerates_or_speaks_of_healing(theme: Theme) -> None:
 
 
 def test_every_wording_is_short_enough_for_one_breath(theme: Theme) -> None:
-    assert [text for situation in PHRASE_KEYS for text in said(theme, situation) if len(text) > BREATH] == []
+    assert [
+        text for situation in PHRASE_KEYS for text in said(theme, situation) if len(text) > BREATH
+    ] == []
 
 
 def test_every_wording_is_whole_sentences(theme: Theme) -> None:
@@ -212,14 +264,21 @@ def test_combined_phrases_do_not_repeat_each_other(theme: Theme) -> None:
 
 def word_triples(text: str) -> set[str]:
     """Return all sequences of three words within a sentence."""
-    sentences = [re.findall(r"[\w{}]+", sentence.lower()) for sentence in re.split(r"[.!?:;]", text)]
+    sentences = [
+        re.findall(r"[\w{}]+", sentence.lower()) for sentence in re.split(r"[.!?:;]", text)
+    ]
     return {" ".join(words[i : i + 3]) for words in sentences for i in range(len(words) - 2)}
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_spanish_addresses_adults_as_usted_and_children_as_tu(name: str, catalogue: Catalogue) -> None:
+def test_spanish_addresses_adults_as_usted_and_children_as_tu(
+    name: str, catalogue: Catalogue
+) -> None:
     words = set(re.findall(r"\w+", words_of(read_theme(catalogue.theme_folder(name), "es"))))
-    formal, familiar = {"su", "sus", "usted", "le", "pruebe", "tómese"}, {"tu", "tus", "te", "ti", "contigo", "prueba"}
+    formal, familiar = (
+        {"su", "sus", "usted", "le", "pruebe", "tómese"},
+        {"tu", "tus", "te", "ti", "contigo", "prueba"},
+    )
     assert not words & (formal if name == "playful" else familiar)
     assert words & (familiar if name == "playful" else formal)
 
@@ -244,13 +303,17 @@ def fillings(draw: st.DrawFn, language: str) -> dict[str, str]:
 
 
 def spells_a_number(text: str, language: str) -> bool:
-    """Return True if an independent parser finds a number. It takes the Spanish article un, una for one."""
+    """Return True if an independent parser finds a number. It takes the Spanish article un, una for
+    one.
+    """
     if language == "es":
         text = re.sub(r"\b[Uu]na?\b", "·", text)
     return any(character.isdigit() for character in alpha2digit(text, language, 0))
 
 
-@pytest.mark.parametrize(("name", "language"), [(name, language) for name in NAMES for language in LANGUAGES])
+@pytest.mark.parametrize(
+    ("name", "language"), [(name, language) for name in NAMES for language in LANGUAGES]
+)
 @given(data=st.data())
 @examples(25)
 def test_verbal_wordings_contain_no_number_and_numeric_ones_always_do(
@@ -263,9 +326,11 @@ def test_verbal_wordings_contain_no_number_and_numeric_ones_always_do(
             for wording in wordings:
                 text = wording.format(**slots, reference=reference)
                 assert holds_number(text, language) == (situation in QUANTITATIVE), text
-                assert re.search(r"\d", text) if situation in QUANTITATIVE else not spells_a_number(text, language), (
-                    text
-                )
+                assert (
+                    re.search(r"\d", text)
+                    if situation in QUANTITATIVE
+                    else not spells_a_number(text, language)
+                ), text
 
 
 def test_verbal_wordings_have_no_numeric_slot() -> None:
@@ -275,21 +340,31 @@ def test_verbal_wordings_have_no_numeric_slot() -> None:
 @pytest.mark.parametrize(
     ("language", "text", "spoken"),
     [
-        ("en", "412 ms, 30 ms faster than last time.", "412 milliseconds, 30 milliseconds faster than last time."),
+        (
+            "en",
+            "412 ms, 30 ms faster than last time.",
+            "412 milliseconds, 30 milliseconds faster than last time.",
+        ),
         ("en", "0.25 s; 12 % smoother", "0.25 seconds; 12 percent smoother"),
         ("en", "2.0 taps/s", "2.0 taps per second"),
         ("es", "0,25 s, un 12 % más suave", "0,25 segundos, un 12 por ciento más suave"),
         ("en", "3 sheep, 4 msec, ms", "3 sheep, 4 msec, ms"),
         ("en", "15cm.", "15 centimetres."),
         ("en", "1 s, 3.5 s, 1.1 s, 0.1 s", "1 second, 3.5 seconds, 1.1 seconds, 0.1 seconds"),
-        ("en", "11 s; 21 ms; 1,001 ms; 1.0 s", "11 seconds; 21 milliseconds; 1,001 milliseconds; 1.0 seconds"),
+        (
+            "en",
+            "11 s; 21 ms; 1,001 ms; 1.0 s",
+            "11 seconds; 21 milliseconds; 1,001 milliseconds; 1.0 seconds",
+        ),
         ("en", "1 taps/s, 1 %", "1 tap per second, 1 percent"),
         ("es", "1 s, 3,5 s, 1,1 s, 0,1 s", "1 segundo, 3,5 segundos, 1,1 segundos, 0,1 segundos"),
         ("es", "1 Hz, 21 ms, 1 toque", "1 hercio, 21 milisegundos, 1 toque"),
         ("en", "3 1/s, but 31/s", "3 per second, but 31/s"),
     ],
 )
-def test_units_after_numbers_are_spoken_in_full(catalogue: Catalogue, language: str, text: str, spoken: str) -> None:
+def test_units_after_numbers_are_spoken_in_full(
+    catalogue: Catalogue, language: str, text: str, spoken: str
+) -> None:
     assert catalogue.theme("calm", language).spoken(text) == spoken
 
 
@@ -299,11 +374,16 @@ def test_a_theme_without_units_speaks_its_written_text(calm: Theme) -> None:
     assert replace(calm, units={}).spoken("412 ms") == "412 ms"
 
 
-# --- looks -----------------------------------------------------------------------------------------------------------
+# --- looks
+# -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "ratio"), [("calm", 4.5), ("high-contrast", 7.0), ("playful", 4.5)])
-def test_every_text_colour_has_enough_contrast(catalogue: Catalogue, name: str, ratio: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "ratio"), [("calm", 4.5), ("high-contrast", 7.0), ("playful", 4.5)]
+)
+def test_every_text_colour_has_enough_contrast(
+    catalogue: Catalogue, name: str, ratio: float
+) -> None:
     theme = catalogue.theme(name)
     contrasts = theme.colors.contrasts()
     assert theme.minimum_contrast == ratio
@@ -352,7 +432,8 @@ def test_every_joint_is_used_by_a_gesture(theme: Theme) -> None:
         assert any(getattr(frame, joint) for frame in gesture.keyframes for joint in JOINTS), name
 
 
-# --- manner, tones ---------------------------------------------------------------------------------------------------
+# --- manner, tones
+# ---------------------------------------------------------------------------------------------------
 
 
 def test_a_theme_inherits_defaults_that_it_does_not_set(catalogue: Catalogue) -> None:

@@ -1,4 +1,6 @@
-"""Texts from anywhere: what a terminal would obey becomes visible, and what people read stays as it is."""
+"""Texts from anywhere: what a terminal would obey becomes visible, and what people read stays as it
+is.
+"""
 
 import json
 import unicodedata
@@ -10,7 +12,9 @@ from hypothesis import strategies as st
 from sar_tui.model.visible_text import control_problem, escaped, obeyed, visible
 from tests.hostile import OBEYED
 
-any_text = st.text(st.characters(exclude_categories=()), max_size=40) | st.text(st.sampled_from(OBEYED + "aé\n"))
+any_text = st.text(st.characters(exclude_categories=()), max_size=40) | st.text(
+    st.sampled_from(OBEYED + "aé\n")
+)
 DIRECTIONS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI", "B", "S"}
 """Classes of characters that change the direction of text, or separate paragraphs and segments."""
 READ = [
@@ -36,7 +40,9 @@ def test_nothing_that_a_terminal_obeys_is_left(text: str) -> None:
 def test_every_other_character_stays_where_it_is(text: str) -> None:
     shown = visible(text)
     assert len(shown) == len(text)
-    assert all(after == before or before in OBEYED for before, after in zip(text, shown, strict=True))
+    assert all(
+        after == before or before in OBEYED for before, after in zip(text, shown, strict=True)
+    )
 
 
 @given(any_text)
@@ -62,7 +68,10 @@ def test_each_control_character_has_its_own_picture() -> None:
 
 
 def test_a_problem_names_the_characters() -> None:
-    assert control_problem("The title", "A\x1b[31m\u202e\x1b") == "The title has control characters: U+001B, U+202E."
+    assert (
+        control_problem("The title", "A\x1b[31m\u202e\x1b")
+        == "The title has control characters: U+001B, U+202E."
+    )
     assert control_problem("The title", "two\nlines") == ""
 
 

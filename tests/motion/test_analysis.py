@@ -73,14 +73,24 @@ def test_of_several_reaches_the_largest_counts_for_both_detectors(detector: Dete
 def test_measures_of_turning_are_stored_by_version_2_and_rounded() -> None:
     hand = SimulatedHand(PROFILES["steady"])
     hand.move(2 * SECOND, SMALL)
-    samples, window = hand.samples(0, 5 * SECOND), Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND)
+    samples, window = (
+        hand.samples(0, 5 * SECOND),
+        Window(from_ns=0, started_ns=1_500_000_000, to_ns=5 * SECOND),
+    )
     then, now = (
-        analyse(samples, window, AnalysisParameters(detector="single-axis", measures_version=version)).details
+        analyse(
+            samples, window, AnalysisParameters(detector="single-axis", measures_version=version)
+        ).details
         for version in (1, 2)
     )
     assert now["excursion_deg"] == pytest.approx(23.3, abs=0.2)
     assert now["excursion_deg"] == round(float(now["excursion_deg"] or 0), 4)
-    assert set(now) - set(then) >= {"measures_version", "excursion_deg", "straightness", "tremor_action_rad_s"}
+    assert set(now) - set(then) >= {
+        "measures_version",
+        "excursion_deg",
+        "straightness",
+        "tremor_action_rad_s",
+    }
     assert then["reach_time_ms"] == now["reach_time_ms"]
 
 

@@ -1,5 +1,6 @@
-"""Simulated daily life: what a sensor on the wrist measures follows from one orientation, and nothing has a rhythm of
-its own."""
+"""Simulated daily life: what a sensor on the wrist measures follows from one orientation, and
+nothing has a rhythm of its own.
+"""
 
 import itertools
 
@@ -37,13 +38,20 @@ def test_gravity_turns_with_the_orientation_that_the_gyroscope_measures() -> Non
     bias = measured.rate[:500].mean(axis=0)
     turned = integrate(measured.rate - bias, 0.01)
     assert measured.acceleration is not None
-    before, after = (measured.acceleration[part].mean(axis=0) for part in (slice(0, 500), slice(1200, 1700)))
+    before, after = (
+        measured.acceleration[part].mean(axis=0) for part in (slice(0, 500), slice(1200, 1700))
+    )
     assert np.linalg.norm(before) == pytest.approx(GRAVITY_M_S2, rel=0.01)
     foreseen = rotate(conjugate(turned[1450]), rotate(turned[250], before))
-    assert np.degrees(np.arccos(foreseen @ after / np.linalg.norm(foreseen) / np.linalg.norm(after))) < 1.0
+    assert (
+        np.degrees(np.arccos(foreseen @ after / np.linalg.norm(foreseen) / np.linalg.norm(after)))
+        < 1.0
+    )
 
 
-def test_the_accelerometer_feels_gravity_on_average_in_every_life(lives: dict[str, DailyLife]) -> None:
+def test_the_accelerometer_feels_gravity_on_average_in_every_life(
+    lives: dict[str, DailyLife],
+) -> None:
     for life in lives.values():
         assert life.recording.acceleration is not None
         felt = np.linalg.norm(life.recording.acceleration, axis=1)
@@ -63,7 +71,11 @@ def test_a_trip_ends_where_it_began(lives: dict[str, DailyLife]) -> None:
 
 
 def test_walking_and_tremor_have_the_frequencies_of_people(lives: dict[str, DailyLife]) -> None:
-    for kind, low, high in (("walking", 0.75, 1.05), ("wheelchair", 0.7, 1.2), ("tremor", 4.0, 6.0)):
+    for kind, low, high in (
+        ("walking", 0.75, 1.05),
+        ("wheelchair", 0.7, 1.2),
+        ("tremor", 4.0, 6.0),
+    ):
         rate = lives[kind].recording.rate
         frequency = np.fft.rfftfreq(len(rate), 0.01)
         power = (np.abs(np.fft.rfft(rate - rate.mean(axis=0), axis=0)) ** 2).sum(axis=1)

@@ -23,7 +23,9 @@ NAMES = ["orientation", "single-axis", "fixed-threshold"]
 REACH = ReachShape(out_s=0.6, back_s=0.5, dwell_s=0.3, peak_out=2.0, peak_back=-2.4)
 
 
-def the_reach(shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "orientation") -> Reach:
+def the_reach(
+    shape: ReachShape, profile: Profile = PROFILES["clean"], detector: str = "orientation"
+) -> Reach:
     (reach,) = detect(simulate([shape], profile).recording, detector)
     return reach
 
@@ -59,7 +61,10 @@ def test_phases_and_dwell_sum_to_the_whole_reach(detector: str, dwell_s: float) 
 
 
 def test_smoothness_is_measured_per_phase() -> None:
-    smooth, halting = the_reach(REACH), the_reach(ReachShape(out_s=2, back_s=2, submovements=6, seed=2))
+    smooth, halting = (
+        the_reach(REACH),
+        the_reach(ReachShape(out_s=2, back_s=2, submovements=6, seed=2)),
+    )
     for reach in (smooth, halting):
         assert None not in (reach.sparc_out, reach.sparc_back, reach.ldlj_out, reach.ldlj_back)
     assert smooth.sparc_out == pytest.approx(-1.4, abs=0.03)
@@ -78,7 +83,9 @@ def test_a_tremor_shows_in_its_index() -> None:
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
-def test_extension_is_positive_and_return_negative_for_either_hand(hand: Literal["right", "left"]) -> None:
+def test_extension_is_positive_and_return_negative_for_either_hand(
+    hand: Literal["right", "left"],
+) -> None:
     made = simulate([REACH], Profile(axis=(0.0, 0.0, -1.0)))
     for detector in NAMES:
         (reach,) = detect(made.recording, detector, hand=hand)
@@ -116,7 +123,9 @@ def test_an_empty_recording_has_no_reach(detector: str) -> None:
 
 
 @pytest.mark.parametrize("detector", NAMES)
-@given(seed=st.integers(0, 10_000), count=st.integers(2, 900), size=st.sampled_from([0.02, 0.3, 4.0]))
+@given(
+    seed=st.integers(0, 10_000), count=st.integers(2, 900), size=st.sampled_from([0.02, 0.3, 4.0])
+)
 @examples(60)
 def test_every_measure_of_a_random_walk_is_finite_and_in_range(
     detector: str, seed: int, count: int, size: float
@@ -146,18 +155,23 @@ def test_each_detector_has_a_version_and_its_own_parameters() -> None:
     recording = simulate([REACH]).recording
     assert detect(recording, "fixed-threshold", FixedThresholdParameters(threshold_rad_s=3.0)) == ()
     assert detect(recording, "single-axis", SingleAxisParameters(least_rad=2.0)) == ()
-    with pytest.raises(ValueError, match="takes SingleAxisParameters, not FixedThresholdParameters"):
+    with pytest.raises(
+        ValueError, match="takes SingleAxisParameters, not FixedThresholdParameters"
+    ):
         detect(recording, "single-axis", FixedThresholdParameters())
 
 
 def test_an_unknown_detector_is_refused_with_the_known_ones() -> None:
     with pytest.raises(
-        ValueError, match="no detector named 'best'; there are: orientation, single-axis, fixed-threshold"
+        ValueError,
+        match="no detector named 'best'; there are: orientation, single-axis, fixed-threshold",
     ):
         detect(simulate([REACH]).recording, "best")
 
 
-@pytest.mark.parametrize(("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")])
+@pytest.mark.parametrize(
+    ("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")]
+)
 def test_the_earlier_name_of_a_detector_is_accepted(earlier: str, name: str) -> None:
     recording = simulate([REACH]).recording
     assert detect(recording, earlier) == detect(recording, name)

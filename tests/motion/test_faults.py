@@ -55,7 +55,9 @@ def test_a_clipped_reach_has_its_times_alone() -> None:
     assert "clipped" in found.flags
     assert found.details["reach_time_ms"] == pytest.approx(reach.reach_time_s * 1000, abs=1)
     assert found.details["peak_extension_rad_s"] is None
-    earlier = analyse(samples, window, AnalysisParameters(detector="single-axis", measures_version=1))
+    earlier = analyse(
+        samples, window, AnalysisParameters(detector="single-axis", measures_version=1)
+    )
     assert "clipped" not in earlier.flags
 
 
@@ -77,6 +79,8 @@ def test_a_window_in_degrees_says_so_whether_or_not_a_reach_is_found() -> None:
     hand["rate"] = np.degrees(hand["rate"])
     window = Window(from_ns=0, started_ns=1_000_000_000, to_ns=int(hand["at"][-1]) + 1)
     assert "too_far" in analyse(hand, window, AnalysisParameters()).flags
-    no_reach = Window(from_ns=0, started_ns=int(hand["at"][-1]) + 10**10, to_ns=int(hand["at"][-1]) + 1)
+    no_reach = Window(
+        from_ns=0, started_ns=int(hand["at"][-1]) + 10**10, to_ns=int(hand["at"][-1]) + 1
+    )
     assert analyse(hand, no_reach, AnalysisParameters()).onset_ns is None
     assert "too_far" in analyse(hand, no_reach, AnalysisParameters()).flags

@@ -31,7 +31,10 @@ def test_a_reach_lasts_from_the_threshold_to_the_beginning_of_the_rest() -> None
 
 
 def test_a_rest_of_800_ms_ends_a_reach_and_a_shorter_one_does_not() -> None:
-    assert times(find(turning((1, 0), (1, 1), (0.8, 0), (1, -1), (1, 0))).reaches) == [(1.0, 2.0), (2.8, 3.8)]
+    assert times(find(turning((1, 0), (1, 1), (0.8, 0), (1, -1), (1, 0))).reaches) == [
+        (1.0, 2.0),
+        (2.8, 3.8),
+    ]
     assert times(find(turning((1, 0), (1, 1), (0.79, 0), (1, -1), (1, 0))).reaches) == [(1.0, 3.79)]
 
 

@@ -22,7 +22,9 @@ BEGIN = 1_700_000_000 * SECOND
 
 
 def reaches(count: int, profile: str = "steady", every_s: int = 4) -> Iterator[Samples]:
-    """Yield samples in blocks of ten seconds: a reach every few seconds, and a minute's rest now and then."""
+    """Yield samples in blocks of ten seconds: a reach every few seconds, and a minute's rest now
+    and then.
+    """
     hand, now = SimulatedHand(PROFILES[profile], RATE_HZ, seed=2), BEGIN
     for number in range(count):
         hand.move(now + 2 * SECOND, TABLE_4_1[number % 8].shape)
@@ -83,7 +85,9 @@ def test_memory_does_not_grow_with_the_recording() -> None:
     for count in (60, 180):
         tracemalloc.start()
         try:
-            assert len(detect_long(reaches(count), "fixed-threshold", window=SMALL).reaches) == count
+            assert (
+                len(detect_long(reaches(count), "fixed-threshold", window=SMALL).reaches) == count
+            )
             peaks.append(tracemalloc.get_traced_memory()[1])
         finally:
             tracemalloc.stop()
@@ -114,7 +118,9 @@ def test_nothing_is_refused() -> None:
         detect_long([])
 
 
-@pytest.mark.parametrize("kind", first(1, ["typing", "wheelchair", "walking", "tremor", "scratching", "sitting"]))
+@pytest.mark.parametrize(
+    "kind", first(1, ["typing", "wheelchair", "walking", "tremor", "scratching", "sitting"])
+)
 def test_in_windows_of_daily_life_no_reach_is_found_twice(kind: str) -> None:
     life = daily_life.simulate(kind, 5, minutes=7.0, rate_hz=60.0).recording
     samples = np.zeros(len(life.time_s), dtype=SAMPLE)
@@ -125,7 +131,9 @@ def test_in_windows_of_daily_life_no_reach_is_found_twice(kind: str) -> None:
 
 
 def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Samples:
-    """Return samples of a hand that turns out and back about one axis after another, often without a rest."""
+    """Return samples of a hand that turns out and back about one axis after another, often without
+    a rest.
+    """
     generator = np.random.default_rng(seed)
     time_s = np.arange(round(lasts_s * rate_hz)) / rate_hz
     rate = generator.normal(0.0, 0.01, (len(time_s), 3))
@@ -150,7 +158,9 @@ def restless(seed: int, lasts_s: float = 400.0, rate_hz: float = 50.0) -> Sample
 
 @pytest.mark.parametrize("detector", DETECTORS)
 @pytest.mark.parametrize("seed", first(2, range(12)))
-def test_reaches_neither_overlap_nor_repeat_and_their_ways_are_in_order(detector: str, seed: int) -> None:
+def test_reaches_neither_overlap_nor_repeat_and_their_ways_are_in_order(
+    detector: str, seed: int
+) -> None:
     samples = restless(seed)
     cuts = np.sort(np.random.default_rng([seed, 1]).integers(100, len(samples) - 100, 6))
     found = detect_long(np.split(samples, cuts), detector, window=SMALL).reaches
@@ -160,4 +170,6 @@ def test_reaches_neither_overlap_nor_repeat_and_their_ways_are_in_order(detector
     for reach in found:
         assert min(reach.out_s, reach.dwell_s, reach.back_s) >= 0.0
         assert reach.onset_s <= reach.turn_s <= reach.end_s
-        assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(reach.reach_time_s, abs=1e-6)
+        assert reach.out_s + reach.dwell_s + reach.back_s == pytest.approx(
+            reach.reach_time_s, abs=1e-6
+        )

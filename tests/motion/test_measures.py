@@ -1,4 +1,6 @@
-"""Measures of a reach: about several axes, against the truth of simulated trajectories; phases; tremor; versions."""
+"""Measures of a reach: about several axes, against the truth of simulated trajectories; phases;
+tremor; versions.
+"""
 
 import math
 
@@ -41,20 +43,34 @@ LARGEST_ERRORS = {
 def bounds_of(shape: ReachShape, onset_s: float = 2.0) -> Bounds:
     """The true boundaries of a reach about z."""
     arrival_s, end_s = onset_s + shape.out_s, onset_s + shape.duration_s
-    return Bounds(onset_s=onset_s, arrival_s=arrival_s, departure_s=arrival_s + shape.dwell_s, end_s=end_s, axis=Z)
+    return Bounds(
+        onset_s=onset_s,
+        arrival_s=arrival_s,
+        departure_s=arrival_s + shape.dwell_s,
+        end_s=end_s,
+        axis=Z,
+    )
 
 
 def found_at(recording: Recording, bounds: Bounds, *, by_norm: bool = True) -> Detected:
     """A detector's result with these boundaries, with bias and tremor from the rest."""
     grid = even(recording)
     rest = find_rest(grid.rate, grid.rate_hz, 1.0)
-    return Detected(grid.time_s, grid.rate - rest.bias, grid.rate_hz, (bounds,), rest.tremor_hz, by_norm)
+    return Detected(
+        grid.time_s, grid.rate - rest.bias, grid.rate_hz, (bounds,), rest.tremor_hz, by_norm
+    )
 
 
 def measured(
-    recording: Recording, bounds: Bounds | None = None, *, by_norm: bool = True, version: Version = 2
+    recording: Recording,
+    bounds: Bounds | None = None,
+    *,
+    by_norm: bool = True,
+    version: Version = 2,
 ) -> Reach:
-    (reach,) = measure(found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm), recording, version)
+    (reach,) = measure(
+        found_at(recording, bounds or bounds_of(ONE_AXIS), by_norm=by_norm), recording, version
+    )
     return reach
 
 
@@ -66,14 +82,18 @@ def at_true_times(simulated: SimulatedReaches) -> Reach:
 @pytest.mark.parametrize("kind", first(3, list(KINDS)))
 @pytest.mark.parametrize("seed", [1, 2])
 def test_angles_of_any_reach_are_those_of_its_trajectory(kind: str, seed: int) -> None:
-    simulated = simulate_reaches(kind, seed, placement=seed, arm="left" if seed == 2 else "right", rate_hz=100.0)
+    simulated = simulate_reaches(
+        kind, seed, placement=seed, arm="left" if seed == 2 else "right", rate_hz=100.0
+    )
     reach, truth = at_true_times(simulated), true_measures(simulated, simulated)
     for name, within in LARGEST_ERRORS.items():
         assert getattr(reach, name) == pytest.approx(truth[name], abs=within)
 
 
 @pytest.mark.parametrize("kind", first(2, [kind for kind in KINDS if kind != "point-and-hold"]))
-def test_smoothness_of_the_norm_does_not_depend_on_noise_or_on_the_sensor_s_place(kind: str) -> None:
+def test_smoothness_of_the_norm_does_not_depend_on_noise_or_on_the_sensor_s_place(
+    kind: str,
+) -> None:
     ideal = at_true_times(simulate_reaches(kind, 3, rate_hz=100.0, imperfections=PERFECT))
     worn = StrappedSensor(noise_rad_s=math.radians(0.3), bias_rad_s=(0.03, -0.03, 0.02))
     other = at_true_times(simulate_reaches(kind, 3, rate_hz=100.0, placement=2, imperfections=worn))
@@ -86,7 +106,13 @@ def test_smoothness_of_the_norm_does_not_depend_on_noise_or_on_the_sensor_s_plac
 def test_about_one_axis_the_norm_measures_what_the_axis_does() -> None:
     recording = simulate([ONE_AXIS]).recording
     by_norm, by_axis = measured(recording), measured(recording, by_norm=False)
-    for name in ("peak_extension_rad_s", "peak_return_rad_s", "sparc_out", "sparc_back", "time_to_peak_s"):
+    for name in (
+        "peak_extension_rad_s",
+        "peak_return_rad_s",
+        "sparc_out",
+        "sparc_back",
+        "time_to_peak_s",
+    ):
         assert getattr(by_norm, name) == pytest.approx(getattr(by_axis, name), rel=1e-3)
     assert by_norm.movement_units_out == by_norm.movement_units_back == 1
 
@@ -115,15 +141,22 @@ def test_inclination_needs_an_accelerometer_and_a_rest_before_the_reach() -> Non
         assert reach.excursion_deg is not None
 
 
-# --- phases --------------------------------------------------------------------------------------------------------
+# --- phases
+# --------------------------------------------------------------------------------------------------------
 
 
 @given(times=st.lists(st.floats(-0.5, 6.5), min_size=4, max_size=4), by_norm=st.booleans())
 @examples(60)
-def test_phases_never_overlap_and_a_peak_lies_in_its_way_out(times: list[float], by_norm: bool) -> None:
+def test_phases_never_overlap_and_a_peak_lies_in_its_way_out(
+    times: list[float], by_norm: bool
+) -> None:
     onset_s, arrival_s, departure_s, end_s = times
-    bounds = Bounds(onset_s=onset_s, arrival_s=arrival_s, departure_s=departure_s, end_s=end_s, axis=Z)
-    reach = measured(simulate([ONE_AXIS], PROFILES["steady"], rate_hz=50).recording, bounds, by_norm=by_norm)
+    bounds = Bounds(
+        onset_s=onset_s, arrival_s=arrival_s, departure_s=departure_s, end_s=end_s, axis=Z
+    )
+    reach = measured(
+        simulate([ONE_AXIS], PROFILES["steady"], rate_hz=50).recording, bounds, by_norm=by_norm
+    )
     arrival_s, departure_s = reach.onset_s + reach.out_s, reach.end_s - reach.back_s
     assert reach.onset_s <= arrival_s <= reach.turn_s + 1e-9
     assert reach.turn_s <= departure_s + 1e-9 <= reach.end_s + 2e-9
@@ -133,7 +166,9 @@ def test_phases_never_overlap_and_a_peak_lies_in_its_way_out(times: list[float],
 
 @pytest.mark.parametrize("detector", ["orientation", "single-axis"])
 @pytest.mark.parametrize("row", TABLE_4_1[::3], ids=lambda row: row.type)
-def test_a_reach_without_a_rest_at_its_target_turns_where_it_turns(row: TableRow, detector: str) -> None:
+def test_a_reach_without_a_rest_at_its_target_turns_where_it_turns(
+    row: TableRow, detector: str
+) -> None:
     (reach,) = detect(simulate([row.shape], PROFILES["steady"]).recording, detector)
     assert reach.dwell_s == 0.0
     assert reach.out_s == pytest.approx(row.shape.out_s, abs=0.03)
@@ -145,7 +180,9 @@ def test_a_peak_after_the_arrival_is_sought_by_version_1_only() -> None:
     recording = simulate([ONE_AXIS]).recording
     shares = [
         reach.time_to_peak_s / reach.out_s
-        for reach in (measured(recording, early, by_norm=False, version=version) for version in (1, 2))
+        for reach in (
+            measured(recording, early, by_norm=False, version=version) for version in (1, 2)
+        )
     ]
     assert shares == [pytest.approx(0.5 / 0.3, abs=0.02), pytest.approx(1.0, abs=0.02)]
 
@@ -153,18 +190,25 @@ def test_a_peak_after_the_arrival_is_sought_by_version_1_only() -> None:
 def test_a_way_too_short_for_its_spectrum_has_no_smoothness() -> None:
     short = ReachShape(out_s=0.12, back_s=0.5, peak_out=8.0, peak_back=-2.0)
     recording = simulate([short]).recording
-    then, now = (measured(recording, bounds_of(short), by_norm=False, version=version) for version in (1, 2))
+    then, now = (
+        measured(recording, bounds_of(short), by_norm=False, version=version) for version in (1, 2)
+    )
     assert then.sparc_out == pytest.approx(-1.25, abs=0.03), "smoother than a minimum-jerk movement"
     assert (now.sparc_out, now.ldlj_out) == (None, None)
     assert now.sparc_back == then.sparc_back
 
 
-# --- tremor --------------------------------------------------------------------------------------------------------
+# --- tremor
+# --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("hz", "rad_s"), [(4.5, 0.2), (5.0, 1.0), (9.0, 0.2)])
-def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path(hz: float, rad_s: float) -> None:
-    reach = measured(simulate([ONE_AXIS], Profile(tremor_hz=hz, tremor_rad_s=rad_s), seed=2).recording)
+def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path(
+    hz: float, rad_s: float
+) -> None:
+    reach = measured(
+        simulate([ONE_AXIS], Profile(tremor_hz=hz, tremor_rad_s=rad_s), seed=2).recording
+    )
     assert reach.tremor_rest_hz == pytest.approx(hz, abs=0.3)
     across = 0.5
     assert reach.tremor_rest_rad_s == pytest.approx(rad_s * math.hypot(1.0, across), rel=0.05)
@@ -175,7 +219,9 @@ def test_tremor_at_rest_is_measured_and_removed_from_movement_units_and_path(hz:
 
 def test_tremor_in_movement_alone_is_measured_and_not_removed() -> None:
     shaking = StrappedSensor(action_tremor_hz=8.0, action_tremor_rad_s=0.4)
-    simulated = (simulate_reaches("trunk-lean", 3, imperfections=sensor) for sensor in (PERFECT, shaking))
+    simulated = (
+        simulate_reaches("trunk-lean", 3, imperfections=sensor) for sensor in (PERFECT, shaking)
+    )
     steady, shaky = (at_true_times(one) for one in simulated)
     assert (shaky.tremor_rest_hz, steady.tremor_rest_hz) == (None, None)
     assert shaky.tremor_rest_rad_s == pytest.approx(0.0, abs=0.01)
@@ -184,16 +230,21 @@ def test_tremor_in_movement_alone_is_measured_and_not_removed() -> None:
     assert shaky.movement_units_out > steady.movement_units_out
 
 
-# --- smoothness and the sensor -------------------------------------------------------------------------------------
+# --- smoothness and the sensor
+# -------------------------------------------------------------------------------------
 
 
 def smoothness(rate_hz: float, noise_deg_s: float) -> tuple[float, float]:
-    """SPARC and LDLJ of the same slow way out, mean of five recordings that begin between two samples."""
+    """SPARC and LDLJ of the same slow way out, mean of five recordings that begin between two
+    samples.
+    """
     profile = Profile(noise_rad_s=math.radians(noise_deg_s))
     ways = []
     for seed in range(5):
         onset_s = 2.0 + (seed + 0.5) / 5 / rate_hz
-        recording = simulate([ONE_AXIS], profile, rate_hz=rate_hz, rest_s=onset_s, seed=seed).recording
+        recording = simulate(
+            [ONE_AXIS], profile, rate_hz=rate_hz, rest_s=onset_s, seed=seed
+        ).recording
         reach = measured(recording, bounds_of(ONE_AXIS, onset_s))
         ways.append((reach.sparc_out, reach.ldlj_out))
     means: Floats = np.array(ways, dtype=float).mean(axis=0)
@@ -206,14 +257,21 @@ def test_sparc_depends_on_neither_rate_nor_noise_and_ldlj_on_both() -> None:
     noisy = {rate_hz: smoothness(rate_hz, 1.0) for rate_hz in (50.0, 100.0, 250.0, 1000.0)}
     for sparc, _ in (*clean.values(), *noisy.values()):
         assert sparc == pytest.approx(-1.405, abs=0.01)
-    assert [ldlj for _, ldlj in clean.values()] == pytest.approx([-5.13, -5.21, -5.25, -5.27], abs=0.03)
+    assert [ldlj for _, ldlj in clean.values()] == pytest.approx(
+        [-5.13, -5.21, -5.25, -5.27], abs=0.03
+    )
     assert [ldlj for _, ldlj in noisy.values()] == pytest.approx([-6.7, -6.8, -6.2, -5.6], abs=0.3)
 
 
-# --- versions ------------------------------------------------------------------------------------------------------
+# --- versions
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_version_1_has_only_its_own_measures() -> None:
     recording = simulate([ONE_AXIS]).recording
-    assert {name for name in EXTENDED if getattr(measured(recording, version=1), name) is not None} == set()
-    assert {name for name in EXTENDED if getattr(measured(recording), name) is None} == {"tremor_rest_hz"}
+    assert {
+        name for name in EXTENDED if getattr(measured(recording, version=1), name) is not None
+    } == set()
+    assert {name for name in EXTENDED if getattr(measured(recording), name) is None} == {
+        "tremor_rest_hz"
+    }

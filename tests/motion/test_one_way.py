@@ -12,8 +12,12 @@ RATE_HZ = 100.0
 OBLIQUE, ACROSS = (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)
 
 
-def moved(*ways: tuple[float, float, float, tuple[float, float, float]], seed: int = 0) -> Recording:
-    """Return a recording of movements (when, duration in s, angle in rad, axis), with noise, bias, and rests."""
+def moved(
+    *ways: tuple[float, float, float, tuple[float, float, float]], seed: int = 0
+) -> Recording:
+    """Return a recording of movements (when, duration in s, angle in rad, axis), with noise, bias,
+    and rests.
+    """
     time_s = np.arange(round((ways[-1][0] + ways[-1][1] + 2.0) * RATE_HZ)) / RATE_HZ
     rate = np.random.default_rng(seed).normal((0.02, -0.01, 0.03), 0.01, (len(time_s), 3))
     for begin_s, lasts_s, angle, axis in ways:
@@ -37,7 +41,9 @@ def test_a_movement_is_found_from_rest_to_rest(seed: int) -> None:
 
 
 def test_each_of_several_movements_in_a_row_is_found_about_whatever_axes() -> None:
-    found = detect_one_way(moved((2.0, 0.8, 0.8, OBLIQUE), (2.5, 0.8, 0.6, ACROSS), (5.0, 1.0, -0.9, OBLIQUE)))
+    found = detect_one_way(
+        moved((2.0, 0.8, 0.8, OBLIQUE), (2.5, 0.8, 0.6, ACROSS), (5.0, 1.0, -0.9, OBLIQUE))
+    )
     assert [reach.onset_s for reach in found] == pytest.approx([2.0, 5.0], abs=0.08)
     assert found[0].end_s == pytest.approx(3.3, abs=0.08)
 

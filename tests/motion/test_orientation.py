@@ -1,4 +1,6 @@
-"""The orientation detector: reaches about several axes, out and back from the orientation at rest."""
+"""The orientation detector: reaches about several axes, out and back from the orientation at
+rest.
+"""
 
 import numpy as np
 import pytest
@@ -20,7 +22,9 @@ def reaches_in(recording: Recording, **parameters: float) -> tuple[Bounds, ...]:
 
 
 def turning(angles: Floats, axes: Floats, rate_hz: float = 100.0) -> Recording:
-    """Return the recording of rotations one after the other: their angles, shape (n, k), about axes of shape (k, 3)."""
+    """Return the recording of rotations one after the other: their angles, shape (n, k), about axes
+    of shape (k, 3).
+    """
     rate, step_s = np.zeros((len(angles), 3)), 1.0 / rate_hz
     for k in range(angles.shape[1]):
         rate = rotate(from_rotation(-angles[:, k, None] * axes[k]), rate)
@@ -38,7 +42,9 @@ def stroke(time_s: Floats, begin_s: float, lasts_s: float) -> Floats:
 def test_a_reach_about_many_axes_is_found_once_and_timed(kind: str) -> None:
     errors = []
     for seed in range(fewer(40)):
-        made = simulate_reaches(kind, seed, arm=("right", "left")[seed % 2], placement=seed // 2 % 4)
+        made = simulate_reaches(
+            kind, seed, arm=("right", "left")[seed % 2], placement=seed // 2 % 4
+        )
         ((onset_s, end_s),) = made.truth
         (found,) = reaches_in(made.recording)
         errors.append((found.onset_s - onset_s, found.end_s - found.onset_s - (end_s - onset_s)))
@@ -49,7 +55,9 @@ def test_a_reach_about_many_axes_is_found_once_and_timed(kind: str) -> None:
 
 @pytest.mark.parametrize(("seed", "placement"), [(40, 0), (189, 2)])
 def test_a_reach_that_begins_slowly_is_found(seed: int, placement: int) -> None:
-    made = simulate_reaches("trunk-lean", seed, arm=("right", "left")[seed % 2], placement=placement)
+    made = simulate_reaches(
+        "trunk-lean", seed, arm=("right", "left")[seed % 2], placement=placement
+    )
     (found,) = reaches_in(made.recording)
     assert (found.onset_s, found.end_s) == pytest.approx(made.truth[0], abs=0.2)
 
@@ -63,7 +71,11 @@ def test_a_stop_on_the_way_back_does_not_end_a_reach(seed: int) -> None:
 
 def test_a_hand_that_stays_halfway_back_has_ended_its_reach_there() -> None:
     time_s = np.arange(0.0, 12.0, 0.01)
-    angle = 1.0 * stroke(time_s, 2.0, 0.6) - 0.7 * stroke(time_s, 3.0, 0.6) - 0.3 * stroke(time_s, 7.0, 0.6)
+    angle = (
+        1.0 * stroke(time_s, 2.0, 0.6)
+        - 0.7 * stroke(time_s, 3.0, 0.6)
+        - 0.3 * stroke(time_s, 7.0, 0.6)
+    )
     (found,) = reaches_in(turning(angle[:, None], np.array([[0.0, 1.0, 0.0]])))
     assert found.end_s == pytest.approx(3.6, abs=0.05)
 
@@ -80,7 +92,9 @@ def test_a_reach_after_a_noisy_rest_is_found(seed: int) -> None:
 def test_a_return_never_becomes_the_way_out_of_the_next_reach(rest_s: float) -> None:
     made = simulate_reaches("point-and-hold", 3, count=5, rest_s=rest_s)
     found = reaches_in(made.recording)
-    assert [one.onset_s for one in found] == pytest.approx([onset_s for onset_s, _ in made.truth], abs=0.15)
+    assert [one.onset_s for one in found] == pytest.approx(
+        [onset_s for onset_s, _ in made.truth], abs=0.15
+    )
 
 
 def test_a_recording_that_begins_at_the_target_begins_with_a_return() -> None:
@@ -89,7 +103,9 @@ def test_a_recording_that_begins_at_the_target_begins_with_a_return() -> None:
     after = made.recording.time_s > begins_s
     rest = Recording(made.recording.time_s[after], made.recording.rate[after])
     found = reaches_in(rest)
-    assert [one.onset_s for one in found] == pytest.approx([onset for onset, _ in made.truth[1:]], abs=0.1)
+    assert [one.onset_s for one in found] == pytest.approx(
+        [onset for onset, _ in made.truth[1:]], abs=0.1
+    )
 
 
 def test_the_onset_is_that_of_the_axis_that_moves_first() -> None:
@@ -127,10 +143,14 @@ def test_the_axis_is_that_of_the_whole_turn_seen_from_the_sensor_at_rest() -> No
     assert found.axis == pytest.approx(tuple(whole[1:] / np.linalg.norm(whole[1:])), abs=0.01)
 
 
-def test_a_reach_about_one_axis_is_timed_as_the_single_axis_detector_does_but_for_its_slowest_moments() -> None:
+def test_a_reach_about_one_axis_is_timed_as_the_single_axis_detector_does_but_for_its_slowest_moments() -> (
+    None
+):
     shape = ReachShape(out_s=0.6, back_s=0.5, dwell_s=0.3, peak_out=1.5, peak_back=-1.8)
     (found,) = reaches_in(simulate([shape]).recording)
-    assert found.onset_s == pytest.approx(2.0 + 0.0256 * 0.6, abs=0.01), "a minimum-jerk way reaches 1 % after 2.6 %"
+    assert found.onset_s == pytest.approx(2.0 + 0.0256 * 0.6, abs=0.01), (
+        "a minimum-jerk way reaches 1 % after 2.6 %"
+    )
     assert found.end_s == pytest.approx(3.4 - 0.0256 * 0.5, abs=0.01)
 
 
@@ -142,7 +162,12 @@ def test_the_way_out_ends_before_the_way_back_begins(kind: str, seed: int) -> No
 
 
 def test_a_twitch_is_no_reach() -> None:
-    assert reaches_in(simulate([ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)]).recording) == ()
+    assert (
+        reaches_in(
+            simulate([ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0)]).recording
+        )
+        == ()
+    )
 
 
 def test_a_reach_longer_than_the_longest_is_cut_off() -> None:

@@ -6,7 +6,9 @@ from sar_tui.motion.reach_bounds import Bounds
 
 def reach(onset_s: float, end_s: float) -> Bounds:
     middle_s = (onset_s + end_s) / 2
-    return Bounds(onset_s=onset_s, arrival_s=middle_s, departure_s=middle_s, end_s=end_s, axis=(0.0, 0.0, 1.0))
+    return Bounds(
+        onset_s=onset_s, arrival_s=middle_s, departure_s=middle_s, end_s=end_s, axis=(0.0, 0.0, 1.0)
+    )
 
 
 def times(*reaches: Bounds, since_s: float = 0.0) -> list[tuple[float, float]]:
@@ -22,7 +24,10 @@ def test_estimated_boundaries_meet() -> None:
 
 
 def test_the_same_movement_found_again_is_left_out() -> None:
-    assert times(reach(1.0, 2.0), reach(1.0, 2.0), reach(1.2, 3.0), reach(3.5, 4.0)) == [(1.0, 2.0), (3.5, 4.0)]
+    assert times(reach(1.0, 2.0), reach(1.0, 2.0), reach(1.2, 3.0), reach(3.5, 4.0)) == [
+        (1.0, 2.0),
+        (3.5, 4.0),
+    ]
     assert times(reach(1.0, 2.0), reach(1.95, 2.04)) == [(1.0, 2.0)]
 
 

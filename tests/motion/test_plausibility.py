@@ -1,4 +1,6 @@
-"""Reaches are kept at whatever pace; movements that do not return, halves of rhythms and twitches are not."""
+"""Reaches are kept at whatever pace; movements that do not return, halves of rhythms and twitches
+are not.
+"""
 
 from collections.abc import Sequence
 
@@ -20,12 +22,21 @@ from sar_tui.motion.wrist_motion import Angles, WristMotion
 from tests.examples import first
 
 
-def _found(recording: Recording, times: Sequence[tuple[float, float]], flags: tuple[str, ...] = ()) -> Detected:
+def _found(
+    recording: Recording, times: Sequence[tuple[float, float]], flags: tuple[str, ...] = ()
+) -> Detected:
     """Return what a detector would find that knows the true times."""
     grid = even(recording)
     rest = find_rest(grid.rate, grid.rate_hz, 1.0)
     reaches = tuple(
-        Bounds(onset_s=onset, arrival_s=onset, departure_s=end, end_s=end, axis=(0.0, 0.0, 1.0), flags=flags)
+        Bounds(
+            onset_s=onset,
+            arrival_s=onset,
+            departure_s=end,
+            end_s=end,
+            axis=(0.0, 0.0, 1.0),
+            flags=flags,
+        )
         for onset, end in times
     )
     return Detected(grid.time_s, grid.rate - rest.bias, grid.rate_hz, reaches, rest.tremor_hz)
@@ -74,7 +85,9 @@ def test_a_reach_whose_onset_was_found_too_early_is_kept(motion: WristMotion) ->
 
 
 @pytest.mark.parametrize(("pause_s", "kept"), [(0.8, 1), (3.0, 0)])
-def test_a_hand_may_set_something_down_before_it_comes_back(motion: WristMotion, pause_s: float, kept: int) -> None:
+def test_a_hand_may_set_something_down_before_it_comes_back(
+    motion: WristMotion, pause_s: float, kept: int
+) -> None:
     motion.shift(3.0, (60.0, 0.0, 0.0), 1.0)
     motion.shift(4.0, (-35.0, 0.0, 0.0), 1.0)
     motion.shift(5.0 + pause_s, (-25.0, 0.0, 0.0), 0.8)

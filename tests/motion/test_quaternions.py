@@ -37,7 +37,9 @@ def test_products_and_turned_vectors_are_those_of_scipy(vectors: Floats) -> None
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 33, 500])
-def test_an_integrated_rate_composes_small_rotations_in_the_sensor_axes(vectors: Floats, count: int) -> None:
+def test_an_integrated_rate_composes_small_rotations_in_the_sensor_axes(
+    vectors: Floats, count: int
+) -> None:
     rate = vectors[:count]
     expected = [Rotation.identity()]
     for before, after in pairwise(rate):

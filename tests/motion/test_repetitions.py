@@ -1,4 +1,6 @@
-"""Counts of repetitions in simulated exercises, and in recordings of ten people with a watch on either wrist."""
+"""Counts of repetitions in simulated exercises, and in recordings of ten people with a watch on
+either wrist.
+"""
 
 import importlib.util
 from collections.abc import Iterator
@@ -18,8 +20,12 @@ REGULAR = ("FEL", "ABD", "IR", "ER", "TRAP")
 SEEDS = range(3 if QUICK else 10)
 
 
-def swinging(cycles: Floats, rate_hz: float, axis: tuple[float, float, float] = (0.2, -0.4, 0.9)) -> Floats:
-    """Return the angular rate of a limb that moves out by a radian and back in each whole number of ``cycles``."""
+def swinging(
+    cycles: Floats, rate_hz: float, axis: tuple[float, float, float] = (0.2, -0.4, 0.9)
+) -> Floats:
+    """Return the angular rate of a limb that moves out by a radian and back in each whole number of
+    ``cycles``.
+    """
     angle = (1 - np.cos(2 * np.pi * cycles)) / 2
     return np.outer(np.gradient(angle) * rate_hz, axis)
 
@@ -63,7 +69,9 @@ def test_a_short_rest_after_every_repetition_is_part_of_the_rhythm() -> None:
 
 def test_the_amplitude_may_change() -> None:
     rate = swinging(np.arange(0, 12, 0.005), 100)
-    assert counted(noisy(rate * np.linspace(1.0, 0.6, len(rate))[:, np.newaxis], seed=4)).count == 12
+    assert (
+        counted(noisy(rate * np.linspace(1.0, 0.6, len(rate))[:, np.newaxis], seed=4)).count == 12
+    )
 
 
 def test_tremor_on_top_adds_no_repetitions() -> None:
@@ -127,25 +135,31 @@ class Set(NamedTuple):
 
 @cache
 def watch_sets() -> list[Set]:
-    """Return the regular sets of seglearn's ``load_watch``: ax, ay, az, wx, wy, wz at 50 Hz, 20 repetitions each.
+    """Return the regular sets of seglearn's ``load_watch``: ax, ay, az, wx, wy, wz at 50 Hz, 20
+    repetitions each.
 
     Read from its file, because importing the package requires further packages.
     """
     package = importlib.util.find_spec("seglearn")
     assert package is not None
     assert package.origin is not None
-    data = np.load(Path(package.origin).parent / "data" / "watch_dataset.npy", allow_pickle=True).item()
+    data = np.load(
+        Path(package.origin).parent / "data" / "watch_dataset.npy", allow_pickle=True
+    ).item()
     names = [data["y_labels"][label] for label in data["y"]]
     rows = zip(names, data["subject"], data["X"], strict=True)
-    return [Set(name, int(subject), x[:, 3:], x[:, :3]) for name, subject, x in rows if name in REGULAR]
+    return [
+        Set(name, int(subject), x[:, 3:], x[:, :3]) for name, subject, x in rows if name in REGULAR
+    ]
 
 
 def cuts(seed: int) -> Iterator[tuple[Set, int]]:
     """Yield a cut of every set, and its number of repetitions, 5 to 20.
 
-    Each set contains only the exercise, 20 repetitions by protocol; the start of each repetition is unknown. A cut of
-    k repetitions is therefore k twentieths of the set's time. This is approximate: the tempo varies, and some
-    recordings hold 18.4 to 22 cycles. About one cut in ten is nearer to another whole number than to its k.
+    Each set contains only the exercise, 20 repetitions by protocol; the start of each repetition is
+    unknown. A cut of k repetitions is therefore k twentieths of the set's time. This is
+    approximate: the tempo varies, and some recordings hold 18.4 to 22 cycles. About one cut in ten
+    is nearer to another whole number than to its k.
     """
     streams = np.random.default_rng(seed)
     for whole in watch_sets():
@@ -157,7 +171,9 @@ def cuts(seed: int) -> Iterator[tuple[Set, int]]:
 
 @cache
 def misses() -> dict[str, Floats]:
-    """Return the absolute errors of the count in every cut, by group: all, each exercise, each half of the people."""
+    """Return the absolute errors of the count in every cut, by group: all, each exercise, each half
+    of the people.
+    """
     found: dict[str, list[int]] = {}
     for seed in SEEDS:
         for part, count in cuts(seed):
@@ -169,7 +185,9 @@ def misses() -> dict[str, Floats]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("persons", ["all", "odd", "even"])
-def test_the_count_of_real_exercise_is_exact_in_85_and_within_one_in_95_of_100_cuts(persons: str) -> None:
+def test_the_count_of_real_exercise_is_exact_in_85_and_within_one_in_95_of_100_cuts(
+    persons: str,
+) -> None:
     assert np.mean(misses()[persons] == 0) >= 0.85
     assert np.mean(misses()[persons] <= 1) >= 0.95
 
@@ -181,5 +199,7 @@ def test_repetitions_of_every_exercise_are_counted(exercise: str) -> None:
 
 
 def test_whole_sets_have_about_twenty_repetitions() -> None:
-    counts = np.array([count_repetitions(s.rate, s.acceleration, WATCH_HZ).count for s in watch_sets()])
+    counts = np.array(
+        [count_repetitions(s.rate, s.acceleration, WATCH_HZ).count for s in watch_sets()]
+    )
     assert np.mean(np.abs(counts - 20) <= 1) >= 0.95

@@ -21,28 +21,42 @@ from tests.examples import examples, first
 RECORDING = Path(__file__).parents[2] / "data/table-4.1.csv"
 
 
-def one_by_one(time_s: Floats, rate: Floats, rate_hz: float, parameters: SingleAxisParameters) -> Segmentation:
+def one_by_one(
+    time_s: Floats, rate: Floats, rate_hz: float, parameters: SingleAxisParameters
+) -> Segmentation:
     segmenter = Segmenter(rate_hz, parameters)
     found = []
     for now, sample in zip(time_s, rate, strict=True):
         segmenter.push(now[None], sample[None])
         began_s = math.nan if segmenter.began_s is None else segmenter.began_s
-        found.append((segmenter.still_for_s, began_s, segmenter.returned_s if segmenter.returned else -math.inf))
+        found.append(
+            (
+                segmenter.still_for_s,
+                began_s,
+                segmenter.returned_s if segmenter.returned else -math.inf,
+            )
+        )
     return Segmentation(*np.array(found).T)
 
 
-def assert_same(samples: Samples, rate_hz: float, parameters: SingleAxisParameters | None = None) -> None:
+def assert_same(
+    samples: Samples, rate_hz: float, parameters: SingleAxisParameters | None = None
+) -> None:
     time_s, rate = samples["at"] / 1e9, samples["rate"].astype(float)
     parameters = parameters or SingleAxisParameters()
     expected = one_by_one(time_s, rate, rate_hz, parameters)
     for close in (1e-9, 0.01):  # the latter leaves nearly all to the Segmenter
-        for found, one in zip(segment(time_s, rate, rate_hz, parameters, close), expected, strict=True):
+        for found, one in zip(
+            segment(time_s, rate, rate_hz, parameters, close), expected, strict=True
+        ):
             np.testing.assert_array_equal(found, one)
 
 
 @examples(60)
 @given(st.data(), st.sampled_from(sorted(PROFILES)), st.integers(0, 10_000))
-def test_a_simulated_hand_is_segmented_as_sample_by_sample(data: st.DataObject, profile: str, seed: int) -> None:
+def test_a_simulated_hand_is_segmented_as_sample_by_sample(
+    data: st.DataObject, profile: str, seed: int
+) -> None:
     rate_hz = data.draw(st.sampled_from([250.0, 100.0, 21.0]))
     hand = SimulatedHand(PROFILES[profile], rate_hz, seed)
     onset_s = data.draw(st.floats(0, 3))
@@ -61,7 +75,9 @@ def test_a_simulated_hand_is_segmented_as_sample_by_sample(data: st.DataObject, 
         hand.move(round(onset_s * 1e9), shape)
         onset_s += shape.duration_s + data.draw(st.floats(0.2, 3))
     samples = hand.samples(0, round((onset_s + 1) * 1e9))
-    assert_same(samples, rate_hz, SingleAxisParameters(longest_s=data.draw(st.sampled_from([1.5, 15.0]))))
+    assert_same(
+        samples, rate_hz, SingleAxisParameters(longest_s=data.draw(st.sampled_from([1.5, 15.0])))
+    )
 
 
 @pytest.mark.parametrize("name", first(3, [scenario.name for scenario in scenarios()]))
@@ -97,5 +113,7 @@ def test_a_comparison_that_rounding_may_decide_is_left_to_the_segmenter() -> Non
     rate = np.zeros((1000, 3))
     rate[500:, 2] = 0.1
     found = segment(time_s, rate, 250.0)
-    for array, expected in zip(found, one_by_one(time_s, rate, 250.0, SingleAxisParameters()), strict=True):
+    for array, expected in zip(
+        found, one_by_one(time_s, rate, 250.0, SingleAxisParameters()), strict=True
+    ):
         np.testing.assert_array_equal(array, expected)

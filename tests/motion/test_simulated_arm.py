@@ -1,4 +1,6 @@
-"""A simulated hand of a moving arm: its samples are those of one person's reaches, as quick as requested."""
+"""A simulated hand of a moving arm: its samples are those of one person's reaches, as quick as
+requested.
+"""
 
 import itertools
 
@@ -19,7 +21,9 @@ START = 7 * SECOND
 REACH = ReachShape(out_s=0.8, back_s=0.8)
 
 
-def an_arm(kind: str = "lift-extend-touch", profile: str = "patient", reaches: int = 3) -> SimulatedArm:
+def an_arm(
+    kind: str = "lift-extend-touch", profile: str = "patient", reaches: int = 3
+) -> SimulatedArm:
     """Return an arm that reaches after one second, and every four."""
     arm = SimulatedArm(kind, PROFILES[profile], 250.0, seed=3)
     for number in range(reaches):

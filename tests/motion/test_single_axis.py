@@ -16,7 +16,14 @@ from sar_tui.motion.scenarios import Scenario, random_reach, scenarios
 from sar_tui.motion.segmenter import Segmenter
 from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.single_axis import SingleAxisParameters, find
-from sar_tui.motion.synthesis import PROFILES, TABLE_4_1, Profile, Simulation, simulate, table_4_1_recording
+from sar_tui.motion.synthesis import (
+    PROFILES,
+    TABLE_4_1,
+    Profile,
+    Simulation,
+    simulate,
+    table_4_1_recording,
+)
 from tests.examples import examples, fewer
 
 SEEDS = range(fewer(40))
@@ -39,7 +46,8 @@ def the_reach(made: Simulation) -> Bounds:
     return reach
 
 
-# --- realistic recordings --------------------------------------------------------------------------------------
+# --- realistic recordings
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scenario", scenarios(), ids=lambda scenario: scenario.name)
@@ -85,7 +93,8 @@ def test_too_few_samples_a_second_are_refused_with_a_reason() -> None:
         Segmenter(0.0)
 
 
-# --- other movements -------------------------------------------------------------------------------------------
+# --- other movements
+# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["clean", "noisy", "biased", "drifting", "tremor", "patient"])
@@ -101,7 +110,12 @@ def test_a_hand_at_rest_does_not_reach(name: str) -> None:
         ReachShape(out_s=0.6, back_s=0.5, peak_out=0.05, peak_back=-0.06),
         ReachShape(out_s=0.6, back_s=0.5, dwell_s=4.0),
     ],
-    ids=["a flick of the wrist", "out and never back", "hardly any turning", "a rest of 4 s between"],
+    ids=[
+        "a flick of the wrist",
+        "out and never back",
+        "hardly any turning",
+        "a rest of 4 s between",
+    ],
 )
 def test_other_movements_are_not_reaches(shape: ReachShape) -> None:
     assert find(simulate([shape], NOISY).recording).reaches == ()
@@ -112,7 +126,8 @@ def test_empty_and_very_short_recordings_have_no_reach() -> None:
         assert find(Recording(np.arange(count) / 250, np.zeros((count, 3)))).reaches == ()
 
 
-# --- phases and sides ------------------------------------------------------------------------------------------
+# --- phases and sides
+# ------------------------------------------------------------------------------------------
 
 
 def test_the_hand_arrives_rests_and_departs() -> None:
@@ -141,7 +156,8 @@ def test_the_outward_phase_is_positive_about_the_axis_for_either_side(
     assert reach.flags == flags
 
 
-# --- imperfect recordings --------------------------------------------------------------------------------------
+# --- imperfect recordings
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("rest_s", [0.0, 0.3, 0.7])
@@ -167,7 +183,9 @@ def test_a_reach_that_the_recording_cuts_off_ends_with_it(to_s: float) -> None:
 
 
 def test_a_reach_longer_than_the_longest_is_ended() -> None:
-    (reach,) = find(simulate([PAUSED], NOISY).recording, SingleAxisParameters(longest_s=2.0)).reaches
+    (reach,) = find(
+        simulate([PAUSED], NOISY).recording, SingleAxisParameters(longest_s=2.0)
+    ).reaches
     assert "timed_out" in reach.flags
     assert duration(reach) == pytest.approx(2.0)
     assert reach.departure_s <= reach.end_s
@@ -190,11 +208,15 @@ def test_samples_that_are_not_a_number_are_left_out() -> None:
 
 @given(
     rate=st.lists(
-        st.tuples(*[st.floats(width=32, min_value=-40, max_value=40) | st.just(math.nan)] * 3), min_size=0, max_size=200
+        st.tuples(*[st.floats(width=32, min_value=-40, max_value=40) | st.just(math.nan)] * 3),
+        min_size=0,
+        max_size=200,
     )
 )
 @examples(40)
-def test_reaches_in_any_signal_are_ordered_and_within_the_recording(rate: list[tuple[float, float, float]]) -> None:
+def test_reaches_in_any_signal_are_ordered_and_within_the_recording(
+    rate: list[tuple[float, float, float]],
+) -> None:
     time = np.arange(len(rate)) / 50
     reaches = find(Recording(time, np.array(rate, dtype=float).reshape(-1, 3))).reaches
     for reach in reaches:
@@ -202,7 +224,8 @@ def test_reaches_in_any_signal_are_ordered_and_within_the_recording(rate: list[t
         assert np.isfinite([reach.arrival_s, reach.departure_s, *reach.axis]).all()
 
 
-# --- filters ---------------------------------------------------------------------------------------------------
+# --- filters
+# ---------------------------------------------------------------------------------------------------
 
 
 def test_a_low_pass_keeps_a_bias_and_halves_the_power_at_its_cutoff() -> None:
@@ -211,7 +234,9 @@ def test_a_low_pass_keeps_a_bias_and_halves_the_power_at_its_cutoff() -> None:
     wave = np.sin(2 * np.pi * 8 * np.arange(2000) / 250)
     lowpass = Lowpass(8.0, 250.0)
     passed = np.array(lowpass.filter([(0.0, value, 2 * value) for value in wave.tolist()]))
-    assert passed[1000:].max(axis=0) == pytest.approx([0.0, math.sqrt(0.5), math.sqrt(2.0)], abs=0.01)
+    assert passed[1000:].max(axis=0) == pytest.approx(
+        [0.0, math.sqrt(0.5), math.sqrt(2.0)], abs=0.01
+    )
 
 
 def test_filters_add_no_delay_and_a_notch_removes_a_tremor() -> None:
@@ -222,7 +247,8 @@ def test_filters_add_no_delay_and_a_notch_removes_a_tremor() -> None:
     assert np.abs(smooth(bump + tremor, 250, 8.0, 5.0) - bump)[200:-200].max() < 0.02
 
 
-# --- live ------------------------------------------------------------------------------------------------------
+# --- live
+# ------------------------------------------------------------------------------------------------------
 
 
 def states(recording: Recording, cuts: list[int]) -> list[tuple[bool, float, float | None, bool]]:
@@ -231,7 +257,9 @@ def states(recording: Recording, cuts: list[int]) -> list[tuple[bool, float, flo
     edges = [0, *cuts, len(recording.time_s)]
     for first, last in pairwise(edges):
         segmenter.push(recording.time_s[first:last], recording.rate[first:last])
-        reported.append((segmenter.moving, segmenter.still_for_s, segmenter.began_s, segmenter.returned))
+        reported.append(
+            (segmenter.moving, segmenter.still_for_s, segmenter.began_s, segmenter.returned)
+        )
     return reported
 
 
@@ -247,7 +275,9 @@ def test_live_states_do_not_depend_on_the_blocks_that_samples_come_in(cuts: list
 
 
 def watched(made: Simulation) -> tuple[list[float], Segmenter]:
-    """Return the times (s) at which a segmenter finds the hand back and still for 0.8 s, asked every 20 ms."""
+    """Return the times (s) at which a segmenter finds the hand back and still for 0.8 s, asked
+    every 20 ms.
+    """
     segmenter, over = Segmenter(250.0), []
     for first in range(0, len(made.recording.time_s), 5):
         block = slice(first, first + 5)

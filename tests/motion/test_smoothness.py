@@ -12,7 +12,9 @@ from sar_tui.motion.smoothness import ldlj, movement_units, sparc
 
 
 def minimum_jerk(duration_s: float, rate_hz: float) -> Floats:
-    """Return the speed of Flash & Hogan (1985) over a unit distance, without its last sample (which is 0)."""
+    """Return the speed of Flash & Hogan (1985) over a unit distance, without its last sample (which
+    is 0).
+    """
     share = np.arange(0, duration_s, 1 / rate_hz) / duration_s
     return 30 * share**2 * (1 - share) ** 2 / duration_s
 
@@ -45,12 +47,17 @@ def test_a_gaussian_movement_has_its_known_smoothness() -> None:
 
 @pytest.mark.slow
 def test_smoothness_agrees_with_monalysa() -> None:
-    from monalysa.quality import smoothness as monalysa  # imports slowly, in every process that collects tests
+    # imports slowly, in every process that collects tests
+    from monalysa.quality import (
+        smoothness as monalysa,
+    )
 
     for number, speed in enumerate(random_profiles(50)):
         rate_hz = 50.0 + 4 * number
         assert sparc(speed, rate_hz) == pytest.approx(monalysa.sparc(speed, rate_hz)[0], abs=1e-6)
-        assert ldlj(speed, 100.0) == pytest.approx(monalysa.log_dimensionless_jerk(speed, 100.0), abs=1e-6)
+        assert ldlj(speed, 100.0) == pytest.approx(
+            monalysa.log_dimensionless_jerk(speed, 100.0), abs=1e-6
+        )
 
 
 @pytest.mark.parametrize("rate_hz", [50.0, 125.0, 249.97, 250.0, 1000.0])
@@ -61,9 +68,15 @@ def test_smoothness_hardly_depends_on_the_sampling_rate(rate_hz: float) -> None:
 
 
 def test_smoothness_depends_neither_on_size_nor_on_speed() -> None:
-    assert sparc(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(sparc(minimum_jerk(1.0, 100), 100))
-    assert ldlj(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(ldlj(minimum_jerk(1.0, 100), 100))
-    assert ldlj(minimum_jerk(2.0, 100), 100) == pytest.approx(ldlj(minimum_jerk(1.0, 100), 100), abs=0.1)
+    assert sparc(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(
+        sparc(minimum_jerk(1.0, 100), 100)
+    )
+    assert ldlj(300 * minimum_jerk(1.0, 100), 100) == pytest.approx(
+        ldlj(minimum_jerk(1.0, 100), 100)
+    )
+    assert ldlj(minimum_jerk(2.0, 100), 100) == pytest.approx(
+        ldlj(minimum_jerk(1.0, 100), 100), abs=0.1
+    )
 
 
 def test_a_correction_makes_a_movement_less_smooth_and_adds_a_unit() -> None:
@@ -92,7 +105,13 @@ def test_a_movement_that_only_slows_down_has_no_movement_unit() -> None:
 
 @pytest.mark.parametrize(
     "speed",
-    [np.array([]), np.ones(4), np.zeros(200), np.full(200, np.nan), np.append(np.ones(200), np.inf)],
+    [
+        np.array([]),
+        np.ones(4),
+        np.zeros(200),
+        np.full(200, np.nan),
+        np.append(np.ones(200), np.inf),
+    ],
     ids=["empty", "short", "still", "nan", "infinite"],
 )
 def test_smoothness_is_none_if_it_cannot_be_measured(speed: Floats) -> None:

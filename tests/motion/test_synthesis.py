@@ -25,13 +25,18 @@ HALFWAY = ReachShape(out_s=0.5, back_s=0.5, peak_out=2.0, peak_back=-1.0)
 """A reach that leaves the hand turned."""
 
 
-def a_hand(profile: str = "patient", seed: int = 3, rate_hz: float = 250.0, shape: ReachShape = REACH) -> SimulatedHand:
+def a_hand(
+    profile: str = "patient", seed: int = 3, rate_hz: float = 250.0, shape: ReachShape = REACH
+) -> SimulatedHand:
     hand = SimulatedHand(PROFILES[profile], rate_hz, seed)
     hand.move(2 * SECOND, shape)
     return hand
 
 
-@given(cuts=st.lists(st.integers(0, 6 * SECOND), max_size=8), rate_hz=st.sampled_from([60.0, 250.0, 1000.0]))
+@given(
+    cuts=st.lists(st.integers(0, 6 * SECOND), max_size=8),
+    rate_hz=st.sampled_from([60.0, 250.0, 1000.0]),
+)
 @example(cuts=[100_000_000, 5_500_000_000], rate_hz=250.0)
 @examples(30)
 def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_hz: float) -> None:
@@ -42,7 +47,9 @@ def test_samples_do_not_depend_on_how_they_are_requested(cuts: list[int], rate_h
 
 
 def test_another_seed_gives_other_noise() -> None:
-    assert a_hand(seed=1).samples(0, SECOND).tobytes() != a_hand(seed=2).samples(0, SECOND).tobytes()
+    assert (
+        a_hand(seed=1).samples(0, SECOND).tobytes() != a_hand(seed=2).samples(0, SECOND).tobytes()
+    )
 
 
 def test_samples_lie_on_the_grid_of_the_first_call() -> None:
@@ -72,12 +79,18 @@ def test_a_minimum_jerk_lobe_is_fastest_in_its_middle_and_covers_eight_fifteenth
 
 
 @pytest.mark.parametrize("submovements", [2, 3, 5, 7])
-def test_submovements_are_at_two_per_cent_where_the_reach_begins_and_ends(submovements: int) -> None:
-    shape = ReachShape(out_s=1.5, back_s=2, dwell_s=1, peak_out=1, peak_back=-1, submovements=submovements, seed=4)
+def test_submovements_are_at_two_per_cent_where_the_reach_begins_and_ends(
+    submovements: int,
+) -> None:
+    shape = ReachShape(
+        out_s=1.5, back_s=2, dwell_s=1, peak_out=1, peak_back=-1, submovements=submovements, seed=4
+    )
     form = waveform(shape)
     assert form.rate.max() == pytest.approx(1, abs=0.03)
     assert form.rate.min() == pytest.approx(-1, abs=0.03)
-    assert np.interp([0.0, shape.duration_s], form.time_s, np.abs(form.rate)) == pytest.approx([0.02, 0.02], abs=0.006)
+    assert np.interp([0.0, shape.duration_s], form.time_s, np.abs(form.rate)) == pytest.approx(
+        [0.02, 0.02], abs=0.006
+    )
 
 
 def test_a_twitch_comes_before_the_reach_and_lasts_80_ms() -> None:
@@ -120,7 +133,9 @@ def test_the_error_of_a_drifting_sensor_grows() -> None:
 
 
 def test_a_tremor_has_its_frequency_and_amplitude() -> None:
-    rate = SimulatedHand(Profile(tremor_hz=5, tremor_rad_s=0.15)).samples(0, 8 * SECOND)["rate"][:, 2]
+    rate = SimulatedHand(Profile(tremor_hz=5, tremor_rad_s=0.15)).samples(0, 8 * SECOND)["rate"][
+        :, 2
+    ]
     spectrum = np.abs(np.fft.rfft(rate))
     assert np.fft.rfftfreq(len(rate), 1 / 250)[spectrum.argmax()] == pytest.approx(5, abs=0.3)
     assert rate.max() == pytest.approx(0.15, rel=0.01)

@@ -1,4 +1,6 @@
-"""Simulated reaches about many axes: samples, orientation, position and true times belong to one movement."""
+"""Simulated reaches about many axes: samples, orientation, position and true times belong to one
+movement.
+"""
 
 import math
 
@@ -76,7 +78,9 @@ def test_at_rest_the_rate_is_nil_and_gravity_is_upwards(kind: str, placement: in
     assert orientation.apply(acceleration[still])[:, 2] == pytest.approx(9.81, abs=1e-5)
 
 
-def test_gravity_is_about_along_z_for_a_hand_on_the_table_and_against_it_for_a_sensor_on_the_palm() -> None:
+def test_gravity_is_about_along_z_for_a_hand_on_the_table_and_against_it_for_a_sensor_on_the_palm() -> (
+    None
+):
     for placement, sign in ((0, 1.0), (2, -1.0)):
         acceleration = perfect("lift-extend-touch", placement=placement).recording.acceleration
         assert acceleration is not None
@@ -89,7 +93,9 @@ def test_the_left_arm_mirrors_the_right_one(kind: str) -> None:
     assert np.allclose(left.recording.rate, right.recording.rate * (1.0, -1.0, -1.0), atol=1e-9)
     assert left.recording.acceleration is not None
     assert right.recording.acceleration is not None
-    assert np.allclose(left.recording.acceleration, right.recording.acceleration * (-1.0, 1.0, 1.0), atol=1e-5)
+    assert np.allclose(
+        left.recording.acceleration, right.recording.acceleration * (-1.0, 1.0, 1.0), atol=1e-5
+    )
     assert left.truth == right.truth
 
 
@@ -124,7 +130,9 @@ def test_the_true_times_are_those_at_which_the_rate_is_two_per_cent_of_its_peak_
 
 @every_kind
 @pytest.mark.parametrize("seed", first(3, range(50)))
-def test_a_reach_turns_the_hand_away_and_back_within_the_times_and_speeds_of_people(kind: str, seed: int) -> None:
+def test_a_reach_turns_the_hand_away_and_back_within_the_times_and_speeds_of_people(
+    kind: str, seed: int
+) -> None:
     made = perfect(kind, seed, rate_hz=100.0)
     (times,) = made.times
     time_s, peak = made.recording.time_s, np.linalg.norm(made.recording.rate, axis=1).max()
@@ -134,7 +142,10 @@ def test_a_reach_turns_the_hand_away_and_back_within_the_times_and_speeds_of_peo
     assert 0.8 < times.end_s - times.onset_s < 9.0
     assert degrees.max() > 10.0
     assert degrees[-1] < 10.0
-    assert degrees[(time_s > times.arrival_s) & (time_s < times.departure_s + 0.02)].max() > 0.5 * degrees.max()
+    assert (
+        degrees[(time_s > times.arrival_s) & (time_s < times.departure_s + 0.02)].max()
+        > 0.5 * degrees.max()
+    )
     if kind == "submovements":
         assert times.end_s - times.onset_s > 2.0
     if kind == "point-and-hold":
@@ -179,7 +190,9 @@ def test_samples_can_lack_the_accelerometer() -> None:
 @pytest.mark.parametrize("rate_hz", [50.0, 100.0, 250.0])
 def test_samples_come_at_the_rate_in_order_though_their_times_jitter(rate_hz: float) -> None:
     sensor = msgspec.structs.replace(PERFECT, jitter_s=0.5)
-    time_s = simulate_reaches("cross-arm", 1, rate_hz=rate_hz, imperfections=sensor).recording.time_s
+    time_s = simulate_reaches(
+        "cross-arm", 1, rate_hz=rate_hz, imperfections=sensor
+    ).recording.time_s
     assert (np.diff(time_s) > 0).all()
     assert np.diff(time_s).std() > 0.2 / rate_hz
     assert len(time_s) / (time_s[-1] - time_s[0]) == pytest.approx(rate_hz, rel=0.01)
@@ -187,12 +200,18 @@ def test_samples_come_at_the_rate_in_order_though_their_times_jitter(rate_hz: fl
 
 def test_a_sensor_adds_bias_drift_and_noise_and_holds_its_range() -> None:
     sensor = StrappedSensor(
-        noise_rad_s=0.02, bias_rad_s=(0.1, -0.2, 0.3), drift_rad_s_per_s=0.01, range_rad_s=1.0, lost=0.1
+        noise_rad_s=0.02,
+        bias_rad_s=(0.1, -0.2, 0.3),
+        drift_rad_s_per_s=0.01,
+        range_rad_s=1.0,
+        lost=0.1,
     )
     recording = simulate_reaches("forearm-rotation", 1, rest_s=10.0, imperfections=sensor).recording
     still = recording.time_s < 9.0
     assert recording.rate[still].mean(axis=0) == pytest.approx([0.145, -0.155, 0.345], abs=0.005)
-    assert recording.rate[still].std(axis=0) == pytest.approx([math.hypot(0.02, 0.026)] * 3, rel=0.1)
+    assert recording.rate[still].std(axis=0) == pytest.approx(
+        [math.hypot(0.02, 0.026)] * 3, rel=0.1
+    )
     assert np.abs(recording.rate).max() == 1.0
     assert (np.abs(recording.rate) == 1.0).any(axis=1).sum() > 5
     assert np.isin(recording.time_s.round(9), (np.arange(9000) / 100).round(9)).all()
@@ -201,7 +220,9 @@ def test_a_sensor_adds_bias_drift_and_noise_and_holds_its_range() -> None:
 
 def test_a_tremor_of_action_comes_with_the_reach_only_and_one_of_rest_stays() -> None:
     made = simulate_reaches(
-        "point-and-hold", 1, imperfections=StrappedSensor(action_tremor_rad_s=0.3, action_tremor_hz=8.0)
+        "point-and-hold",
+        1,
+        imperfections=StrappedSensor(action_tremor_rad_s=0.3, action_tremor_hz=8.0),
     )
     (times,) = made.times
     time_s, rate = made.recording.time_s, made.recording.rate

@@ -1,4 +1,6 @@
-"""Tremor: its share of a movement, its amplitude at rest and in movement, and nothing to measure."""
+"""Tremor: its share of a movement, its amplitude at rest and in movement, and nothing to
+measure.
+"""
 
 import math
 
@@ -38,7 +40,10 @@ def measured(value: float | None) -> float:
 def test_the_stronger_the_tremor_the_larger_its_share() -> None:
     moving = reach(1.2)
     tremor = oscillation(5, len(moving))
-    shares = [measured(tremor_index(about_one_axis(moving + size * tremor), 250)) for size in (0.0, 0.1, 0.5, 50.0)]
+    shares = [
+        measured(tremor_index(about_one_axis(moving + size * tremor), 250))
+        for size in (0.0, 0.1, 0.5, 50.0)
+    ]
     assert shares == sorted(shares)
     assert shares[0] < 0.01
     assert shares[-1] > 0.99
@@ -48,14 +53,21 @@ def test_the_bias_of_a_gyroscope_is_not_movement() -> None:
     moving = about_one_axis(reach(1.2))
     biased = moving + np.array([0.1, -0.2, 0.3])
     assert tremor_index(biased, 250) == pytest.approx(tremor_index(moving, 250))
-    assert tremor_amplitude(biased, 250, TREMOR_HZ) == pytest.approx(tremor_amplitude(moving, 250, TREMOR_HZ))
+    assert tremor_amplitude(biased, 250, TREMOR_HZ) == pytest.approx(
+        tremor_amplitude(moving, 250, TREMOR_HZ)
+    )
 
 
-@pytest.mark.parametrize(("hz", "band"), [(4.0, TREMOR_HZ), (11.0, TREMOR_HZ), (8.0, ACTION_HZ), (11.0, ACTION_HZ)])
+@pytest.mark.parametrize(
+    ("hz", "band"), [(4.0, TREMOR_HZ), (11.0, TREMOR_HZ), (8.0, ACTION_HZ), (11.0, ACTION_HZ)]
+)
 def test_the_amplitude_is_that_of_the_oscillation_in_its_band(hz: float, band: Band) -> None:
     shaking = about_one_axis(0.15 * oscillation(hz, 500))
     assert tremor_amplitude(shaking, RATE_HZ, band) == pytest.approx(0.15, rel=0.01)
-    assert measured(tremor_amplitude(about_one_axis(0.15 * oscillation(1.5, 500)), RATE_HZ, band)) < 0.01
+    assert (
+        measured(tremor_amplitude(about_one_axis(0.15 * oscillation(1.5, 500)), RATE_HZ, band))
+        < 0.01
+    )
 
 
 @pytest.mark.parametrize("way_s", [0.6, 0.8, 1.2])
@@ -63,7 +75,9 @@ def test_action_tremor_is_told_from_a_slow_enough_reach(way_s: float) -> None:
     moving = reach(way_s)
     assert measured(tremor_amplitude(about_one_axis(moving), RATE_HZ, ACTION_HZ)) < 0.025
     shaking = moving + 0.15 * oscillation(8, len(moving))
-    assert tremor_amplitude(about_one_axis(shaking), RATE_HZ, ACTION_HZ) == pytest.approx(0.15, abs=0.01)
+    assert tremor_amplitude(about_one_axis(shaking), RATE_HZ, ACTION_HZ) == pytest.approx(
+        0.15, abs=0.01
+    )
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,9 @@ def lean(seed: int, placement: int = 0) -> tuple[SimulatedReaches, Recording]:
 
 def true_excursion_deg(made: SimulatedReaches) -> float:
     (bounds,) = made.truth
-    orientation: Floats = made.movement.pose(Site("sternum"), np.linspace(*bounds, 1000)).orientation
+    orientation: Floats = made.movement.pose(
+        Site("sternum"), np.linspace(*bounds, 1000)
+    ).orientation
     return math.degrees(float(angle(multiply(conjugate(orientation[:1]), orientation)).max()))
 
 
@@ -28,7 +30,9 @@ def true_excursion_deg(made: SimulatedReaches) -> float:
 def test_a_lean_is_measured_within_two_degrees_wherever_the_sensor_sits(placement: int) -> None:
     for seed in range(5):
         made, sternum = lean(seed, placement)
-        assert trunk_excursion_deg(sternum, *made.truth[0]) == pytest.approx(true_excursion_deg(made), abs=2.0)
+        assert trunk_excursion_deg(sternum, *made.truth[0]) == pytest.approx(
+            true_excursion_deg(made), abs=2.0
+        )
 
 
 def test_a_trunk_that_stays_upright_has_hardly_any_excursion() -> None:
@@ -56,4 +60,7 @@ def test_a_trunk_never_at_rest_gives_no_excursion() -> None:
     made, sternum = lean(4)
     onset, end = made.truth[0]
     time = sternum.time_s
-    assert trunk_excursion_deg(cut(sternum, (time > onset - 0.2) & (time < end + 0.2)), onset, end) is None
+    assert (
+        trunk_excursion_deg(cut(sternum, (time > onset - 0.2) & (time < end + 0.2)), onset, end)
+        is None
+    )

@@ -35,7 +35,10 @@ def test_rows_with_a_number_that_is_not_finite_are_left_out(vectors: Floats) -> 
 
 
 @examples(100)
-@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=60), st.sampled_from((0, 5, 50, 95, 99, 100)))
+@given(
+    st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=60),
+    st.sampled_from((0, 5, 50, 95, 99, 100)),
+)
 def test_a_percentile_is_that_of_numpy(values: list[float], share: float) -> None:
     assert percentile(np.array(values), share) == np.percentile(values, share)
 
@@ -44,7 +47,9 @@ def test_a_percentile_is_that_of_numpy(values: list[float], share: float) -> Non
 @given(st.lists(st.floats(0.001, 1.0), min_size=1, max_size=60))
 def test_the_rate_of_a_recording_is_that_of_the_median_step(steps: list[float]) -> None:
     time_s = np.cumsum([0.0, *steps])
-    assert Recording(time_s, np.zeros((len(time_s), 3))).rate_hz == 1.0 / float(np.median(np.diff(time_s)))
+    assert Recording(time_s, np.zeros((len(time_s), 3))).rate_hz == 1.0 / float(
+        np.median(np.diff(time_s))
+    )
 
 
 @examples(100)
@@ -52,7 +57,9 @@ def test_the_rate_of_a_recording_is_that_of_the_median_step(steps: list[float]) 
 def test_changes_and_stretches_of_a_mask(values: list[bool], longest: int) -> None:
     mask = np.array(values, dtype=bool)
     found = changes(mask).reshape(-1, 2).tolist()
-    assert [index for first, last in found for index in range(first, last)] == np.flatnonzero(mask).tolist()
+    assert [index for first, last in found for index in range(first, last)] == np.flatnonzero(
+        mask
+    ).tolist()
     for part in stretches(mask, longest):
         assert mask[part.start]
         assert mask[part.stop - 1]

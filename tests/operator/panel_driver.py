@@ -93,7 +93,12 @@ def welcome(role: Role = "operator", **other: Any) -> Welcome:
         "attempts": 20,
         "trials": 20,
         "metric": Metric("reaction_time", "ms", "lower"),
-        "parameters": {"min_level": 1, "max_level": 10, "operator_lost": "autonomous", "operator_difficulty": "veto"},
+        "parameters": {
+            "min_level": 1,
+            "max_level": 10,
+            "operator_lost": "autonomous",
+            "operator_difficulty": "veto",
+        },
     }
     return Welcome(**fields | other)
 
@@ -117,11 +122,19 @@ def proposal(id: str = "p1", **other: Any) -> m.Proposal:
     return m.Proposal(**fields | other)
 
 
-def approval(id: str = "p1", ms: int | None = 4000, level: int | None = None, **other: Any) -> m.PendingApproval:
+def approval(
+    id: str = "p1", ms: int | None = 4000, level: int | None = None, **other: Any
+) -> m.PendingApproval:
     deadline = None if ms is None else START + ms * MS
-    kind: dict[str, Any] = {"kind": "difficulty", "text": "", "valence": None} if level is not None else {}
+    kind: dict[str, Any] = (
+        {"kind": "difficulty", "text": "", "valence": None} if level is not None else {}
+    )
     return m.PendingApproval(
-        proposal=proposal(id, **kind | other), mode="approve", deadline=deadline, otherwise="act", level=level
+        proposal=proposal(id, **kind | other),
+        mode="approve",
+        deadline=deadline,
+        otherwise="act",
+        level=level,
     )
 
 
@@ -134,7 +147,9 @@ def arbiter_state(*pending: m.PendingApproval, **other: Any) -> m.ArbiterState:
     return m.ArbiterState(**{"modes": MODES, "operated": True, "pending": pending} | other)
 
 
-def trial(number: int, stimulus: str, ms: float | None, *, correct: bool = True, seat: str = "A") -> m.TrialEnded:
+def trial(
+    number: int, stimulus: str, ms: float | None, *, correct: bool = True, seat: str = "A"
+) -> m.TrialEnded:
     timing = m.Timing("flush", 0.2, 0.1, 0, 1, 900.0, ())
     return m.TrialEnded(
         seat=seat,
@@ -208,7 +223,9 @@ def presence(state: Any = "baton", actor: str = ANNA, **peers: Role) -> m.Operat
     """Return a change of presence. Anna has control unless ``actor`` takes it (state ``baton``)."""
     there = {f"{role}.{name}": role for name, role in peers.items()}
     holder = actor if state == "baton" else ANNA
-    return m.OperatorChanged(actor=actor, state=state, operated=True, holder=holder, peers={ANNA: "operator", **there})
+    return m.OperatorChanged(
+        actor=actor, state=state, operated=True, holder=holder, peers={ANNA: "operator", **there}
+    )
 
 
 def session_frames(theme: Theme) -> list[Frame]:
@@ -218,14 +235,24 @@ def session_frames(theme: Theme) -> list[Frame]:
         frame(t.PRESENCE, presence()),
         frame(t.LEVEL, m.LevelChanged(previous=3, level=4, reason="success")),
         frame(t.ATTEMPT_ENDED, attempt()),
-        frame(t.ACTION, action("a1", text="Welcome back. Good to see you again.", valence=None, decided=0)),
+        frame(
+            t.ACTION,
+            action("a1", text="Welcome back. Good to see you again.", valence=None, decided=0),
+        ),
         frame(t.WAITING, waiting("enter", "attempt")),
         frame(t.ACTING, m.AgentActing(acting=False)),
         frame(t.ARBITER_STATE, arbiter_state()),
         *(
             frame(t.TRIAL, trial(number, stimulus, ms, correct=correct))
             for number, (stimulus, ms, correct) in enumerate(
-                (("f", 512, True), ("j", 430, True), ("f", 377, False), ("d", None, False), ("k", 455, True)), 1
+                (
+                    ("f", 512, True),
+                    ("j", 430, True),
+                    ("f", 377, False),
+                    ("d", None, False),
+                    ("k", 455, True),
+                ),
+                1,
             )
         ),
     ]
@@ -261,7 +288,9 @@ class PanelDriver:
 
     async def join(self, role: Role = "operator", **other: Any) -> None:
         """Join a running session."""
-        await self.receive(Connection("connected"), welcome(role, **other), session_frames(self._theme))
+        await self.receive(
+            Connection("connected"), welcome(role, **other), session_frames(self._theme)
+        )
 
     async def propose(self, *approvals: m.PendingApproval) -> None:
         """Show proposals for long enough to be read."""
@@ -275,7 +304,9 @@ class PanelDriver:
         await settle(self.app)
 
     def _type(self, key: str) -> None:
-        """Press a key now, on the session's clock: how long this machine takes to handle it does not count."""
+        """Press a key now, on the session's clock: how long this machine takes to handle it does
+        not count.
+        """
         pressed = Key(_NAMES.get(key, key), key if len(key) == 1 else _TYPED.get(key))
         pressed.time = PRESSED / SECOND
         self.app.post_message(pressed)
@@ -298,13 +329,23 @@ class PanelDriver:
 
     def sent(self, topic: Topic[Any]) -> list[Any]:
         """Return what was sent on a topic, without time stamps."""
-        return [msgspec.structs.replace(message, at=0) for name, message in self.peer.sent if name == topic.name]
+        return [
+            msgspec.structs.replace(message, at=0)
+            for name, message in self.peer.sent
+            if name == topic.name
+        ]
 
     @property
     def rows(self) -> list[str]:
         width, height = self.app.size
-        console = Console(width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False)
-        console.print(self.app.screen._compositor.render_update(full=True, screen_stack=self.app._background_screens))
+        console = Console(
+            width=width, height=height, file=io.StringIO(), record=True, legacy_windows=False
+        )
+        console.print(
+            self.app.screen._compositor.render_update(
+                full=True, screen_stack=self.app._background_screens
+            )
+        )
         return [row.rstrip() for row in console.export_text().splitlines()]
 
     @property
@@ -326,7 +367,9 @@ class _App(WizardApp):
         return PanelScreen(connect, self._theme, self._folder, VirtualClock(START), self._wall_time)
 
     def _wall_time(self) -> datetime:
-        return datetime(2026, 1, 5, 14, 3, 20) + timedelta(microseconds=(self.peer.now() - START) / 1000)
+        return datetime(2026, 1, 5, 14, 3, 20) + timedelta(
+            microseconds=(self.peer.now() - START) / 1000
+        )
 
 
 @asynccontextmanager

@@ -1,4 +1,6 @@
-"""The log of the panel marks as done only what has happened, for the operator who acts and for those who watch."""
+"""The log of the panel marks as done only what has happened, for the operator who acts and for
+those who watch.
+"""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -8,7 +10,16 @@ import pytest
 from sar_tui.link.peer import Connection, Frame
 from sar_tui.link.session_feed import SENT
 from sar_tui.loop.bus import Record, Topic
-from sar_tui.loop.topics import COMMAND, NOTE_ADDED, OUTPUT, PRESENCE, REMARK, STEP_ENDED, STOPPED, WAITING
+from sar_tui.loop.topics import (
+    COMMAND,
+    NOTE_ADDED,
+    OUTPUT,
+    PRESENCE,
+    REMARK,
+    STEP_ENDED,
+    STOPPED,
+    WAITING,
+)
 from sar_tui.model import messages as m
 from sar_tui.model.messages import Message, Role
 from sar_tui.model.step import Step
@@ -30,7 +41,8 @@ ANNA = b.ANNA
 
 
 class Panel:
-    """A panel's commands and log at a session, without a screen. What it sends arrives at once, or when a test says so.
+    """A panel's commands and log at a session, without a screen. What it sends arrives at once, or
+    when a test says so.
 
     Attributes:
         history: the log at each message of the session.
@@ -59,7 +71,8 @@ class Panel:
             self.commands.receive(frames)
             self.history.append(self.lines)
 
-    # --- the link ------------------------------------------------------------------------------------------
+    # --- the link
+    # ------------------------------------------------------------------------------------------
 
     def send(self, topic: Topic[Any], message: Message) -> None:
         def arrive() -> None:
@@ -80,7 +93,8 @@ class Panel:
 
     def close(self) -> None: ...
 
-    # --- the operator --------------------------------------------------------------------------------------
+    # --- the operator
+    # --------------------------------------------------------------------------------------
 
     def decide(self, verdict: Any) -> None:
         """Decide on the most urgent proposal."""
@@ -94,7 +108,11 @@ class Panel:
     @property
     def lines(self) -> list[Line]:
         now, state = self.now(), self.commands.state
-        return [*state.log, *(stop.line(now) for stop in state.stops), *self.commands.log.lines(now)]
+        return [
+            *state.log,
+            *(stop.line(now) for stop in state.stops),
+            *self.commands.log.lines(now),
+        ]
 
     @property
     def texts(self) -> list[str]:
@@ -108,7 +126,9 @@ class Panel:
 
     def was_good(self, text: str) -> bool:
         """Return True if the log has ever marked a line with this text as done."""
-        return any(line.tone == "good" and text in line.text for lines in self.history for line in lines)
+        return any(
+            line.tone == "good" and text in line.text for lines in self.history for line in lines
+        )
 
 
 def session(theme: Theme, *outputs: Output, **settings: Any) -> LoopDriver:
@@ -116,7 +136,9 @@ def session(theme: Theme, *outputs: Output, **settings: Any) -> LoopDriver:
     nodes = [OutputNode(output, output.name, theme) for output in outputs]
     quiet = {"attempts": 3, "prompts_per_attempt": 2, "encouragement": False, "filler": "never"}
     driver = LoopDriver(Catalogue().task("keyboard"), theme, extra=nodes, **quiet | settings)
-    joined = m.OperatorChanged(actor=ANNA, state="baton", operated=True, holder=ANNA, peers={ANNA: "operator"})
+    joined = m.OperatorChanged(
+        actor=ANNA, state="baton", operated=True, holder=ANNA, peers={ANNA: "operator"}
+    )
     driver.session.bus.publish(PRESENCE, joined)
     driver.wait(10_000)
     driver.enter()
@@ -124,12 +146,16 @@ def session(theme: Theme, *outputs: Output, **settings: Any) -> LoopDriver:
     return driver
 
 
-# --- decisions -----------------------------------------------------------------------------------------------------
+# --- decisions
+# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("verdict", "doing", "done"),
-    [("accept", "Approving feedback …", "Approved feedback"), ("veto", "Vetoing feedback …", "Vetoed feedback")],
+    [
+        ("accept", "Approving feedback …", "Approved feedback"),
+        ("veto", "Vetoing feedback …", "Vetoed feedback"),
+    ],
 )
 @pytest.mark.parametrize("delay_ms", [0, 9000])
 def test_a_decision_is_marked_as_done_when_the_session_has_decided(
@@ -178,14 +204,20 @@ def test_an_action_under_way_is_cancelled_when_its_output_is_still(calm: Theme) 
     panel = Panel(session(calm, robot))
     (current,) = [panel.commands.state.arbiter.current] if panel.commands.state.arbiter else []
     assert current
-    panel.commands.send("Cancelled feedback", b.t.DECISION, m.Decision(action=current.id, verdict="veto"), panel.now())
+    panel.commands.send(
+        "Cancelled feedback",
+        b.t.DECISION,
+        m.Decision(action=current.id, verdict="veto"),
+        panel.now(),
+    )
     assert panel.last == ("Cancelling feedback …", "plain")
     robot.report(current.id, "say", "aborted")
     panel.driver.wait(0)
     assert panel.last == ("Cancelled feedback", "good")
 
 
-# --- remarks -------------------------------------------------------------------------------------------------------
+# --- remarks
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_remark_is_said_only_when_its_output_has_said_it(calm: Theme) -> None:
@@ -222,7 +254,9 @@ def test_a_remark_that_an_output_could_not_say_is_not_confirmed(calm: Theme) -> 
 
 
 @pytest.mark.parametrize(
-    ("waits", "outcome"), [(True, "not done (stopped)"), (False, "stopped before its end")], ids=["queued", "spoken"]
+    ("waits", "outcome"),
+    [(True, "not done (stopped)"), (False, "stopped before its end")],
+    ids=["queued", "spoken"],
 )
 def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome: str) -> None:
     panel = Panel(session(calm, Speaker(1500)))
@@ -236,7 +270,8 @@ def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome
     assert not panel.was_good("Well held")
 
 
-# --- commands ------------------------------------------------------------------------------------------------------
+# --- commands
+# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -248,7 +283,9 @@ def test_a_remark_that_is_stopped_was_not_said(calm: Theme, waits: bool, outcome
         ("end", "Ended the session", "Ending the session"),
     ],
 )
-def test_a_command_is_marked_as_done_when_it_was_carried_out(calm: Theme, command: str, text: str, doing: str) -> None:
+def test_a_command_is_marked_as_done_when_it_was_carried_out(
+    calm: Theme, command: str, text: str, doing: str
+) -> None:
     panel = Panel(session(calm))
     panel.driver.begin_attempt()
     panel.is_slow = True
@@ -280,7 +317,8 @@ def test_after_a_lost_connection_a_missed_outcome_is_not_invented(calm: Theme) -
     assert panel.last == ("Saying “Well held.”: the outcome is not known", "bad")
 
 
-# --- stopping the agent --------------------------------------------------------------------------------------------
+# --- stopping the agent
+# --------------------------------------------------------------------------------------------
 
 
 def test_a_stop_is_confirmed_by_the_outputs(calm: Theme) -> None:
@@ -302,7 +340,10 @@ def test_everybody_sees_that_the_participant_pressed_f2(calm: Theme, role: Role)
     panel = Panel(driver, role)
     driver.operate("stop")
     assert "P01 pressed F2: stopping speech …" in panel.texts
-    assert "Stopping speech … · P01" in status_view.activity(panel.commands.state, 60, panel.now()).plain
+    assert (
+        "Stopping speech … · P01"
+        in status_view.activity(panel.commands.state, 60, panel.now()).plain
+    )
     driver.wait(10)
     assert "P01 pressed F2: stopped after 0 ms" in panel.texts
     assert "✓ Stopped · P01 pressed F2" in status_view.activity(panel.commands.state, 60).plain
@@ -334,7 +375,9 @@ def test_only_outputs_that_are_open_are_waited_for() -> None:
     commands.receive(b.welcome())
     commands.receive([b.frame(OUTPUT, opened), b.frame(COMMAND, stop)])
     assert commands.state.stops[-1].awaited == {"speech"}
-    commands.receive([b.frame(STOPPED, m.OutputStopped(output="speech", asked=b.START, at=b.START))])
+    commands.receive(
+        [b.frame(STOPPED, m.OutputStopped(output="speech", asked=b.START, at=b.START))]
+    )
     assert commands.state.stops[-1].outcome(b.START)[1] == "good"
 
 
@@ -355,7 +398,12 @@ def test_the_operator_skips_a_question_and_no_other_one(calm: Theme) -> None:
 
 def test_a_question_that_the_participant_alone_can_answer_is_not_skipped() -> None:
     consent = Step(
-        name="consent", text="Do you agree?", kind="choice", labels=("yes", "no"), before=True, required="yes"
+        name="consent",
+        text="Do you agree?",
+        kind="choice",
+        labels=("yes", "no"),
+        before=True,
+        required="yes",
     )
     commands = Commands()
     commands.receive(Connection("connected"))
@@ -366,7 +414,8 @@ def test_a_question_that_the_participant_alone_can_answer_is_not_skipped() -> No
     assert "Nobody else can answer that" in commands.log.lines(b.START)[-1].text
 
 
-# --- those who watch -----------------------------------------------------------------------------------------------
+# --- those who watch
+# -----------------------------------------------------------------------------------------------
 
 
 def watched(calm: Theme, **settings: Any) -> tuple[Panel, Panel]:
@@ -406,14 +455,17 @@ def test_a_therapists_mark_is_in_the_log_of_everybody() -> None:
     mark = m.SessionCommand(command="mark", actor="therapist", reason="missed", at=b.START)
     marked = m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
     commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, marked)])
-    assert commands.log.lines(b.START) == [Line(b.START, "therapist: Marked: marker missed", "good")]
+    assert commands.log.lines(b.START) == [
+        Line(b.START, "therapist: Marked: marker missed", "good")
+    ]
 
 
 @pytest.mark.parametrize(("actor", "by"), [("therapist", "therapist: "), (ANNA, "you: ")])
 def test_a_mark_that_is_removed_is_logged_as_removed(actor: str, by: str) -> None:
     commands = Commands()
     commands.receive(b.welcome(marks=b.MARKS))
-    mark = m.SessionCommand(command="mark", actor=actor, reason="missed")  # without a time stamp, as in the app
+    # without a time stamp, as in the app
+    mark = m.SessionCommand(command="mark", actor=actor, reason="missed")
     removed = m.TrialMarked(attempt=3, trial=4, mark="", correct=True)
     commands.receive([b.frame(COMMAND, mark), b.frame(b.t.MARKED, removed)])
     assert commands.log.lines(b.START) == [Line(b.START, f"{by}Unmarked: marker missed", "good")]
@@ -432,10 +484,16 @@ def test_ones_own_acts_are_not_doubled_when_the_session_sends_them_again(calm: T
     panel = Panel(session(calm))
     panel.commands.note("coughs", panel.now())
     panel.commands.receive(b.welcome())
-    panel.commands.receive([b.frame(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANNA, at=panel.now()))])
-    assert [line.text.partition(" · ")[0] for line in panel.commands.log.lines(panel.now())] == ["Noted “coughs”"]
+    panel.commands.receive(
+        [b.frame(NOTE_ADDED, m.NoteAdded(text="coughs", actor=ANNA, at=panel.now()))]
+    )
+    assert [line.text.partition(" · ")[0] for line in panel.commands.log.lines(panel.now())] == [
+        "Noted “coughs”"
+    ]
 
 
 def test_a_refused_act_of_this_operator_is_not_done() -> None:
-    act = Act("Said “Hi”", REMARK.name, m.Remark(text="Hi", actor=ANNA, at=b.START)).failed("refused")
+    act = Act("Said “Hi”", REMARK.name, m.Remark(text="Hi", actor=ANNA, at=b.START)).failed(
+        "refused"
+    )
     assert act.line(b.START) == Line(b.START, "Saying “Hi”: refused", "bad")

@@ -21,10 +21,16 @@ TARGET = "18 of 20 prompts reached the goal; the target is 70 %."
         ),
         (
             t.LEVEL,
-            m.LevelChanged(previous=3, level=2, reason="failure", why="Goal missed 2 times in a row."),
+            m.LevelChanged(
+                previous=3, level=2, reason="failure", why="Goal missed 2 times in a row."
+            ),
             "Level 3 → 2 (goal missed 2 times in a row).",
         ),
-        (t.LEVEL, m.LevelChanged(previous=3, level=4, reason="success"), "Level 3 → 4 (goal reached)."),
+        (
+            t.LEVEL,
+            m.LevelChanged(previous=3, level=4, reason="success"),
+            "Level 3 → 4 (goal reached).",
+        ),
         (
             t.LEVEL,
             m.LevelChanged(previous=3, level=4, reason="operator", why="Set by hand."),
@@ -32,12 +38,23 @@ TARGET = "18 of 20 prompts reached the goal; the target is 70 %."
         ),
         (
             t.GOAL,
-            m.GoalChanged(previous=1000, goal=843.218, unit="ms", reason="percentile", why="The goal is a result."),
+            m.GoalChanged(
+                previous=1000,
+                goal=843.218,
+                unit="ms",
+                reason="percentile",
+                why="The goal is a result.",
+            ),
             "Goal 1000 → 843.2 ms (the goal is a result).",
         ),
         (
             t.MARKERS,
-            m.MarkersChanged(destination="serial:COM3", state="failing", at=0, detail="The port takes no markers."),
+            m.MarkersChanged(
+                destination="serial:COM3",
+                state="failing",
+                at=0,
+                detail="The port takes no markers.",
+            ),
             "No markers go to serial:COM3: The port takes no markers.",
         ),
         (
@@ -46,9 +63,19 @@ TARGET = "18 of 20 prompts reached the goal; the target is 70 %."
             "Markers go to serial:COM3 again.",
         ),
     ],
-    ids=["target", "in a row", "of an earlier program", "by hand", "goal", "no markers", "markers again"],
+    ids=[
+        "target",
+        "in a row",
+        "of an earlier program",
+        "by hand",
+        "goal",
+        "no markers",
+        "markers again",
+    ],
 )
-def test_a_change_is_logged_with_its_reason(topic: Topic[m.Message], message: m.Message, text: str) -> None:
+def test_a_change_is_logged_with_its_reason(
+    topic: Topic[m.Message], message: m.Message, text: str
+) -> None:
     line = event_line(b.frame(topic, message), None, None)
     assert line is not None
     assert line.text == text

@@ -26,7 +26,9 @@ from tests.settle import settle
 
 
 @asynccontextmanager
-async def panel(catalogue: Catalogue, folder: Path, role: Role = "operator") -> AsyncIterator[PanelDriver]:
+async def panel(
+    catalogue: Catalogue, folder: Path, role: Role = "operator"
+) -> AsyncIterator[PanelDriver]:
     async with b.open_panel(catalogue, folder, role=role, size=(100, 30)) as driver:
         yield driver
 
@@ -36,7 +38,8 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-# --- proposals -----------------------------------------------------------------------------------------------------
+# --- proposals
+# -----------------------------------------------------------------------------------------------------
 
 
 async def test_one_key_decides_with_its_time_stamp_and_each_proposal_is_reported_as_seen_once(
@@ -56,7 +59,14 @@ async def test_one_key_decides_with_its_time_stamp_and_each_proposal_is_reported
         ]
         at = [message.at for name, message in driver.peer.sent if name == t.DECISION.name][-1]
         assert driver.peer.now() - 5 * SECOND < at <= driver.peer.now()
-        assert [seen.action for seen in driver.sent(t.PROPOSAL_SEEN)] == ["p0", "p1", "p2", "p3", "p4", "p5"]
+        assert [seen.action for seen in driver.sent(t.PROPOSAL_SEEN)] == [
+            "p0",
+            "p1",
+            "p2",
+            "p3",
+            "p4",
+            "p5",
+        ]
 
 
 async def test_text_is_edited_in_place_unchanged_it_is_approved_and_escape_cancels(
@@ -92,7 +102,9 @@ async def test_typed_text_never_acts_as_keys_and_an_edit_that_is_too_late_can_be
         assert driver.sent(t.DECISION) == []
         assert "Too late: it was already decided." in driver.text
         await driver.press("enter")
-        assert driver.sent(t.REMARK)[1:] == [m.Remark(text="Well done!", source="free text", actor=ANNA)]
+        assert driver.sent(t.REMARK)[1:] == [
+            m.Remark(text="Well done!", source="free text", actor=ANNA)
+        ]
 
 
 async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neither_has_a_valence(
@@ -117,7 +129,9 @@ async def test_a_level_is_edited_as_a_number_and_a_gesture_by_its_name_and_neith
         ]
 
 
-@pytest.mark.parametrize(("typed", "limit"), [("0", "lowest"), ("11", "highest"), ("9" * 30, "highest")])
+@pytest.mark.parametrize(
+    ("typed", "limit"), [("0", "lowest"), ("11", "highest"), ("9" * 30, "highest")]
+)
 async def test_a_level_that_the_session_cannot_have_is_not_sent(
     catalogue: Catalogue, folder: Path, typed: str, limit: str
 ) -> None:
@@ -131,9 +145,12 @@ async def test_a_level_that_the_session_cannot_have_is_not_sent(
 
 
 @pytest.mark.parametrize(
-    "late", [b.approval("p1", 2000, level=5), b.approval("p1", 2000, text="", spoken="", gesture="nod")]
+    "late",
+    [b.approval("p1", 2000, level=5), b.approval("p1", 2000, text="", spoken="", gesture="nod")],
 )
-async def test_only_late_words_can_be_said_anyway(catalogue: Catalogue, folder: Path, late: m.PendingApproval) -> None:
+async def test_only_late_words_can_be_said_anyway(
+    catalogue: Catalogue, folder: Path, late: m.PendingApproval
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.propose(late)
         await driver.press("e", "8")
@@ -183,20 +200,33 @@ async def test_a_decided_proposal_makes_room_for_the_next_and_is_not_decided_twi
         assert "“Second”" in driver.text
         await driver.advance(500)
         await driver.press("x", "x")
-        assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [("p1", "accept"), ("p2", "veto")]
+        assert [(each.action, each.verdict) for each in driver.sent(t.DECISION)] == [
+            ("p1", "accept"),
+            ("p2", "veto"),
+        ]
         assert driver.text.count("Vetoing feedback …") == 2, "instead of its keys, and in the log"
-        await driver.publish(t.REFUSED, m.PeerRequestRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."))
+        await driver.publish(
+            t.REFUSED,
+            m.PeerRequestRefused(actor=ANNA, what=t.DECISION.name, why="Too many at once."),
+        )
         await driver.press("x")
         await driver.advance(4000)  # and this one never arrived
         await driver.press("enter")
-        assert [each.verdict for each in driver.sent(t.DECISION)] == ["accept", "veto", "veto", "accept"]
+        assert [each.verdict for each in driver.sent(t.DECISION)] == [
+            "accept",
+            "veto",
+            "veto",
+            "accept",
+        ]
 
 
 async def test_the_time_left_is_counted_down_for_each_proposal_with_what_happens_then(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000)))
+        await driver.publish(
+            t.ARBITER_STATE, b.arbiter_state(b.approval(ms=4000), b.approval("p2", ms=4000))
+        )
         assert "acts by itself in 4.0 s" in driver.text
         full = driver.text.count("█")
         await driver.advance(2000)
@@ -205,13 +235,16 @@ async def test_the_time_left_is_counted_down_for_each_proposal_with_what_happens
         assert left < full
         await driver.press("right")
         assert driver.text.count("█") == left  # it has been counting down all the time
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop")))
+        await driver.publish(
+            t.ARBITER_STATE, b.arbiter_state(replace(b.approval("p3"), otherwise="drop"))
+        )
         assert "is dropped in 2.0 s" in driver.text
         await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p4", ms=None)))
         assert "waits for you until the next attempt begins" in driver.text
 
 
-# --- the session ---------------------------------------------------------------------------------------------------
+# --- the session
+# ---------------------------------------------------------------------------------------------------
 
 
 async def test_single_keys_control_the_session_and_levels_stop_at_the_highest(
@@ -269,7 +302,11 @@ async def test_a_participants_pause_is_highlighted_and_ended_only_by_a_second_ke
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        for reason, text in (("", "P01 paused"), ("pain", "P01 paused: in pain"), ("tired", "P01 paused: tired")):
+        for reason, text in (
+            ("", "P01 paused"),
+            ("pain", "P01 paused: in pain"),
+            ("tired", "P01 paused: tired"),
+        ):
             await driver.join()
             driver.peer.sent.clear()
             await driver.publish(t.COMMAND, m.SessionCommand(command="pause", reason=reason))
@@ -303,7 +340,9 @@ async def test_in_a_burst_of_keys_each_key_goes_to_what_the_one_before_opened(
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.burst("n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h")
+        await driver.burst(
+            "n", *"hurx", "backspace", "t", "enter", "t", *"Hi", "enter", "n", *"so", "enter", "h"
+        )
         assert [note.text for note in driver.sent(t.NOTE_ADDED)] == ["hurt", "so"]
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Hi"]
         assert [each.mode for each in driver.sent(t.MODE)] == ["manual"]
@@ -326,7 +365,9 @@ async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_nex
         await driver.press("e", "!")
         assert "Enter sends, Esc cancels" in driver.text
         await driver.advance(2000)
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next")))
+        await driver.publish(
+            t.ARBITER_STATE, b.arbiter_state(b.approval("p2", 9000, text="The next"))
+        )
         assert "Time is up: Well done!" in driver.text
         assert "FEEDBACK · time is up" in driver.text
         assert "Enter twice says it anyway" in driver.text
@@ -339,7 +380,9 @@ async def test_an_edit_whose_time_runs_out_says_so_and_is_not_shown_with_the_nex
         assert "Time is up" not in driver.text
 
 
-async def test_while_the_panel_is_hidden_only_the_stop_key_acts(catalogue: Catalogue, folder: Path) -> None:
+async def test_while_the_panel_is_hidden_only_the_stop_key_acts(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("f1", "space", "u", "h", "1", "t", "x", "f2")
         assert [name for name, _ in driver.peer.sent] == [t.COMMAND.name]
@@ -386,10 +429,14 @@ async def test_remarks_that_must_wait_are_logged_so_and_typed_slots_are_filled(
         assert len(driver.sent(t.REMARK)) == 3
 
 
-async def test_a_text_that_the_session_refuses_is_offered_again(catalogue: Catalogue, folder: Path) -> None:
+async def test_a_text_that_the_session_refuses_is_offered_again(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.burst("t", *"Well held.", "enter")
-        refused = m.PeerRequestRefused(actor=ANNA, what=t.REMARK.name, why="Another operator is in control.")
+        refused = m.PeerRequestRefused(
+            actor=ANNA, what=t.REMARK.name, why="Another operator is in control."
+        )
         await driver.publish(t.REFUSED, refused)
         assert "refused, the text is kept" in driver.text
         await driver.burst("t", "enter")
@@ -398,7 +445,9 @@ async def test_a_text_that_the_session_refuses_is_offered_again(catalogue: Catal
         assert driver.panel.query_one(ProposalStrip).entry.value == ""
 
 
-async def test_the_skip_key_ends_a_rest_that_must_be_taken(catalogue: Catalogue, folder: Path) -> None:
+async def test_the_skip_key_ends_a_rest_that_must_be_taken(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.publish(t.WAITING, b.waiting("rest", "rest"))
         assert "A rest that must be taken" in driver.text
@@ -409,14 +458,18 @@ async def test_the_skip_key_ends_a_rest_that_must_be_taken(catalogue: Catalogue,
         assert "✓ Ended the rest" in " ".join(driver.text.split())
 
 
-async def test_without_a_prompt_nothing_is_skipped_or_repeated(catalogue: Catalogue, folder: Path) -> None:
+async def test_without_a_prompt_nothing_is_skipped_or_repeated(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("s", "r")
         assert driver.sent(t.COMMAND) == []
         assert "No prompt is shown. Nothing was sent." in driver.text
 
 
-async def test_an_approved_action_that_is_due_later_is_counted_down(catalogue: Catalogue, folder: Path) -> None:
+async def test_an_approved_action_that_is_due_later_is_counted_down(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         due = b.action("a9", text="Well done", due=b.START + 1900 * MS)
         await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(due,)))
@@ -425,7 +478,9 @@ async def test_an_approved_action_that_is_due_later_is_counted_down(catalogue: C
         assert "goes out in 0.9 s" in driver.text
 
 
-async def test_ctrl_q_asks_before_the_panel_of_a_session_is_left(catalogue: Catalogue, folder: Path) -> None:
+async def test_ctrl_q_asks_before_the_panel_of_a_session_is_left(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.press("ctrl+q")
         assert "Leave the panel?" in driver.text
@@ -435,28 +490,40 @@ async def test_ctrl_q_asks_before_the_panel_of_a_session_is_left(catalogue: Cata
         assert not driver.app.is_running
 
 
-async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(catalogue: Catalogue, folder: Path) -> None:
+async def test_after_the_session_the_panel_says_so_and_one_key_leaves_it(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.publish(t.SESSION_ENDED, m.SessionEnded(status="completed"))
         await driver.receive(Connection("ended", "The session is over."))
-        assert "The session is over. q leaves. For the report: sar-tui report wizard last" in driver.text
+        assert (
+            "The session is over. q leaves. For the report: sar-tui report wizard last"
+            in driver.text
+        )
         assert "no connection" not in driver.text
         await driver.press("q")
         assert driver.peer.is_closed
 
 
-# --- palette, speech, notes --------------------------------------------------------------------------------------
+# --- palette, speech, notes
+# --------------------------------------------------------------------------------------
 
 
-async def test_a_mark_replaces_another_only_if_its_key_is_pressed_twice(catalogue: Catalogue, folder: Path) -> None:
+async def test_a_mark_replaces_another_only_if_its_key_is_pressed_twice(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.join(marks=b.MARKS)
         await driver.publish(t.TRIAL, b.trial(4, "f", 400))
         await driver.press("m", "1")
-        await driver.publish(t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False))
+        await driver.publish(
+            t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
+        )
         await driver.press("m", "2")
         assert [act.reason for act in driver.sent(t.COMMAND)] == ["missed"]
-        assert "Marked as marker missed already. The same key again: assisted instead." in driver.text
+        assert (
+            "Marked as marker missed already. The same key again: assisted instead." in driver.text
+        )
         await driver.press("m", "2")
         assert [act.reason for act in driver.sent(t.COMMAND)] == ["missed", "assisted"]
 
@@ -468,22 +535,33 @@ async def test_the_present_mark_is_removed_and_a_new_trial_marked_at_once(
     async with panel(catalogue, folder) as driver:
         await driver.join(marks=b.MARKS)
         await driver.publish(t.TRIAL, b.trial(4, "f", 400))
-        await driver.publish(t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False))
+        await driver.publish(
+            t.MARKED, m.TrialMarked(attempt=3, trial=4, mark="missed", correct=False)
+        )
         if name == "assisted":
             await driver.publish(t.TRIAL, b.trial(5, "f", 400))
         await driver.press("m", "1" if name == "missed" else "2")
         assert [act.reason for act in driver.sent(t.COMMAND)] == [name]
 
 
-async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(catalogue: Catalogue, folder: Path) -> None:
+async def test_numbers_choose_items_tab_turns_the_page_and_escape_goes_back(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.join(marks=b.MARKS)
-        await driver.publish(t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),)))
+        await driver.publish(
+            t.ARBITER_STATE, b.arbiter_state(queued=(b.action("a9", text="Next."),))
+        )
         await driver.press("1", "g", "4", "m", "2", "o", "5", "c", "1", "9")
         phrase, gesture = driver.sent(t.REMARK)
-        assert (phrase.text, phrase.source) == (catalogue.theme("calm").phrases["encouragement"][0], "phrase")
+        assert (phrase.text, phrase.source) == (
+            catalogue.theme("calm").phrases["encouragement"][0],
+            "phrase",
+        )
         assert gesture == m.Remark(gesture="wave", source="gesture", actor=ANNA)
-        assert driver.sent(t.COMMAND) == [m.SessionCommand(command="mark", reason="assisted", actor=ANNA)]
+        assert driver.sent(t.COMMAND) == [
+            m.SessionCommand(command="mark", reason="assisted", actor=ANNA)
+        ]
         assert driver.sent(t.MODE) == [m.ModeChanged(kind="difficulty", mode="approve", actor=ANNA)]
         assert driver.sent(t.DECISION) == [m.Decision(action="a9", verdict="veto", actor=ANNA)]
         await driver.press("escape")
@@ -516,7 +594,9 @@ async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_
     catalogue: Catalogue, folder: Path
 ) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.join(participants={"A": "P01", "B": "P02"}, spoken_names={"A": "Left", "B": "Right"})
+        await driver.join(
+            participants={"A": "P01", "B": "P02"}, spoken_names={"A": "Left", "B": "Right"}
+        )
         assert "Encourage 1/10 · to P01 (a)" in driver.text
         await driver.press("a", "1", "t", *"Hi")
         assert "Say to P02: Hi" in driver.text
@@ -537,7 +617,9 @@ async def test_with_two_participants_remarks_go_to_the_chosen_one_and_proposals_
         assert "DIFFICULTY · clear" in driver.text
 
 
-async def test_keys_and_phrases_of_the_operators_file_are_used(catalogue: Catalogue, folder: Path) -> None:
+async def test_keys_and_phrases_of_the_operators_file_are_used(
+    catalogue: Catalogue, folder: Path
+) -> None:
     (folder / FILE).write_text('phrases = ["Go on, {participant}."]\n[keys]\napprove = "y"\n')
     async with panel(catalogue, folder) as driver:
         await driver.propose(b.approval())
@@ -549,7 +631,9 @@ async def test_keys_and_phrases_of_the_operators_file_are_used(catalogue: Catalo
         assert [remark.text for remark in driver.sent(t.REMARK)] == ["Go on, P01."]
 
 
-async def test_an_invalid_file_is_logged_and_the_default_keys_work(catalogue: Catalogue, folder: Path) -> None:
+async def test_an_invalid_file_is_logged_and_the_default_keys_work(
+    catalogue: Catalogue, folder: Path
+) -> None:
     (folder / FILE).write_text("[keys]\nstpo = 'y'\n")
     async with panel(catalogue, folder) as driver:
         assert "is ignored" in driver.text
@@ -557,7 +641,8 @@ async def test_an_invalid_file_is_logged_and_the_default_keys_work(catalogue: Ca
         assert [act.command for act in driver.sent(t.COMMAND)] == ["stop"]
 
 
-# --- operators and the link ------------------------------------------------------------------------------------
+# --- operators and the link
+# ------------------------------------------------------------------------------------
 
 
 async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, folder: Path) -> None:
@@ -571,7 +656,9 @@ async def test_the_log_shows_each_act_with_its_outcome(catalogue: Catalogue, fol
         await driver.publish(t.TRIAL, b.trial(5, "f", None))
         assert "✓ Skipped the prompt · link 14 ms" in driver.text
         await driver.press("r")
-        refused = m.PeerRequestRefused(actor=ANNA, what=t.COMMAND.name, why="Another operator has control.")
+        refused = m.PeerRequestRefused(
+            actor=ANNA, what=t.COMMAND.name, why="Another operator has control."
+        )
         await driver.publish(t.REFUSED, refused)
         assert "Repeating the prompt: refused" in driver.text
         assert "Refused: a command. Another operator has control." in driver.text
@@ -588,7 +675,23 @@ async def test_an_observer_sees_the_same_but_cannot_act(catalogue: Catalogue, fo
         assert "you are observing" in driver.text
         assert "approve " not in driver.text.replace("· approve", "")
         assert "You are an observer." in driver.text
-        await driver.press("enter", "x", "e", "plus", "space", "s", "u", "h", "1", "t", "n", "f5", "b", "end", "end")
+        await driver.press(
+            "enter",
+            "x",
+            "e",
+            "plus",
+            "space",
+            "s",
+            "u",
+            "h",
+            "1",
+            "t",
+            "n",
+            "f5",
+            "b",
+            "end",
+            "end",
+        )
         assert driver.peer.sent == []
         assert driver.peer.control_requests == 0
         assert "Encourage" not in driver.text
@@ -606,12 +709,18 @@ async def test_an_observer_and_an_operator_without_control_may_stop_the_agent(
             await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))
             assert "F2 Stop" in driver.text
             await driver.press("f2")
-            assert [(act.command, act.actor) for act in driver.sent(t.COMMAND)] == [("stop", f"{role}.anna")]
+            assert [(act.command, act.actor) for act in driver.sent(t.COMMAND)] == [
+                ("stop", f"{role}.anna")
+            ]
 
 
-async def test_without_control_nothing_is_sent_until_it_is_taken(catalogue: Catalogue, folder: Path) -> None:
+async def test_without_control_nothing_is_sent_until_it_is_taken(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
-        await driver.publish(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer"))
+        await driver.publish(
+            t.PRESENCE, b.presence("baton", "operator.ben", ben="operator", cara="observer")
+        )
         assert "ben in control" in driver.text
         assert "cara watches" in driver.text
         assert "Nothing is pending for ben." in driver.text
@@ -668,14 +777,20 @@ async def test_the_panel_takes_the_theme_of_the_session(catalogue: Catalogue, fo
         assert "playful" in driver.app.theme
 
 
-async def test_the_panel_shows_the_agent_as_the_participant_sees_it(catalogue: Catalogue, folder: Path) -> None:
+async def test_the_panel_shows_the_agent_as_the_participant_sees_it(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with panel(catalogue, folder) as driver:
         await driver.publish(t.ACTION, b.action("a2", text="Look at that!"))
         assert "Look at that!" in driver.text
         assert driver.text.count("◠") == 2
-        await driver.publish(t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True))
+        await driver.publish(
+            t.ACTION, b.action("a3", text="And then " + "on " * 60 + "to the end.", joins=True)
+        )
         assert "to the end." in driver.text
-        assert "…" in "".join(row[:46] for row in driver.rows[2:9]), "cut text ends with an ellipsis"
+        assert "…" in "".join(row[:46] for row in driver.rows[2:9]), (
+            "cut text ends with an ellipsis"
+        )
         await driver.receive(b.TRACE)
         assert "rad/s" in driver.text
         await driver.publish(t.WAITING, b.waiting("foreperiod"))
@@ -712,10 +827,17 @@ async def test_at_80_by_24_all_keys_are_listed_stop_works_anywhere_and_other_pro
         assert "Also pending: 4 s gesture [wave]" in driver.text
 
 
-async def test_a_missing_connection_is_explained_and_leaving_asks_once(catalogue: Catalogue, folder: Path) -> None:
+async def test_a_missing_connection_is_explained_and_leaving_asks_once(
+    catalogue: Catalogue, folder: Path
+) -> None:
     async with b.open_panel(catalogue, folder, joins=False) as driver:
-        await driver.receive(Connection("connecting", "The other side does not know this invitation."))
-        assert "There is no connection yet: The other side does not know this invitation." in driver.text
+        await driver.receive(
+            Connection("connecting", "The other side does not know this invitation.")
+        )
+        assert (
+            "There is no connection yet: The other side does not know this invitation."
+            in driver.text
+        )
         await driver.press("q")
         assert "Leave the panel? Press q again to leave" in driver.text
         assert not driver.peer.is_closed

@@ -1,6 +1,7 @@
 """Snapshots of the panel as plain text, in each theme, at 80 by 24, 100 by 30 and 140 by 45.
 
-They are stored in ``snapshots/``. Redraw them with ``SAR_TUI_UPDATE_SNAPSHOTS=1``, then look at the changes.
+They are stored in ``snapshots/``. Redraw them with ``SAR_TUI_UPDATE_SNAPSHOTS=1``, then look at the
+changes.
 """
 
 from pathlib import Path
@@ -17,7 +18,13 @@ from tests.operator import panel_driver as b
 
 FOLDER = Path(__file__).parent / "snapshots"
 SMALL, LARGE, LARGEST = (80, 24), (100, 30), (140, 45)
-KINDS = (("calm", SMALL), ("calm", LARGE), ("calm", LARGEST), ("high-contrast", SMALL), ("playful", LARGE))
+KINDS = (
+    ("calm", SMALL),
+    ("calm", LARGE),
+    ("calm", LARGEST),
+    ("high-contrast", SMALL),
+    ("playful", LARGE),
+)
 VIEWS = ("joining", "prompt", "proposals", "editing", "modes", "two-participants", "lost", "keys")
 
 
@@ -32,11 +39,18 @@ async def test_the_panel_matches_its_snapshots(
         await driver.join()
         attached = m.SensorChanged(state="attached", at=b.START)
         await driver.receive(
-            [b.frame(t.SENSOR, attached), b.frame(t.PROMPT, b.prompt()), b.frame(t.WAITING, b.waiting())], b.TRACE
+            [
+                b.frame(t.SENSOR, attached),
+                b.frame(t.PROMPT, b.prompt()),
+                b.frame(t.WAITING, b.waiting()),
+            ],
+            b.TRACE,
         )
         album.take("prompt", driver)
         await driver.publish(t.WAITING, b.waiting("answer", "answer"))
-        wave = b.approval("p2", ms=6000, kind="gesture", text="", spoken="", gesture="wave", valence=None)
+        wave = b.approval(
+            "p2", ms=6000, kind="gesture", text="", spoken="", gesture="wave", valence=None
+        )
         await driver.propose(b.approval(), wave)
         album.take("proposals", driver)
         await driver.press("e", "!")
@@ -49,7 +63,10 @@ async def test_the_panel_matches_its_snapshots(
         album.take("keys", driver)
         await driver.press("f1", "escape")
         await driver.join(participants={"A": "P01", "B": "P02"})
-        others = [b.frame(t.TRIAL, b.trial(n, "k", 380 + 40 * n, correct=n != 3, seat="B")) for n in range(1, 6)]
+        others = [
+            b.frame(t.TRIAL, b.trial(n, "k", 380 + 40 * n, correct=n != 3, seat="B"))
+            for n in range(1, 6)
+        ]
         note = m.NoteAdded(text="P02 coughs", actor="operator.ben", at=b.START)
         stop = m.SessionCommand(command="stop", at=b.START)
         watcher = b.presence("joined", "observer.cara", ben="operator", cara="observer")

@@ -41,12 +41,17 @@ def test_without_a_file_the_defaults_apply_and_each_key_has_one_command(tmp_path
 
 def test_a_file_changes_keys_phrases_and_events(tmp_path: Path) -> None:
     (tmp_path / FILE).write_text(
-        'phrases = ["Go on, {participant}.", {text = "Fine.", valence = "positive", gesture = "nod"}]\n'
+        'phrases = ["Go on, {participant}.", {text = "Fine.", valence = "positive", gesture = '
+        '"nod"}]\n'
         'events = ["noise"]\n[keys]\napprove = "y,+"\npositive = "p"\nphrases = "v"\n'
     )
     file, problem = read(tmp_path)
     assert problem == ""
-    assert file.keymap == {"wizard-approve": "y,plus", "wizard-positive": "p", "wizard-phrases": "v"}
+    assert file.keymap == {
+        "wizard-approve": "y,plus",
+        "wizard-positive": "p",
+        "wizard-phrases": "v",
+    }
     assert file.own_phrases == (Phrase("Go on, {participant}."), Phrase("Fine.", "positive", "nod"))
     assert file.events == ("noise",)
 
@@ -71,7 +76,9 @@ def test_the_former_id_of_the_key_that_takes_control_is_still_read(tmp_path: Pat
         ("[keys", "Expected ']'"),
     ],
 )
-def test_an_invalid_file_is_ignored_and_one_sentence_says_why(tmp_path: Path, text: str, why: str) -> None:
+def test_an_invalid_file_is_ignored_and_one_sentence_says_why(
+    tmp_path: Path, text: str, why: str
+) -> None:
     (tmp_path / FILE).write_text(text)
     file, problem = read(tmp_path)
     assert file == KeymapFile()
@@ -94,19 +101,26 @@ def test_keys_are_named_as_on_the_keyboard() -> None:
 
 def test_slots_are_filled_from_the_state(state: SessionState) -> None:
     phrase = Phrase("{participant}: {result} of {goal}, attempt {attempt}, level {level}.")
-    assert fill(phrase, slot_values(state, "A")).text == "P01: 0.50 seconds of 0.52 seconds, attempt 3, level 4."
+    assert (
+        fill(phrase, slot_values(state, "A")).text
+        == "P01: 0.50 seconds of 0.52 seconds, attempt 3, level 4."
+    )
 
 
 def test_a_phrase_cannot_be_chosen_while_a_slot_has_no_value() -> None:
     known = SessionState().receive(Connection("connected")).receive(b.welcome())
-    page = pages(known, PhraseBook.of(known, KeymapFile(phrases=("Last: {result}.", "Good."))), "A")[0]
+    page = pages(
+        known, PhraseBook.of(known, KeymapFile(phrases=("Last: {result}.", "Good."))), "A"
+    )[0]
     assert [(item.why, item.topic is None) for item in page.items] == [
         ("{result} is not known yet", True),
         ("", False),
     ]
 
 
-def test_own_phrases_come_first_then_the_themes_by_heading(state: SessionState, theme: Theme) -> None:
+def test_own_phrases_come_first_then_the_themes_by_heading(
+    state: SessionState, theme: Theme
+) -> None:
     found = pages(state, PhraseBook.of(state, KeymapFile(phrases=("Hello, {participant}.",))), "A")
     assert [page.title for page in found][:3] == ["Yours", "Encourage", "Praise"]
     assert found[0].items[0].text == "Hello, P01."
@@ -115,16 +129,30 @@ def test_own_phrases_come_first_then_the_themes_by_heading(state: SessionState, 
 
 
 def test_praise_has_the_face_and_gesture_of_praise(state: SessionState) -> None:
-    praise = next(page for page in pages(state, PhraseBook.of(state, KeymapFile()), "A") if page.title == "Praise")
+    praise = next(
+        page
+        for page in pages(state, PhraseBook.of(state, KeymapFile()), "A")
+        if page.title == "Praise"
+    )
     remark = praise.items[0].message
     assert isinstance(remark, m.Remark)
-    assert (remark.valence, remark.face, remark.gesture, remark.source) == ("positive", "happy", "nod", "phrase")
+    assert (remark.valence, remark.face, remark.gesture, remark.source) == (
+        "positive",
+        "happy",
+        "nod",
+        "phrase",
+    )
 
 
 def test_marks_modes_and_queue_have_pages(state: SessionState) -> None:
     said = b.action("a9", text="Next.")
     full = state.receive(
-        [b.frame(t.ARBITER_STATE, b.arbiter_state(queued=(said,), current=b.action("a8", text="Now.")))]
+        [
+            b.frame(
+                t.ARBITER_STATE,
+                b.arbiter_state(queued=(said,), current=b.action("a8", text="Now.")),
+            )
+        ]
     )
     found = {page.kind: page for page in pages(full, PhraseBook.of(full, KeymapFile()), "A")}
     assert [item.text for item in found["marks"].items] == ["Marker missed", "Assisted"]

@@ -24,4 +24,6 @@ def test_the_question_stands_on_the_panel_without_its_answer() -> None:
 
 def test_what_is_read_or_waited_for_stands_there_too() -> None:
     assert told(Step(name="read", text="Now the other hand.")) == "Now the other hand."
-    assert told(Step(name="still", kind="calibration", text="Keep still.", seconds=3)) == "Keep still."
+    assert (
+        told(Step(name="still", kind="calibration", text="Keep still.", seconds=3)) == "Keep still."
+    )

@@ -132,7 +132,10 @@ async def test_a_failed_link_ends_the_app_with_a_message(
     app = WizardApp(catalogue.theme("calm"), tmp_path, "anna", where=ONE)
     async with app.run_test() as pilot:
         await pilot.pause()
-    assert (app.return_code, app.failure) == (1, "The link needs Python packages that are not installed here.")
+    assert (app.return_code, app.failure) == (
+        1,
+        "The link needs Python packages that are not installed here.",
+    )
 
 
 async def test_home_offers_the_panel_while_a_session_can_be_joined(

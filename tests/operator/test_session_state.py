@@ -26,7 +26,9 @@ from tests.operator import panel_driver as b
 def after(*logged: tuple[Topic[object], m.Message]) -> SessionState:
     """Return the state after joining a session and receiving these messages."""
     state = SessionState().receive(Connection("connected")).receive(b.welcome())
-    return state.receive([b.frame(topic, message, seq=seq) for seq, (topic, message) in enumerate(logged, 1)])
+    return state.receive(
+        [b.frame(topic, message, seq=seq) for seq, (topic, message) in enumerate(logged, 1)]
+    )
 
 
 def lines(state: SessionState) -> list[str]:
@@ -62,7 +64,10 @@ def test_an_attempt_that_began_again_is_counted_once() -> None:
 
 
 def test_an_attempt_without_a_goal_has_neither_tick_nor_cross() -> None:
-    free = after((t.ATTEMPT_ENDED, b.attempt(goal=None, outcome="none")), (t.WAITING, b.waiting("enter", "attempt")))
+    free = after(
+        (t.ATTEMPT_ENDED, b.attempt(goal=None, outcome="none")),
+        (t.WAITING, b.waiting("enter", "attempt")),
+    )
     shown = status_view.activity(free, 60).plain
     assert "Attempt 2 · 498, 95%" in shown
     assert not {"✓", "✗"} & set(shown)
@@ -81,14 +86,20 @@ def test_the_agents_text_is_shown_until_a_trial_begins_and_then_it_listens() -> 
 
 
 def test_joined_text_is_shown_below_the_text_before() -> None:
-    state = after((t.ACTION, b.action("a1")), (t.ACTION, b.action("a2", text="And rest a little.", joins=True)))
+    state = after(
+        (t.ACTION, b.action("a1")),
+        (t.ACTION, b.action("a2", text="And rest a little.", joins=True)),
+    )
     assert (state.agent.words, state.agent.more) == (b.proposal().text, "And rest a little.")
 
 
 def test_the_agent_thinks_while_feedback_is_awaited_and_then_listens() -> None:
     thinking = after((t.WAITING, b.waiting("answer", "answer")))
     assert thinking.agent.face == "thinking"
-    assert thinking.receive([b.frame(t.WAITING, b.waiting("enter", "attempt"))]).agent.face == "listening"
+    assert (
+        thinking.receive([b.frame(t.WAITING, b.waiting("enter", "attempt"))]).agent.face
+        == "listening"
+    )
 
 
 def test_the_attempt_is_named_in_english_and_stays_the_same_during_feedback() -> None:
@@ -118,9 +129,14 @@ def test_a_repeated_trial_counts_once_and_old_trials_are_dropped() -> None:
 def test_all_attempts_are_kept_and_one_that_is_scored_again_replaces_its_earlier_score() -> None:
     again = [b.attempt(attempt=1), b.attempt(attempt=2), b.attempt(attempt=2, metric=510.0)]
     state = after(*[(t.ATTEMPT_ENDED, ended) for ended in again])
-    assert [(ended.attempt, ended.metric) for ended in state.seat("A").attempts] == [(1, 498.2), (2, 510.0)]
+    assert [(ended.attempt, ended.metric) for ended in state.seat("A").attempts] == [
+        (1, 498.2),
+        (2, 510.0),
+    ]
     assert state.seat("A").attempt == again[-1]
-    many = after(*[(t.ATTEMPT_ENDED, b.attempt(attempt=number)) for number in range(1, MAX_ATTEMPTS + 9)])
+    many = after(
+        *[(t.ATTEMPT_ENDED, b.attempt(attempt=number)) for number in range(1, MAX_ATTEMPTS + 9)]
+    )
     assert len(many.seat("A").attempts) == MAX_ATTEMPTS
 
 
@@ -131,9 +147,17 @@ def test_a_mark_changes_whether_a_trial_is_correct() -> None:
 
 
 def test_a_panel_that_joins_knows_the_mark_of_an_earlier_run() -> None:
-    state = SessionState().receive(b.welcome(trial_mark=TrialMark(done=(2, 1), marks={(2, 1): "missed"})))
+    state = SessionState().receive(
+        b.welcome(trial_mark=TrialMark(done=(2, 1), marks={(2, 1): "missed"}))
+    )
     assert (state.trial_mark.trial, state.trial_mark.present) == ((2, 1), "missed")
-    begun = state.receive([b.frame(t.ATTEMPT_STARTED, m.AttemptStarted(attempt=3, practice=False, level=1, trials=20))])
+    begun = state.receive(
+        [
+            b.frame(
+                t.ATTEMPT_STARTED, m.AttemptStarted(attempt=3, practice=False, level=1, trials=20)
+            )
+        ]
+    )
     assert begun.trial_mark.present == ""
 
 
@@ -158,9 +182,13 @@ def test_after_an_aborted_trial_a_mark_is_put_on_the_last_one_again() -> None:
 def test_the_session_says_who_has_control() -> None:
     mine = after((t.PRESENCE, b.presence()))
     assert (mine.holder, mine.has_control) == (b.ANNA, True)
-    theirs = mine.receive([b.frame(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))])
+    theirs = mine.receive(
+        [b.frame(t.PRESENCE, b.presence("baton", "operator.ben", ben="operator"))]
+    )
     assert (theirs.holder, theirs.has_control) == ("operator.ben", False)
-    lost = m.OperatorChanged(actor="operator.ben", state="lost", operated=False, detail="The connection broke.")
+    lost = m.OperatorChanged(
+        actor="operator.ben", state="lost", operated=False, detail="The connection broke."
+    )
     gone = theirs.receive([b.frame(t.PRESENCE, lost)])
     assert (gone.holder, gone.has_control) == ("", True)
     left = replace(lost, holder="", peers={b.ANNA: "operator"})
@@ -189,11 +217,19 @@ def test_an_operator_who_joins_late_knows_who_has_control() -> None:
 
 def test_several_observers_are_counted() -> None:
     peers: dict[str, m.Role] = {"cara": "observer", "dan": "observer", "eve": "observer"}
-    assert status_view.link_status(after((t.PRESENCE, b.presence(**peers)))).plain == "● in control · 3 watch"
+    assert (
+        status_view.link_status(after((t.PRESENCE, b.presence(**peers)))).plain
+        == "● in control · 3 watch"
+    )
 
 
 def test_an_observer_never_has_control() -> None:
-    assert not SessionState().receive(Connection("connected")).receive(b.welcome("observer")).has_control
+    assert (
+        not SessionState()
+        .receive(Connection("connected"))
+        .receive(b.welcome("observer"))
+        .has_control
+    )
 
 
 def test_a_second_welcome_resets_the_state() -> None:
@@ -205,7 +241,9 @@ def test_a_second_welcome_resets_the_state() -> None:
 
 
 def test_a_lost_link_keeps_the_last_state_and_says_what_the_session_does() -> None:
-    state = after((t.TRIAL, b.trial(1, "f", 400))).receive(Connection("lost", "The connection broke."))
+    state = after((t.TRIAL, b.trial(1, "f", 400))).receive(
+        Connection("lost", "The connection broke.")
+    )
     assert state.seat("A").trials
     assert not state.is_connected
     assert "goes on by itself (autonomous)" in status_view.link_loss(state)
@@ -216,7 +254,9 @@ def test_refused_acts_and_dropped_proposals_are_logged() -> None:
     state = after(
         (
             t.REFUSED,
-            m.PeerRequestRefused(actor="observer.cara", what="a command", why="An observer cannot act.", count=3),
+            m.PeerRequestRefused(
+                actor="observer.cara", what="a command", why="An observer cannot act.", count=3
+            ),
         ),
         (t.DROPPED, m.Dropped(id="p1", reason="expired")),
         (t.DROPPED, m.Dropped(id="p2", reason="vetoed", actor=b.ANNA)),
@@ -230,16 +270,25 @@ def test_refused_acts_and_dropped_proposals_are_logged() -> None:
 
 
 def test_a_failed_voice_is_shown_until_it_works_again() -> None:
-    failed = m.OutputReport(action="a1", output="speech", part="say", state="failed", at=0, detail="no loudspeaker")
+    failed = m.OutputReport(
+        action="a1", output="speech", part="say", state="failed", at=0, detail="no loudspeaker"
+    )
     state = after((t.REPORT, failed))
     assert "No voice: no loudspeaker" in status_view.activity(state, 60).plain
     assert state.receive([b.frame(t.REPORT, replace(failed, state="started"))]).voice == ""
 
 
 def test_two_participants_have_rows_of_their_own() -> None:
-    state = SessionState().receive(Connection("connected")).receive(b.welcome(participants={"A": "P01", "B": "P02"}))
+    state = (
+        SessionState()
+        .receive(Connection("connected"))
+        .receive(b.welcome(participants={"A": "P01", "B": "P02"}))
+    )
     state = state.receive(
-        [b.frame(t.TRIAL, b.trial(1, "f", 400)), b.frame(t.TRIAL, b.trial(1, "k", 500, correct=False, seat="B"))]
+        [
+            b.frame(t.TRIAL, b.trial(1, "f", 400)),
+            b.frame(t.TRIAL, b.trial(1, "k", 500, correct=False, seat="B")),
+        ]
     )
     shown = status_view.activity(state, 36).plain
     assert "P01 ✓f" in shown
@@ -249,8 +298,14 @@ def test_two_participants_have_rows_of_their_own() -> None:
 
 
 def test_two_participants_have_results_between_attempts_and_times_in_trials() -> None:
-    state = SessionState().receive(Connection("connected")).receive(b.welcome(participants={"A": "P01", "B": "P02"}))
-    state = state.receive([b.frame(t.TRIAL, b.trial(1, "k", 430, seat="B")), b.frame(t.ATTEMPT_ENDED, b.attempt("B"))])
+    state = (
+        SessionState()
+        .receive(Connection("connected"))
+        .receive(b.welcome(participants={"A": "P01", "B": "P02"}))
+    )
+    state = state.receive(
+        [b.frame(t.TRIAL, b.trial(1, "k", 430, seat="B")), b.frame(t.ATTEMPT_ENDED, b.attempt("B"))]
+    )
     between = state.receive([b.frame(t.WAITING, b.waiting("enter", "attempt"))])
     assert "✓ 498 of 520 ms, 95%" in status_view.activity(between, 32).plain
     during = between.receive([b.frame(t.WAITING, b.waiting())])
@@ -263,12 +318,16 @@ def test_a_filler_disappears_when_the_wait_is_over() -> None:
     assert waiting.agent.words == "Just a moment, please."
     over = waiting.receive([b.frame(t.WAITING, b.waiting("enter", "attempt"))])
     assert (over.agent.words, over.agent.face) == ("", "listening")
-    answered = waiting.receive([b.frame(t.ACTION, b.action("a1")), b.frame(t.WAITING, b.waiting("enter", "attempt"))])
+    answered = waiting.receive(
+        [b.frame(t.ACTION, b.action("a1")), b.frame(t.WAITING, b.waiting("enter", "attempt"))]
+    )
     assert answered.agent.words == b.proposal().text
 
 
 def test_a_cue_is_shown_until_the_response() -> None:
-    cued = after((t.WAITING, b.waiting("foreperiod")), (t.CUE, b.cue()), (t.WAITING, b.waiting("response")))
+    cued = after(
+        (t.WAITING, b.waiting("foreperiod")), (t.CUE, b.cue()), (t.WAITING, b.waiting("response"))
+    )
     assert cued.agent.cue is not None
     assert cued.receive([b.frame(t.WAITING, b.waiting("quiet"))]).agent.cue is None
 
@@ -297,8 +356,16 @@ def test_dropped_proposals_are_logged_by_kind_except_fillers() -> None:
         (t.DROPPED, m.Dropped(id="s1", reason="late")),
         (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="accepted", **decided)),
         (t.LEVEL_DECIDED, m.LevelDecided(id="l2", decision="accepted", **decided)),
-        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="accepted", **decided | {"ground": "operator"})),
-        (t.LEVEL_DECIDED, m.LevelDecided(id="l1", decision="rejected", **decided | {"ground": "mode", "level": 0})),
+        (
+            t.LEVEL_DECIDED,
+            m.LevelDecided(id="l1", decision="accepted", **decided | {"ground": "operator"}),
+        ),
+        (
+            t.LEVEL_DECIDED,
+            m.LevelDecided(
+                id="l1", decision="rejected", **decided | {"ground": "mode", "level": 0}
+            ),
+        ),
     )
     assert lines(state) == [
         "The encouragement came too late: the session had moved on.",
@@ -314,15 +381,20 @@ def test_a_long_act_leaves_room_for_its_outcome_in_the_log() -> None:
     assert cell_len(act.line(b.START).text) < 70
 
 
-# --- the header and the log ---------------------------------------------------------------------------------------
+# --- the header and the log
+# ---------------------------------------------------------------------------------------
 
 
 LEVEL_5 = m.LevelChanged(previous=4, level=5, reason="success")
 
 
 @pytest.mark.parametrize("width", [20, 29, 40, 60, 120])
-@pytest.mark.parametrize("participants", [{"A": "P01"}, {"A": "LEFT-PERSON-01", "B": "RIGHT-PERSON-02"}])
-def test_the_level_stays_in_the_header_however_little_room_there_is(width: int, participants: dict[str, str]) -> None:
+@pytest.mark.parametrize(
+    "participants", [{"A": "P01"}, {"A": "LEFT-PERSON-01", "B": "RIGHT-PERSON-02"}]
+)
+def test_the_level_stays_in_the_header_however_little_room_there_is(
+    width: int, participants: dict[str, str]
+) -> None:
     state = SessionState().receive(b.welcome(participants=participants))
     state = state.receive([b.frame(t.WAITING, b.waiting()), b.frame(t.LEVEL, LEVEL_5)])
     line = status_view.session_line(state, width)
@@ -333,11 +405,14 @@ def test_the_level_stays_in_the_header_however_little_room_there_is(width: int, 
 def test_each_line_of_the_log_has_its_time_of_day() -> None:
     wall = datetime(2026, 1, 5, 0, 0, 10)
     log = [Line(b.START - 20 * SECOND, "One"), Line(b.START, "Two", "good"), Line(0, "Three")]
-    shown = status_view.log_lines(log, 40, 5, partial(status_view.time_of_day, now=b.START, wall=wall))
+    shown = status_view.log_lines(
+        log, 40, 5, partial(status_view.time_of_day, now=b.START, wall=wall)
+    )
     assert shown.plain.splitlines() == ["23:59:50 · One", "00:00:10 ✓ Two", "         · Three"]
 
 
-# --- the order of proposals ----------------------------------------------------------------------------------------
+# --- the order of proposals
+# ----------------------------------------------------------------------------------------
 
 
 def test_proposals_are_sorted_by_deadline_and_then_by_reading_time() -> None:
@@ -355,8 +430,16 @@ def test_a_reported_change_stands_beside_its_mdc95_in_the_title() -> None:
     assert "MDC95" not in proposal_view.proposal_text(approval.proposal, None)
 
 
-@given(st.lists(st.tuples(st.none() | st.integers(0, 9000), st.sampled_from(["feedback", "gesture", "rest"]))))
-def test_sorting_loses_none_and_puts_those_without_deadline_last(waiting: list[tuple[int | None, str]]) -> None:
+@given(
+    st.lists(
+        st.tuples(
+            st.none() | st.integers(0, 9000), st.sampled_from(["feedback", "gesture", "rest"])
+        )
+    )
+)
+def test_sorting_loses_none_and_puts_those_without_deadline_last(
+    waiting: list[tuple[int | None, str]],
+) -> None:
     given_ = tuple(b.approval(f"p{n}", ms, kind=kind) for n, (ms, kind) in enumerate(waiting))
     order = proposal_view.by_urgency(given_)
     assert sorted(order, key=given_.index) == list(given_)
@@ -393,7 +476,9 @@ def test_motion_is_drawn_within_its_width_and_noise_stays_low() -> None:
     assert motion([], 30) == ""
 
 
-@pytest.mark.parametrize("text", ["", "short", "one two three four five six", "漢字 漢字 漢字 漢字 漢字", "x" * 50])
+@pytest.mark.parametrize(
+    "text", ["", "short", "one two three four five six", "漢字 漢字 漢字 漢字 漢字", "x" * 50]
+)
 def test_text_fits_exactly_two_lines(text: str) -> None:
     lines = two_lines(text, 10).split("\n")
     assert len(lines) == 2
@@ -420,7 +505,9 @@ def test_text_is_wrapped_and_cut_with_an_ellipsis(text: str, lines: list[str]) -
 
 def test_repeated_events_share_one_line_of_the_log() -> None:
     state = SessionState().receive(Connection("connected")).receive(b.welcome())
-    refused = m.PeerRequestRefused(actor="unknown", what="a connection", why="It has no certificate.")
+    refused = m.PeerRequestRefused(
+        actor="unknown", what="a connection", why="It has no certificate."
+    )
     state = state.receive([b.frame(t.REFUSED, refused) for _ in range(40)])
     text = "40 times: Refused for unknown: a connection. It has no certificate."
     assert [line.text_with_count for line in state.log] == [text]

@@ -13,7 +13,9 @@ from sar_tui.tui.terminal_probe import TerminalProbe
 from tests.operator.panel_driver import ANNA, open_panel, welcome
 
 
-async def test_an_answer_of_the_terminal_is_told_to_the_session(catalogue: Catalogue, tmp_path: Path) -> None:
+async def test_an_answer_of_the_terminal_is_told_to_the_session(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
     async with open_panel(catalogue, tmp_path) as panel:
         assert panel.peer.terminal().silence is None
         panel.app.terminal_probe.answered()
@@ -21,7 +23,9 @@ async def test_an_answer_of_the_terminal_is_told_to_the_session(catalogue: Catal
     assert silence is not None
 
 
-@pytest.mark.parametrize("was_told", [True, False], ids=["the panel knew that it was lost", "it did not yet"])
+@pytest.mark.parametrize(
+    "was_told", [True, False], ids=["the panel knew that it was lost", "it did not yet"]
+)
 async def test_an_operator_who_is_back_reads_how_long_the_terminal_was_away(
     catalogue: Catalogue, tmp_path: Path, was_told: bool
 ) -> None:
@@ -31,7 +35,9 @@ async def test_an_operator_who_is_back_reads_how_long_the_terminal_was_away(
         probe.answered()
         await panel.join()
         if was_told:
-            await panel.receive(Connection("connecting", "The terminal of this panel does not answer."))
+            await panel.receive(
+                Connection("connecting", "The terminal of this panel does not answer.")
+            )
         now += 34 * SECOND
         probe.answered()
         await panel.receive(*[Connection("connected")] * was_told, welcome())
@@ -54,7 +60,9 @@ async def test_an_absence_told_before_the_panel_has_joined_again_stays_in_sight(
         await panel.receive(welcome())
         for state in ("joined", "baton"):
             await panel.advance(200)
-            joined = m.OperatorChanged(actor=ANNA, state=state, operated=True, holder=ANNA, peers={ANNA: "operator"})
+            joined = m.OperatorChanged(
+                actor=ANNA, state=state, operated=True, holder=ANNA, peers={ANNA: "operator"}
+            )
             await panel.publish(t.PRESENCE, joined)
         assert panel.text.count("This terminal did not answer for 34 s.") == 1
 

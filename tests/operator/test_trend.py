@@ -43,7 +43,10 @@ def test_of_a_task_without_a_result_nothing_is_plotted() -> None:
 
 
 def test_attempts_without_goal_have_a_marker_and_no_line() -> None:
-    done = [b.attempt(attempt=2, goal=None, outcome="none"), b.attempt(attempt=3, goal=None, outcome="none")]
+    done = [
+        b.attempt(attempt=2, goal=None, outcome="none"),
+        b.attempt(attempt=3, goal=None, outcome="none"),
+    ]
     plot = trend(done, TIME, 54, 14)
     assert "• no goal" in plot.plain
     assert "goal 0" not in plot.plain
@@ -55,7 +58,9 @@ def test_of_a_session_of_an_earlier_version_nothing_is_plotted() -> None:
     assert trend(DONE, None, 54, 14).plain == "No attempt finished yet"
 
 
-@pytest.mark.parametrize(("size", "shown"), [((119, 40), False), ((120, 24), True), ((140, 45), True)])
+@pytest.mark.parametrize(
+    ("size", "shown"), [((119, 40), False), ((120, 24), True), ((140, 45), True)]
+)
 async def test_it_stands_beside_the_log_where_there_is_room(
     size: tuple[int, int], shown: bool, catalogue: Catalogue, tmp_path: Path
 ) -> None:

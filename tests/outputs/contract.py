@@ -1,7 +1,7 @@
 """Checks that every output must pass, each with an open one: `CHECKS`, each ``check(rig)``.
 
-To put an output under the contract, write a context manager that yields a `Rig` of it, and add it to ``RIGS`` in
-``test_contract.py``.
+To put an output under the contract, write a context manager that yields a `Rig` of it, and add it
+to ``RIGS`` in ``test_contract.py``.
 """
 
 import threading
@@ -37,13 +37,20 @@ THEME = Theme(
         "wave": Gesture((Keyframe(at_ms=300, right_arm=0.6), Keyframe(at_ms=600))),
         "nod": Gesture((Keyframe(at_ms=200, nod=0.4), Keyframe(at_ms=400))),
     },
-    tones={"go": (Note(880, 300),), "success": (Note(660, 150), Note(880, 150)), "end": (Note(520, 300),)},
+    tones={
+        "go": (Note(880, 300),),
+        "success": (Note(660, 150), Note(880, 150)),
+        "end": (Note(520, 300),),
+    },
 )
 """The first theme of an output."""
 OTHER_THEME = msgspec.structs.replace(
     THEME,
     name="other",
-    gestures={name: Gesture((Keyframe(at_ms=250, right_arm=-0.5), Keyframe(at_ms=500))) for name in ("wave", "nod")},
+    gestures={
+        name: Gesture((Keyframe(at_ms=250, right_arm=-0.5), Keyframe(at_ms=500)))
+        for name in ("wave", "nod")
+    },
 )
 
 _WHAT: dict[ActionPart, str] = {
@@ -76,7 +83,8 @@ class Rig:
     Args:
         output: not yet open.
         clock: its clock. A virtual one advances only while the rig waits for something.
-        lasting: the parts that take time by themselves, rather than being over at once or when others follow.
+        lasting: the parts that take time by themselves, rather than being over at once or when
+            others follow.
     """
 
     def __init__(self, output: Output, clock: Clock, lasting: Sequence[ActionPart]) -> None:
@@ -104,15 +112,25 @@ class Rig:
 
     def states(self, action: str, part: ActionPart) -> list[str]:
         """Return the reported states of a part, in order."""
-        return [report.state for report in list(self.reports) if (report.action, report.part) == (action, part)]
+        return [
+            report.state
+            for report in list(self.reports)
+            if (report.action, report.part) == (action, part)
+        ]
 
     def ended(self, action: str, part: ActionPart) -> bool:
         """Return True if a part is over, as often as it was requested."""
-        return sum(state in OVER for state in self.states(action, part)) >= self.asked.count((action, part))
+        return sum(state in OVER for state in self.states(action, part)) >= self.asked.count(
+            (action, part)
+        )
 
     def detail(self, action: str, part: ActionPart) -> str:
         """Return the detail with which a part ended."""
-        return next(r.detail for r in self.reports if (r.action, r.part) == (action, part) and r.state in OVER)
+        return next(
+            r.detail
+            for r in self.reports
+            if (r.action, r.part) == (action, part) and r.state in OVER
+        )
 
     def wait(self, until: Callable[[], bool]) -> None:
         """Let time pass until a condition holds; fail if it does not."""
@@ -135,7 +153,9 @@ class Rig:
         assert not self.ended(action, part)
 
     def check_reports(self) -> None:
-        """Check that each part was requested, started before it ended, and ended once; times increase."""
+        """Check that each part was requested, started before it ended, and ended once; times
+        increase.
+        """
         assert {(report.action, report.part) for report in self.reports} <= set(self.asked)
         for action, part in self.asked:
             assert self.states(action, part) in _LIVES, (action, part)

@@ -12,7 +12,9 @@ from tests.outputs.contract import WAIT_S, Rig
 
 
 class BenchClock(VirtualClock):
-    """A virtual clock to which other threads may hand callbacks: they run when the test's thread gets to them."""
+    """A virtual clock to which other threads may hand callbacks: they run when the test's thread
+    gets to them.
+    """
 
     def __init__(self) -> None:
         super().__init__()

@@ -43,7 +43,9 @@ class _Announced(DrawnAgent):
     """Announces each action itself, as the screen's node does."""
 
     def show(self, action: str, text: str, face: str) -> None:
-        self.action = Action(id=action, kind="feedback", text=text, face=face, decision="accepted", actor="agent")
+        self.action = Action(
+            id=action, kind="feedback", text=text, face=face, decision="accepted", actor="agent"
+        )
         super().show(action, text, face)
 
 

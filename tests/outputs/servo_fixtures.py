@@ -1,4 +1,6 @@
-"""A fake servo controller: the methods of Phidget22's ``RCServo``, which can be plugged in and out."""
+"""A fake servo controller: the methods of Phidget22's ``RCServo``, which can be plugged in and
+out.
+"""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,7 +26,9 @@ NOT_ATTACHED = PhidgetError(52, "Device not Attached")
 
 
 class FakeServo:
-    """A channel and its motor. ``calls``: the calls in order, with their times (ns of ``clock``)."""
+    """A channel and its motor. ``calls``: the calls in order, with their times (ns of
+    ``clock``).
+    """
 
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
@@ -77,11 +81,17 @@ class FakeServo:
 
     def sent(self, name: str) -> list[Any]:
         """Return the arguments of all calls of a method."""
-        return [arguments[0] if arguments else None for _, called, arguments in self.calls if called == name]
+        return [
+            arguments[0] if arguments else None
+            for _, called, arguments in self.calls
+            if called == name
+        ]
 
     @property
     def targets(self) -> list[tuple[float, float]]:
-        """Return each target sent while the motor was engaged, in ms and degrees, with the first."""
+        """Return each target sent while the motor was engaged, in ms and degrees, with the
+        first.
+        """
         found, engaged, target = [], False, 90.0
         for at, name, arguments in self.calls:
             if name == "setEngaged":
@@ -96,14 +106,18 @@ class FakeServo:
 class ServoBench:
     """A servo output on fake channels, on a clock that a test advances."""
 
-    def __init__(self, address: str = "", plug: bool = True, denied: bool = False, clock: Clock | None = None) -> None:
+    def __init__(
+        self, address: str = "", plug: bool = True, denied: bool = False, clock: Clock | None = None
+    ) -> None:
         self.time = clock or VirtualClock()
         self.channels: list[FakeServo] = []
         self.plug = plug
         self.failing: dict[str, Exception] = {}
         self.servo = Servo(address, make=self.make, denied=lambda: denied)
         self.rig = Rig(self.servo, self.time, lasting=["gesture"])
-        self.rig.wait(lambda: len(self.channels) == len(self.servo._address.joint_channels) and self.settled())
+        self.rig.wait(
+            lambda: len(self.channels) == len(self.servo._address.joint_channels) and self.settled()
+        )
 
     def settled(self) -> bool:
         return all(channel.plugged_in or not self.plug for channel in self.channels)

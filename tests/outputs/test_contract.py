@@ -15,7 +15,12 @@ from tests.outputs.contract import CHECKS, Rig
 from tests.outputs.ros_fixtures import ros_rig
 from tests.outputs.screen_fixtures import screen_rig
 from tests.outputs.servo_fixtures import servo_rig
-from tests.outputs.voice_fixtures import speech_in_real_time_rig, speech_rig, tones_in_real_time_rig, tones_rig
+from tests.outputs.voice_fixtures import (
+    speech_in_real_time_rig,
+    speech_rig,
+    tones_in_real_time_rig,
+    tones_rig,
+)
 
 
 @contextmanager
@@ -42,8 +47,13 @@ RIGS: dict[str, Callable[[], AbstractContextManager[Rig]]] = {
 
 
 IN_REAL_TIME = ("speech in real time", "tones in real time", "servo on its thread")
-"""Outputs on the host's clock. They pass every check on a virtual clock, too, so `make test` tries only two here."""
-QUICK = ("each_part_ends_exactly_once_and_done_ones_began", "stop_of_one_that_is_under_way_leaves_the_one_that_waits")
+"""Outputs on the host's clock. They pass every check on a virtual clock, too, so `make test` tries
+only two here.
+"""
+QUICK = (
+    "each_part_ends_exactly_once_and_done_ones_began",
+    "stop_of_one_that_is_under_way_leaves_the_one_that_waits",
+)
 
 
 def cases() -> Iterator[object]:

@@ -10,7 +10,17 @@ import pytest
 from sar_tui.loop.bus import FAULT, Bus, Topic
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, on
-from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, CUE, HALT, OUTPUT, PROMPT, REPORT, STOPPED, THEME
+from sar_tui.loop.topics import (
+    ACTION,
+    ATTEMPT_ENDED,
+    CUE,
+    HALT,
+    OUTPUT,
+    PROMPT,
+    REPORT,
+    STOPPED,
+    THEME,
+)
 from sar_tui.model import messages as m
 from sar_tui.model.messages import ActionPart
 from sar_tui.model.theme import Theme
@@ -53,7 +63,9 @@ class Loop(Node):
 class Stage:
     """An output on a bus, and its reports."""
 
-    def __init__(self, output: Output, cues: tuple[str, ...] = (), theme: Theme = PLAIN_THEME) -> None:
+    def __init__(
+        self, output: Output, cues: tuple[str, ...] = (), theme: Theme = PLAIN_THEME
+    ) -> None:
         self.clock = VirtualClock(SECOND)
         self.bus = Bus(self.clock)
         Loop().attach(self.bus)
@@ -75,21 +87,38 @@ class Stage:
 
     def act(self, action: str = "a1", **parts: str) -> None:
         whole = {"text": "", **parts}
-        self.publish(m.Action(id=action, kind="feedback", decision="accepted", actor="agent", **whole))  # type: ignore[arg-type]
+        self.publish(
+            m.Action(id=action, kind="feedback", decision="accepted", actor="agent", **whole)
+        )  # type: ignore[arg-type]
 
     def halt(self, action: str = "", reason: Any = "stopped", asked: int | None = None) -> None:
-        self.publish(m.Halt(action=action, reason=reason, asked=self.clock.now() if asked is None else asked))
+        self.publish(
+            m.Halt(action=action, reason=reason, asked=self.clock.now() if asked is None else asked)
+        )
 
-    def report(self, part: ActionPart, state: Any, action: str = "a1", at: int | None = None, detail: str = "") -> None:
+    def report(
+        self,
+        part: ActionPart,
+        state: Any,
+        action: str = "a1",
+        at: int | None = None,
+        detail: str = "",
+    ) -> None:
         """Have the output report."""
-        self.node.output._send_report(Report(action, part, state, self.clock.now() if at is None else at, detail))
+        self.node.output._send_report(
+            Report(action, part, state, self.clock.now() if at is None else at, detail)
+        )
         self.clock.advance(0)
 
     def wait(self, ns: int) -> None:
         self.clock.advance(ns)
 
     def states(self, action: str = "a1", part: ActionPart = "say") -> list[str]:
-        return [report.state for report in self.reports if (report.action, report.part) == (action, part)]
+        return [
+            report.state
+            for report in self.reports
+            if (report.action, report.part) == (action, part)
+        ]
 
 
 def asked(stage: Stage) -> list[tuple[str, ...]]:
@@ -108,7 +137,8 @@ EVERY_PART = {
 }
 
 
-# --- what is asked of it --------------------------------------------------------------------------------------
+# --- what is asked of it
+# --------------------------------------------------------------------------------------
 
 
 def test_it_announces_its_abilities_and_its_address() -> None:
@@ -147,12 +177,15 @@ def test_parts_that_an_action_lacks_are_not_requested() -> None:
 
 def test_an_edited_theme_is_applied() -> None:
     stage = Stage(FakeOutput())
-    stage.bus.publish(THEME, m.ThemeApplied(theme=msgspec.structs.replace(PLAIN_THEME, name="edited")))
+    stage.bus.publish(
+        THEME, m.ThemeApplied(theme=msgspec.structs.replace(PLAIN_THEME, name="edited"))
+    )
     assert isinstance(stage.node.output, FakeOutput)
     assert stage.node.output.asked == [("apply_theme", "bench"), ("apply_theme", "edited")]
 
 
-# --- what it reports ------------------------------------------------------------------------------------------
+# --- what it reports
+# ------------------------------------------------------------------------------------------
 
 
 def test_reports_are_passed_on_with_their_times() -> None:
@@ -178,7 +211,9 @@ def test_a_part_that_raises_has_failed_and_the_others_continue(part: ActionPart)
     stage.act(**EVERY_PART)
     assert {what[0] for what in asked(stage)} == EVERYTHING
     failed = [report for report in stage.reports if report.state == "failed"]
-    assert [(report.part, report.detail) for report in failed] == [(part, f"RuntimeError: no {part} today.")]
+    assert [(report.part, report.detail) for report in failed] == [
+        (part, f"RuntimeError: no {part} today.")
+    ]
     assert stage.states(part=part) == ["queued", "failed"]
 
 
@@ -290,7 +325,9 @@ def test_an_invalid_report_fails_its_part(report: Any) -> None:
         assert msgspec.json.decode(msgspec.json.encode(each), type=m.OutputReport) == each
 
 
-@pytest.mark.parametrize("report", [None, "done", ("a1", "gesture", "done", SECOND, ""), Report([], "say", "done", 0)])  # type: ignore[arg-type]
+@pytest.mark.parametrize(
+    "report", [None, "done", ("a1", "gesture", "done", SECOND, ""), Report([], "say", "done", 0)]
+)  # type: ignore[arg-type]
 def test_a_report_without_a_part_is_ignored(report: Any) -> None:
     stage = Stage(FakeOutput())
     stage.act(gesture="wave")
@@ -333,7 +370,8 @@ def test_an_unattached_output_can_be_released() -> None:
     assert fake.asked == []
 
 
-# --- one that is broken ---------------------------------------------------------------------------------------
+# --- one that is broken
+# ---------------------------------------------------------------------------------------
 
 
 def test_an_output_that_cannot_be_opened_fails_every_part_with_the_reason() -> None:
@@ -353,7 +391,9 @@ def test_an_output_that_raises_on_close_does_not_block_the_exit() -> None:
     stage.node.detach()
     stage.bus.drain()
     assert asked(stage) == [("close",)]
-    assert [(fault.topic, fault.error) for fault in stage.faults] == [("close", "RuntimeError: no close today")]
+    assert [(fault.topic, fault.error) for fault in stage.faults] == [
+        ("close", "RuntimeError: no close today")
+    ]
 
 
 class Cancelled(BaseException):
@@ -361,7 +401,9 @@ class Cancelled(BaseException):
 
 
 @pytest.mark.parametrize("error", [SystemExit, Cancelled])
-def test_an_output_that_ends_the_program_has_failed_like_any_other(error: type[BaseException]) -> None:
+def test_an_output_that_ends_the_program_has_failed_like_any_other(
+    error: type[BaseException],
+) -> None:
     stage = Stage(FakeOutput(breaks=("say", "stop", "close"), error=error))
     stage.act(spoken="Well done!")
     stage.halt()
@@ -371,7 +413,10 @@ def test_an_output_that_ends_the_program_has_failed_like_any_other(error: type[B
     assert [fault.error for fault in stage.faults] == [f"{error.__name__}: no close today"]
     opened = Stage(FakeOutput(breaks=("apply_theme",), error=error))
     opened.act(spoken="Well done!")
-    assert opened.reports[-1].detail == f"It could not be opened ({error.__name__}: no apply_theme today)."
+    assert (
+        opened.reports[-1].detail
+        == f"It could not be opened ({error.__name__}: no apply_theme today)."
+    )
 
 
 def test_ctrl_c_ends_a_simulation_while_an_output_is_asked() -> None:
@@ -379,8 +424,12 @@ def test_ctrl_c_ends_a_simulation_while_an_output_is_asked() -> None:
         Stage(FakeOutput(breaks=("close",), error=KeyboardInterrupt)).node.detach()
 
 
-@pytest.mark.parametrize(("part", "given"), [("say", "spoken"), ("show", "text"), ("gesture", "gesture")])
-def test_a_part_without_a_method_has_failed_and_its_author_reads_why(part: ActionPart, given: str) -> None:
+@pytest.mark.parametrize(
+    ("part", "given"), [("say", "spoken"), ("show", "text"), ("gesture", "gesture")]
+)
+def test_a_part_without_a_method_has_failed_and_its_author_reads_why(
+    part: ActionPart, given: str
+) -> None:
     class Half(Output):
         name = "half"
         can = frozenset((part,))
@@ -398,7 +447,8 @@ def test_an_output_that_neither_reports_nor_stops_has_failed() -> None:
     assert stage.states(part="gesture") == ["queued", "failed"]
 
 
-# --- being still ----------------------------------------------------------------------------------------------
+# --- being still
+# ----------------------------------------------------------------------------------------------
 
 
 def test_a_stop_is_reported_when_the_last_active_part_has_ended() -> None:
@@ -451,7 +501,9 @@ def test_a_part_that_does_not_stop_has_failed_whatever_the_reason_of_the_stop(re
         assert stage.states(part=part) == ["queued", "failed"]
     assert stage.states(part="show") == ["queued"], "words may stay where they are"
     assert stage.states("a2", "gesture") == ["queued"], "a later gesture was not stopped"
-    assert {report.detail for report in stage.reports if report.state == "failed"} == {"It did not stop in time."}
+    assert {report.detail for report in stage.reports if report.state == "failed"} == {
+        "It did not stop in time."
+    }
     assert [(stopped.at - stopped.asked, stopped.detail) for stopped in stage.stopped] == (
         [(STOP_TIMEOUT, "It did not stop in time.")] if reason == "stopped" else []
     )
@@ -487,7 +539,9 @@ def test_a_second_stop_does_not_confirm_what_nothing_confirms(first: str) -> Non
     assert [stopped.detail for stopped in stage.stopped] == [why]
 
 
-@pytest.mark.parametrize(("action", "state"), [("a1", "aborted"), ("a1", "done"), ("a2", "started"), ("a2", "done")])
+@pytest.mark.parametrize(
+    ("action", "state"), [("a1", "aborted"), ("a1", "done"), ("a2", "started"), ("a2", "done")]
+)
 def test_a_stop_is_confirmed_once_the_output_reports_the_end_or_has_begun_the_next_part(
     action: str, state: str
 ) -> None:
@@ -516,7 +570,10 @@ def test_a_stop_reports_each_failure_and_each_output_that_may_still_move_once() 
     stage.report("gaze", "aborted", detail="The robot did not confirm that it stopped.")
     (stopped,) = stage.stopped
     assert stopped.at == at
-    assert stopped.detail == "The arm could not be made limp. The robot did not confirm that it stopped."
+    assert (
+        stopped.detail
+        == "The arm could not be made limp. The robot did not confirm that it stopped."
+    )
 
 
 def test_a_stop_does_not_wait_for_later_parts() -> None:
@@ -535,7 +592,9 @@ def test_an_output_may_report_why_it_may_still_be_moving() -> None:
 
     stage = Stage(Away())
     stage.halt()
-    assert [stopped.detail for stopped in stage.stopped] == ["The robot could not be asked to stop."]
+    assert [stopped.detail for stopped in stage.stopped] == [
+        "The robot could not be asked to stop."
+    ]
 
 
 def test_an_output_that_raises_on_stop_is_reported_as_possibly_moving() -> None:
@@ -577,7 +636,8 @@ def test_an_output_can_be_used_after_a_stop() -> None:
     assert [stopped.at - stopped.asked for stopped in stage.stopped] == [0]
 
 
-# --- cues -----------------------------------------------------------------------------------------------------
+# --- cues
+# -----------------------------------------------------------------------------------------------------
 
 
 def prompt(trial: int = 1, presentation: int = 1) -> m.Prompt:
@@ -613,7 +673,9 @@ def attempt_ended(ended: int, attempt: int = 1, metric: float = 500.0) -> m.Atte
 
 
 def play(stage: Stage) -> None:
-    """Two trials, the first of which is shown twice; praise; and the attempt is scored once more."""
+    """Two trials, the first of which is shown twice; praise; and the attempt is scored once
+    more.
+    """
     stage.publish(prompt(1, 1))
     stage.publish(prompt(1, 2))
     stage.publish(prompt(2, 1))
@@ -651,10 +713,18 @@ def test_the_attempt_of_two_ends_once() -> None:
     assert [what[2] for what in asked(stage)] == ["end"]
 
 
-@pytest.mark.parametrize(("can", "done"), [(("gaze",), ["gaze"]), (("gesture",), ["gesture"]), (("say",), [])])
-def test_gaze_before_a_prompt_is_immediate_on_every_capable_output(can: tuple[str, ...], done: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("can", "done"), [(("gaze",), ["gaze"]), (("gesture",), ["gesture"]), (("say",), [])]
+)
+def test_gaze_before_a_prompt_is_immediate_on_every_capable_output(
+    can: tuple[str, ...], done: list[str]
+) -> None:
     stage = Stage(FakeOutput(can=frozenset(can)))
-    stage.publish(m.CueGiven(attempt=1, trial=2, presentation=1, side="left", gaze="left", gesture="point_left"))
+    stage.publish(
+        m.CueGiven(
+            attempt=1, trial=2, presentation=1, side="left", gaze="left", gesture="point_left"
+        )
+    )
     assert [what[0] for what in asked(stage)] == done
     assert [(what[1], what[2]) for what in asked(stage)] == [
         ("cue-1-2-1", {"gaze": "left", "gesture": "point_left"}[part]) for part in done
@@ -674,7 +744,8 @@ def test_praise_is_announced_as_a_tone_only_by_outputs_that_play_it() -> None:
     assert (can("go"), can("success"), can()) == ((), ("tone",), ("tone",))
 
 
-# --- one after the other --------------------------------------------------------------------------------------
+# --- one after the other
+# --------------------------------------------------------------------------------------
 
 
 def test_successive_utterances_are_reported_in_order() -> None:

@@ -29,7 +29,10 @@ from tests.outputs.fake_outputs import FakeOutput, Speaker
 PlugIn = Callable[..., None]
 
 
-NO_SET = "The can of the output lamp (somewhere:lamp) is not a frozenset of: say, show, gesture, gaze, tone."
+NO_SET = (
+    "The can of the output lamp (somewhere:lamp) is not a frozenset of: say, show, gesture, "
+    "gaze, tone."
+)
 
 
 @pytest.fixture
@@ -46,7 +49,10 @@ def plug_in(monkeypatch: pytest.MonkeyPatch) -> PlugIn:
 
 def made(*addresses: str, speech: str = "sound") -> list[tuple[str, tuple[str, ...]]]:
     """Return the names and parts of the outputs of some addresses."""
-    return [(node.name, tuple(sorted(node._can))) for node in open_outputs(addresses, speech, PLAIN_THEME)]
+    return [
+        (node.name, tuple(sorted(node._can)))
+        for node in open_outputs(addresses, speech, PLAIN_THEME)
+    ]
 
 
 def problem(*addresses: str, speech: str = "sound") -> str:
@@ -55,7 +61,8 @@ def problem(*addresses: str, speech: str = "sound") -> str:
     return str(caught.value)
 
 
-# --- by name --------------------------------------------------------------------------------------------------
+# --- by name
+# --------------------------------------------------------------------------------------------------
 
 
 def test_names_of_the_shipped_outputs() -> None:
@@ -76,7 +83,12 @@ def test_each_output_is_made_with_its_abilities() -> None:
 
 @pytest.mark.parametrize(
     ("address", "can"),
-    [("tones", ("tone",)), ("tones:success", ("tone",)), ("tones:go+end", ()), ("tones:", ("tone",))],
+    [
+        ("tones", ("tone",)),
+        ("tones:success", ("tone",)),
+        ("tones:go+end", ()),
+        ("tones:", ("tone",)),
+    ],
 )
 def test_tones_accompany_praise_only_on_request(address: str, can: tuple[str, ...]) -> None:
     assert made(address) == [("tones", can)]
@@ -89,11 +101,14 @@ def test_tones_precede_speech_in_any_order_of_names() -> None:
     ]  # fmt: skip
 
 
-# --- what cannot be -------------------------------------------------------------------------------------------
+# --- what cannot be
+# -------------------------------------------------------------------------------------------
 
 
 def test_an_unknown_name_is_reported_with_the_closest_match() -> None:
-    assert problem("speach").startswith('There is no output "speach". Did you mean speech? Choose one of: ')
+    assert problem("speach").startswith(
+        'There is no output "speach". Did you mean speech? Choose one of: '
+    )
     assert problem("").startswith('There is no output "".')
 
 
@@ -119,7 +134,9 @@ def test_the_screen_has_no_options() -> None:
         open_outputs(["screen:big"], "sound", PLAIN_THEME)
 
 
-@pytest.mark.parametrize("address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"])
+@pytest.mark.parametrize(
+    "address", ["servo:?joint=", "servo:x", "ros", "ros:", "ros://", "ros://host:port"]
+)
 def test_an_invalid_address_is_reported_in_a_sentence(address: str) -> None:
     sentence = problem(address)
     assert sentence.endswith(".")
@@ -133,7 +150,8 @@ def test_the_destination_of_speech_must_exist(tmp_path: Path) -> None:
     assert problem("speech", speech="somewhere").endswith(".")
 
 
-# --- plug-ins -------------------------------------------------------------------------------------------------
+# --- plug-ins
+# -------------------------------------------------------------------------------------------------
 
 
 def test_an_output_of_a_plug_in_is_made_with_its_options(plug_in: PlugIn) -> None:
@@ -169,12 +187,16 @@ def _refuses(_: str) -> Output:
         (lambda text: FakeOutput("lamp", frozenset({"fly"})), NO_SET),  # type: ignore[arg-type]
     ],
 )
-def test_an_unusable_plug_in_is_reported_in_a_sentence(plug_in: PlugIn, make: Any, says: str) -> None:
+def test_an_unusable_plug_in_is_reported_in_a_sentence(
+    plug_in: PlugIn, make: Any, says: str
+) -> None:
     plug_in("lamp", make)
     assert problem("lamp") == says
 
 
-def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(plug_in: PlugIn) -> None:
+def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(
+    plug_in: PlugIn,
+) -> None:
     lamps: list[FakeOutput] = []
 
     def lamp(text: str) -> Output:
@@ -193,15 +215,23 @@ def test_an_output_made_for_a_check_is_opened_once_and_then_a_new_one_is_made(pl
     assert [lamp.name for lamp in lamps] == ["red", "red", "red", "blue"]
 
 
-def test_a_reinstalled_plug_in_makes_its_own_output(plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reinstalled_plug_in_makes_its_own_output(
+    plug_in: PlugIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
     plug_in("lamp", lambda text: FakeOutput("old"))
     check_outputs(["lamp"])
-    new = [SimpleNamespace(name="lamp", value="somewhere:lamp", load=lambda: lambda text: FakeOutput("new"))]
+    new = [
+        SimpleNamespace(
+            name="lamp", value="somewhere:lamp", load=lambda: lambda text: FakeOutput("new")
+        )
+    ]
     monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: new)
     assert [name for name, _ in made("lamp")] == ["new"]
 
 
-@pytest.mark.parametrize(("name", "beside"), [("servo", "servo"), ("screen", "screen"), ("twin", "other")])
+@pytest.mark.parametrize(
+    ("name", "beside"), [("servo", "servo"), ("screen", "screen"), ("twin", "other")]
+)
 def test_two_plug_ins_of_one_name_are_refused(plug_in: PlugIn, name: str, beside: str) -> None:
     plug_in("lamp", lambda text: FakeOutput(name))
     plug_in("other", lambda text: FakeOutput("twin"))
@@ -214,7 +244,8 @@ def test_a_plug_in_cannot_replace_a_shipped_output(plug_in: PlugIn) -> None:
     assert made("speech") == [("speech", ("say",))]
 
 
-# --- in a session ---------------------------------------------------------------------------------------------
+# --- in a session
+# ---------------------------------------------------------------------------------------------
 
 
 def plan(keyboard: type[Task], **parameters: Any) -> Plan:
@@ -227,7 +258,9 @@ def test_only_the_screen_needs_no_output_to_be_made(keyboard: type[Task], calm: 
 
 
 @pytest.mark.parametrize("named", [("speach",), ("speech", "speech"), ("screen", "tones:gong")])
-def test_a_session_does_not_start_with_an_invalid_output(keyboard: type[Task], named: tuple[str, ...]) -> None:
+def test_a_session_does_not_start_with_an_invalid_output(
+    keyboard: type[Task], named: tuple[str, ...]
+) -> None:
     with pytest.raises(ParameterError) as caught:
         plan(keyboard, outputs=named)
     assert set(caught.value.problems) == {"outputs"}
@@ -246,25 +279,35 @@ def test_a_simulated_session_uses_and_records_its_outputs(
     )
     database = connect(data)
     actions = sessions.rows(database, "actions", session)
-    opened = [record.message for record in sessions.history(database, session) if record.topic is OUTPUT]
+    opened = [
+        record.message for record in sessions.history(database, session) if record.topic is OUTPUT
+    ]
     row = sessions.find(database, data, session)
     database.close()
-    assert [(message.output, message.address, message.can) for message in opened] == [("speech", "voice:low", ("say",))]
+    assert [(message.output, message.address, message.can) for message in opened] == [
+        ("speech", "voice:low", ("say",))
+    ]
     assert row["parameters"]["outputs"] == ["screen", "voice:low"]
     spoken = [action["final"]["spoken"] for action in actions if action["decision"] == "accepted"]
     assert [text for _, text in speaker.said] == spoken
     assert actions[-1]["kind"] == "goodbye"
-    lasted = {a["kind"]: a["ended_ns"] - a["started_ns"] for a in actions if a["decision"] == "accepted"}
-    assert lasted == {"greeting": 700 * MS, "instruction": 500 * MS, "feedback": 700 * MS, "goodbye": 700 * MS}, (
-        "the instruction is left after 1200 ms, and the goodbye heard to its end"
-    )
+    lasted = {
+        a["kind"]: a["ended_ns"] - a["started_ns"] for a in actions if a["decision"] == "accepted"
+    }
+    assert lasted == {
+        "greeting": 700 * MS,
+        "instruction": 500 * MS,
+        "feedback": 700 * MS,
+        "goodbye": 700 * MS,
+    }, "the instruction is left after 1200 ms, and the goodbye heard to its end"
 
 
 def test_tone_names_are_those_of_the_message() -> None:
     check_outputs([f"tones:{'+'.join(TONES)}"])
 
 
-# --- outputs of earlier versions ------------------------------------------------------------------------------
+# --- outputs of earlier versions
+# ------------------------------------------------------------------------------
 
 
 def test_an_output_with_the_method_wear_is_refused_in_a_sentence(
@@ -290,4 +333,6 @@ def test_an_output_may_report_by_the_earlier_name() -> None:
     output = FakeOutput()
     output.open(PLAIN_THEME, VirtualClock(), reports.append)
     output.tell("a1", "say", "started")
-    assert [(report.action, report.part, report.state) for report in reports] == [("a1", "say", "started")]
+    assert [(report.action, report.part, report.state) for report in reports] == [
+        ("a1", "say", "started")
+    ]

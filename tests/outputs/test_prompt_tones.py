@@ -1,4 +1,6 @@
-"""Tones of prompts in a process of their own: on a card that is not there, on one that nobody hears, and in files."""
+"""Tones of prompts in a process of their own: on a card that is not there, on one that nobody
+hears, and in files.
+"""
 
 import queue
 import wave
@@ -136,7 +138,9 @@ class Source(Node):
             case "d":
                 self.emit(TONE_DUE, self.due)
             case "v":
-                self.emit(VOIDED, m.PromptVoided(attempt=1, trial=2, presentation=1, reason="pause"))
+                self.emit(
+                    VOIDED, m.PromptVoided(attempt=1, trial=2, presentation=1, reason="pause")
+                )
 
 
 @pytest.fixture
@@ -155,16 +159,22 @@ def press(bus: Bus, keys: str) -> None:
         bus.publish(KEY, m.KeyPressed(key=key, at=1))
 
 
-def test_a_tone_is_prepared_played_and_its_onset_reported(rig: tuple[Bus, PromptTones, list[m.ToneBegan]]) -> None:
+def test_a_tone_is_prepared_played_and_its_onset_reported(
+    rig: tuple[Bus, PromptTones, list[m.ToneBegan]],
+) -> None:
     bus, node, began = rig
     press(bus, "ad")
     process: Any = node._process
     assert process.asked == [("prepare", BEEP), ("play", 1, BEEP, 7)]
     process.report(Onset(1, 9, "device"))
-    assert began == [m.ToneBegan(attempt=1, trial=2, presentation=1, frame=3, at=9, source="device")]
+    assert began == [
+        m.ToneBegan(attempt=1, trial=2, presentation=1, frame=3, at=9, source="device")
+    ]
 
 
-def test_what_has_not_sounded_is_dropped_with_the_prompt(rig: tuple[Bus, PromptTones, list[m.ToneBegan]]) -> None:
+def test_what_has_not_sounded_is_dropped_with_the_prompt(
+    rig: tuple[Bus, PromptTones, list[m.ToneBegan]],
+) -> None:
     bus, node, began = rig
     press(bus, "dv")
     process: Any = node._process
@@ -175,7 +185,9 @@ def test_what_has_not_sounded_is_dropped_with_the_prompt(rig: tuple[Bus, PromptT
     assert process.asked[-1] == ("close",)
 
 
-def test_a_lost_process_fails_the_tone_and_is_replaced(rig: tuple[Bus, PromptTones, list[m.ToneBegan]]) -> None:
+def test_a_lost_process_fails_the_tone_and_is_replaced(
+    rig: tuple[Bus, PromptTones, list[m.ToneBegan]],
+) -> None:
     bus, node, began = rig
     press(bus, "d")
     first: Any = node._process
@@ -195,7 +207,9 @@ def test_a_process_that_cannot_be_started_fails_the_tone(
     monkeypatch.setattr(tone_process, "ToneProcess", fail)
     bus, _, began = rig
     press(bus, "d")
-    assert [(one.source, one.detail) for one in began] == [("failed", "They cannot be played (no more processes).")]
+    assert [(one.source, one.detail) for one in began] == [
+        ("failed", "They cannot be played (no more processes).")
+    ]
 
 
 def test_on_a_virtual_clock_nothing_is_played(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -45,7 +45,11 @@ def test_the_robot_receives_speech_gesture_and_gaze() -> None:
         rig.ask("gaze", "praise", "up")
         for part in rig.lasting:
             rig.wait_for(part, "praise")
-        (said,), (moved,), (looked,) = asked(robot, "speech"), asked(robot, "gesture"), asked(robot, "gaze")
+        (said,), (moved,), (looked,) = (
+            asked(robot, "speech"),
+            asked(robot, "gesture"),
+            asked(robot, "gaze"),
+        )
         assert said["text"] == "You were 40 milliseconds faster."
         assert said["language"] == "en"
         assert moved["gesture"] == "nod"
@@ -53,7 +57,9 @@ def test_the_robot_receives_speech_gesture_and_gaze() -> None:
         assert looked["gaze"] == "up"
         assert said["id"] == moved["id"] == looked["id"]
         assert said["id"].startswith("praise-")
-        types = {said["topic"]: said["type"] for said in robot.received if said["op"] == "advertise"}
+        types = {
+            said["topic"]: said["type"] for said in robot.received if said["op"] == "advertise"
+        }
         assert set(types.values()) == {"std_msgs/String"}
 
 
@@ -64,7 +70,12 @@ def test_the_topics_are_those_of_the_address() -> None:
         rig.output.stop()
         wait_until(lambda: robot.data("/halt"))
         assert json.loads(robot.data("/tts/say")[0])["text"] == "Hello."
-        assert set(robot.ops("advertise")) == {"/tts/say", "/sar_tui/gesture", "/sar_tui/gaze", "/halt"}
+        assert set(robot.ops("advertise")) == {
+            "/tts/say",
+            "/sar_tui/gesture",
+            "/sar_tui/gaze",
+            "/halt",
+        }
 
 
 def test_in_text_mode_a_robot_receives_plain_text_and_its_reports_are_in_order() -> None:
@@ -134,7 +145,10 @@ def test_invalid_reports_are_ignored_and_reported() -> None:
         rig.wait(lambda: rig.states("a", "say") == ["started"])
         rig.clock.advance(ANSWER + LONGEST)
         assert rig.states("a", "say") == ["started", "failed"]
-        assert "One of its reports could not be understood: Expected `str`, got `int`" in rig.detail("a", "say")
+        assert (
+            "One of its reports could not be understood: Expected `str`, got `int`"
+            in rig.detail("a", "say")
+        )
 
 
 @pytest.mark.parametrize(
@@ -158,7 +172,9 @@ def test_a_report_on_an_inactive_part_changes_nothing(report: Any) -> None:
         rig.wait(lambda: rig.states("praise", "say") == ["started"])
         robot.publish("/sar_tui/report", {"data": json.dumps(report)})
         its = asked(robot, "speech")[0]["id"]
-        robot.publish("/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": "say"})})
+        robot.publish(
+            "/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": "say"})}
+        )
         rig.wait_for("say", "praise")
         assert rig.states("praise", "say") == ["started", "aborted"]
 
@@ -171,14 +187,19 @@ def test_a_stop_reaches_the_robot_and_the_part_is_aborted_on_confirmation() -> N
         rig.wait(lambda: len(rig.reports) == 2)
         robot.manner = "silent"
         rig.output.stop()
-        assert reported(rig)[2:] == [("b", "say", "aborted")], "what the robot knows nothing of is over at once"
+        assert reported(rig)[2:] == [("b", "say", "aborted")], (
+            "what the robot knows nothing of is over at once"
+        )
         wait_until(lambda: asked(robot, "stop") == [{"id": ""}])
         rig.clock.advance(CONFIRM - 1)
         assert len(rig.reports) == 3
         at = rig.clock.now()
         for part in ("say", "gesture"):
             its = asked(robot, "speech")[0]["id"]
-            robot.publish("/sar_tui/report", {"data": json.dumps({"state": "aborted", "id": its, "deed": part})})
+            robot.publish(
+                "/sar_tui/report",
+                {"data": json.dumps({"state": "aborted", "id": its, "deed": part})},
+            )
         rig.wait_for("say", "a")
         rig.wait_for("gesture", "a")
         assert [(report[:3], report.at, report.detail) for report in rig.reports[3:]] == [
@@ -233,7 +254,9 @@ def test_an_unconfirmed_stop_is_reported_and_the_next_part_is_sent() -> None:
         assert rig.states("a", "gesture") == ["started", "aborted"]
         assert rig.reports[-1].at == asked_at + CONFIRM
         where = f"127.0.0.1, port {robot.port}"
-        assert rig.detail("a", "gesture") == f"The robot at {where} did not confirm that it stopped."
+        assert (
+            rig.detail("a", "gesture") == f"The robot at {where} did not confirm that it stopped."
+        )
         rig.wait_for("gesture", "b")
         assert rig.states("b", "gesture") == ["started", "done"]
 
@@ -242,7 +265,9 @@ def test_the_output_reports_an_unconfirmed_stop_before_the_node_gives_up() -> No
     assert CONFIRM < STOP_TIMEOUT
 
 
-def test_a_robot_lost_before_confirming_a_stop_has_failed_and_is_stopped_after_reconnecting() -> None:
+def test_a_robot_lost_before_confirming_a_stop_has_failed_and_is_stopped_after_reconnecting() -> (
+    None
+):
     with robot_bench("slow") as (rig, robot):
         rig.ask("gesture", "a")
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
@@ -264,7 +289,9 @@ def test_a_stop_of_a_lost_robot_reports_that_it_was_not_sent() -> None:
         rig.wait(lambda: rig.states("a", "gesture") == ["started"])
         robot.leave()
         rig.wait_for("gesture", "a")
-        with pytest.raises(OutputError, match=r"^The robot could not be asked to stop\. The robot is not connected"):
+        with pytest.raises(
+            OutputError, match=r"^The robot could not be asked to stop\. The robot is not connected"
+        ):
             rig.output.stop()
 
 
@@ -299,7 +326,9 @@ def test_a_stop_is_not_confirmed_by_a_robot_that_was_lost_while_it_moved() -> No
         wait_until(lambda: asked(robot, "stop")[-1:] == [{"id": ""}])
         with pytest.raises(OutputError, match=UNCONFIRMED):
             rig.output.stop()
-        robot.publish("/sar_tui/report", {"data": json.dumps({"state": "done", "id": its, "part": "gesture"})})
+        robot.publish(
+            "/sar_tui/report", {"data": json.dumps({"state": "done", "id": its, "part": "gesture"})}
+        )
         rig.wait(lambda: not cast(Ros, rig.output)._unended)
         rig.output.stop()
 
@@ -434,7 +463,9 @@ def test_without_a_bridge_early_requests_fail_after_a_time() -> None:
     rig.output.close()
 
 
-def test_without_the_package_parts_fail_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_parts_fail_with_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     hide_roslibpy(monkeypatch)
     rig = RosRig(Ros("ros://127.0.0.1"), BenchClock(), ("say",))
     rig.ask("say", "greeting", "Hello.")
@@ -510,7 +541,9 @@ def test_an_invalid_address_is_refused_with_the_valid_forms(address: str, words:
 
 
 class _Ros2:
-    """The part of rclpy that the robot in the documentation uses. Tests feed it messages and run its timers."""
+    """The part of rclpy that the robot in the documentation uses. Tests feed it messages and run
+    its timers.
+    """
 
     def __init__(self, name: str) -> None:
         self.subscriptions: dict[str, Callable[[Any], None]] = {}
@@ -520,7 +553,9 @@ class _Ros2:
     def create_publisher(self, kind: type, topic: str, depth: int) -> Any:
         return SimpleNamespace(publish=lambda message: self.said.append(read_report(vars(message))))
 
-    def create_subscription(self, kind: type, topic: str, callback: Callable[[Any], None], depth: int) -> None:
+    def create_subscription(
+        self, kind: type, topic: str, callback: Callable[[Any], None], depth: int
+    ) -> None:
         self.subscriptions[topic] = callback
 
     def create_timer(self, seconds: float, ring: Callable[[], None]) -> Any:

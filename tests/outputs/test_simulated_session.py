@@ -1,4 +1,6 @@
-"""Outputs that bridge to a real device, in a simulated session: they are told of it, and of what goes wrong."""
+"""Outputs that bridge to a real device, in a simulated session: they are told of it, and of what
+goes wrong.
+"""
 
 import asyncio
 from collections.abc import Callable
@@ -27,13 +29,17 @@ Outcomes = Callable[[Output], set[tuple[str, str]]]
 
 
 class Bridge(Output):
-    """Sends gestures to a robot that is not there, and limits the time for its answer by the session's clock."""
+    """Sends gestures to a robot that is not there, and limits the time for its answer by the
+    session's clock.
+    """
 
     name = "bridge"
     can = frozenset({"gesture"})
 
     def gesture(self, action: str, name: str) -> None:
-        self.clock.call_at(self.clock.now() + 30 * SECOND, lambda: self.report(action, "gesture", "failed", "late"))
+        self.clock.call_at(
+            self.clock.now() + 30 * SECOND, lambda: self.report(action, "gesture", "failed", "late")
+        )
 
 
 class ConsiderateBridge(Bridge):
@@ -48,26 +54,40 @@ class ConsiderateBridge(Bridge):
 
 
 @pytest.fixture
-def outcomes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, keyboard: type[Task], catalogue: Catalogue) -> Outcomes:
+def outcomes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, keyboard: type[Task], catalogue: Catalogue
+) -> Outcomes:
     """Return a function that tells how the gestures of a simulated session ended, and why."""
 
     def run(bridge: Output) -> set[tuple[str, str]]:
-        entry = SimpleNamespace(name="bridge", value="somewhere:bridge", load=lambda: lambda text: bridge)
+        entry = SimpleNamespace(
+            name="bridge", value="somewhere:bridge", load=lambda: lambda text: bridge
+        )
         monkeypatch.setattr("sar_tui.outputs.outputs.entry_points", lambda group: [entry])
         settings = {"attempts": 1, "prompts_per_attempt": 2, "outputs": ["screen", "bridge"]}
         plan = make_plan(catalogue, keyboard, ["P01"], settings, seed=1, mode="simulated")
         session = simulate(plan, PEOPLE["average"], tmp_path, catalogue)
         with closing(connect(tmp_path)) as database:
-            reports = [one.message for one in sessions.history(database, session) if one.topic is REPORT]
-        return {(one.state, one.detail) for one in reports if one.output == "bridge" and one.state != "queued"}
+            reports = [
+                one.message for one in sessions.history(database, session) if one.topic is REPORT
+            ]
+        return {
+            (one.state, one.detail)
+            for one in reports
+            if one.output == "bridge" and one.state != "queued"
+        }
 
     return run
 
 
-def test_a_bridge_that_limits_its_time_by_the_clock_is_told_why_it_fails(outcomes: Outcomes) -> None:
+def test_a_bridge_that_limits_its_time_by_the_clock_is_told_why_it_fails(
+    outcomes: Outcomes,
+) -> None:
     ((state, why),) = outcomes(Bridge())
     assert state == "failed"
-    assert why.startswith("It did not report the outcome. In this simulation time jumped over its work")
+    assert why.startswith(
+        "It did not report the outcome. In this simulation time jumped over its work"
+    )
     assert "self.simulated" in why
 
 
@@ -76,7 +96,9 @@ def test_a_bridge_can_leave_its_robot_alone_in_a_simulation(outcomes: Outcomes) 
 
 
 @pytest.mark.parametrize("is_live", [True, False])
-async def test_an_output_knows_that_the_session_is_simulated_when_it_is_opened(is_live: bool, calm: Theme) -> None:
+async def test_an_output_knows_that_the_session_is_simulated_when_it_is_opened(
+    is_live: bool, calm: Theme
+) -> None:
     told: list[bool] = []
 
     class Asking(Bridge):

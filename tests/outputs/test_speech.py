@@ -18,7 +18,10 @@ from tests.outputs.voice_fixtures import LONG, NOBODY, listening
 
 pytestmark = needs_speech
 
-WORDS = {"en": "You were forty milliseconds faster.", "es": "Fuiste cuarenta milisegundos más rápido."}
+WORDS = {
+    "en": "You were forty milliseconds faster.",
+    "es": "Fuiste cuarenta milisegundos más rápido.",
+}
 
 
 def spoken(path: Path) -> "array[int]":
@@ -36,7 +39,9 @@ def in_language(theme: Theme, language: str, voice: Voice | None = None) -> Them
 
 
 @pytest.mark.parametrize("language", WORDS)
-def test_utterances_are_written_to_files_that_can_be_heard(calm: Theme, tmp_path: Path, language: str) -> None:
+def test_utterances_are_written_to_files_that_can_be_heard(
+    calm: Theme, tmp_path: Path, language: str
+) -> None:
     clock = VirtualClock()
     with listening(Sound(f"file:{tmp_path}"), in_language(calm, language), clock) as listener:
         listener.speech.say("a1", WORDS[language])
@@ -51,7 +56,9 @@ def test_utterances_are_written_to_files_that_can_be_heard(calm: Theme, tmp_path
 
 def test_voice_rate_and_volume_of_the_theme_are_applied(calm: Theme, tmp_path: Path) -> None:
     clock = VirtualClock()
-    with listening(Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock) as listener:
+    with listening(
+        Sound(f"file:{tmp_path}"), in_language(calm, "en", Voice(rate=120)), clock
+    ) as listener:
         listener.speech.say("a1", WORDS["en"])
         for voice in (Voice(rate=300, volume=0.3), Voice(rate=120, names={"en": "america"})):
             listener.speech.apply_theme(in_language(calm, "en", voice))
@@ -62,7 +69,9 @@ def test_voice_rate_and_volume_of_the_theme_are_applied(calm: Theme, tmp_path: P
     assert american != slow
 
 
-def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme, tmp_path: Path) -> None:
+def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(
+    calm: Theme, tmp_path: Path
+) -> None:
     clock = VirtualClock()
     with listening(Sound(f"file:{tmp_path}"), calm, clock) as listener:
         listener.speech.say("a1", WORDS["en"])
@@ -70,7 +79,9 @@ def test_on_a_virtual_clock_speech_takes_its_time_on_that_clock_only(calm: Theme
         assert listener.states("a1") == ["started"]
         clock.advance(20 * SECOND)
         (words, _) = (len(spoken(path)) / RATE for path in sorted(tmp_path.iterdir()))
-        reported = {(report.action, report.state): report.at / SECOND for report in listener.reports}
+        reported = {
+            (report.action, report.state): report.at / SECOND for report in listener.reports
+        }
     assert reported == {
         ("a1", "started"): 0,
         ("a1", "done"): pytest.approx(words),
@@ -124,7 +135,9 @@ def test_in_real_time_a_stop_cuts_a_file_short(calm: Theme, tmp_path: Path) -> N
         assert listener.wait("a1").state == "aborted"
 
 
-def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(calm: Theme, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(
+    calm: Theme, tmp_path: Path
+) -> None:
     (tmp_path / "taken").write_text("a file")
     with listening(Sound(f"file:{tmp_path / 'taken'}"), calm, VirtualClock()) as listener:
         listener.speech.say("a1", WORDS["en"])
@@ -136,7 +149,11 @@ def test_a_folder_that_cannot_take_files_fails_each_utterance_with_the_reason(ca
     [
         ("", "There is nothing to say: the text is empty."),
         (" \x00\n", "There is nothing to say: the text is empty."),
-        ("word " * LONGEST, f"The text is too long to be spoken: {5 * LONGEST - 1} characters, of at most {LONGEST}."),
+        (
+            "word " * LONGEST,
+            f"The text is too long to be spoken: {5 * LONGEST - 1} characters, of at most "
+            f"{LONGEST}.",
+        ),
         ("👍", "The voice cannot read this text: it has neither letters nor digits."),
     ],
 )
@@ -151,4 +168,6 @@ def test_an_invalid_utterance_fails_in_its_turn(calm: Theme, text: str, says: st
 def test_a_language_without_a_voice_fails_with_what_to_do(calm: Theme) -> None:
     with listening(Sound(), in_language(calm, "xx"), VirtualClock()) as listener:
         listener.speech.say("a1", "Good.")
-        assert listener.wait("a1", "failed").detail.startswith('There is no voice for the language "xx": ')
+        assert listener.wait("a1", "failed").detail.startswith(
+            'There is no voice for the language "xx": '
+        )

@@ -25,8 +25,12 @@ def test_each_of_the_themes_tones_sounds(calm: Theme, tmp_path: Path) -> None:
         for name in TONES:
             listener.tones.tone(name, name)
     written = sorted(tmp_path.iterdir())
-    assert [path.name for path in written] == [f"{n:03d}-{name}-tone.wav" for n, name in enumerate(TONES, 1)]
-    assert [frames(path) for path in written] == [tone(calm.notes(name)).tobytes() for name in TONES]
+    assert [path.name for path in written] == [
+        f"{n:03d}-{name}-tone.wav" for n, name in enumerate(TONES, 1)
+    ]
+    assert [frames(path) for path in written] == [
+        tone(calm.notes(name)).tobytes() for name in TONES
+    ]
 
 
 @needs_speech
@@ -37,13 +41,19 @@ def test_tones_follow_each_other_and_speech(calm: Theme) -> None:
         listener.tones.tone("t2", "success")
         listener.wait("t2", "done")
         reported = [(report.action, report.state) for report in listener.reports]
-        assert reported == [(action, state) for action in ("t1", "s1", "t2") for state in ("started", "done")]
-        assert [report.at for report in listener.reports] == sorted(report.at for report in listener.reports)
+        assert reported == [
+            (action, state) for action in ("t1", "s1", "t2") for state in ("started", "done")
+        ]
+        assert [report.at for report in listener.reports] == sorted(
+            report.at for report in listener.reports
+        )
 
 
 def test_a_tone_lasts_as_long_as_its_notes(calm: Theme) -> None:
     clock = VirtualClock()
-    theme = msgspec.structs.replace(calm, tones={"go": (Note(440, 500), Note(0, 250), Note(880, 250))})
+    theme = msgspec.structs.replace(
+        calm, tones={"go": (Note(440, 500), Note(0, 250), Note(880, 250))}
+    )
     with listening(Sound(), theme, clock) as listener:
         listener.tones.tone("t1", "go")
         clock.advance(SECOND)

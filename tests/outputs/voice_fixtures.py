@@ -19,7 +19,10 @@ from sar_tui.outputs.tones import Tones
 from tests.outputs.contract import Rig
 
 OVER = ("done", "aborted", "failed")
-LONG = "This is a long sentence that goes on for several seconds, so that there is time to do something about it."
+LONG = (
+    "This is a long sentence that goes on for several seconds, so that there is time to do "
+    "something about it."
+)
 DEADLINE_S = 60.0
 NOBODY = ("NULL",)
 """Plays in real time, to no loudspeaker."""
@@ -95,8 +98,12 @@ def pids(file: Path) -> list[int]:
 
 
 def is_alive(pid: int) -> bool:
-    """Return True if a process exists and is not a zombie. A zombie with threads left (``l``) cannot be reaped yet."""
-    state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False).stdout
+    """Return True if a process exists and is not a zombie. A zombie with threads left (``l``)
+    cannot be reaped yet.
+    """
+    state = subprocess.run(
+        ["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False
+    ).stdout
     return bool(state.strip()) and (not state.startswith("Z") or "l" in state)
 
 
@@ -119,7 +126,9 @@ class Listener:
         return [report.state for report in self.reports if report.action == action]
 
     def of(self, action: str, state: str) -> Report | None:
-        found = [report for report in self.reports if (report.action, report.state) == (action, state)]
+        found = [
+            report for report in self.reports if (report.action, report.state) == (action, state)
+        ]
         return found[0] if found else None
 
     def wait(self, action: str, *states: str) -> Report:
@@ -127,10 +136,15 @@ class Listener:
         wanted = states or OVER
 
         def logged() -> Report | None:
-            return next((each for each in self.reports if each.action == action and each.state in wanted), None)
+            return next(
+                (each for each in self.reports if each.action == action and each.state in wanted),
+                None,
+            )
 
         with self._new:
-            assert self._new.wait_for(logged, DEADLINE_S), f"{action} was not reported as {' or '.join(wanted)}"
+            assert self._new.wait_for(logged, DEADLINE_S), (
+                f"{action} was not reported as {' or '.join(wanted)}"
+            )
             found = logged()
         assert found
         return found
@@ -142,7 +156,9 @@ class Listener:
 
 @contextmanager
 def listening(sound: Sound, theme: Theme, clock: Clock | None = None) -> Iterator[Listener]:
-    """Provide speech and tones on one `Sound`, in real time if no clock is given; close them at the end."""
+    """Provide speech and tones on one `Sound`, in real time if no clock is given; close them at the
+    end.
+    """
     loop = asyncio.new_event_loop()
     listener = Listener(sound, theme, clock or LiveClock(loop))
     try:

@@ -9,7 +9,9 @@ from sar_tui.model.trial_types import Metric
 from sar_tui.progress.lines import SessionResults
 from sar_tui.progress.task_level import AttemptResult
 
-REACTION_TIME = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+REACTION_TIME = Metric(
+    "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+)
 START = datetime(2026, 2, 27, 10, tzinfo=UTC)
 
 
@@ -21,7 +23,9 @@ def session(
     on_day: int | None = None,
     **more: Any,
 ) -> SessionResults:
-    """Return session ``number``, played ``on_day`` days after the first day; by default on a day of its own."""
+    """Return session ``number``, played ``on_day`` days after the first day; by default on a day of
+    its own.
+    """
     facts: dict[str, Any] = {
         "session": f"session{number:03}",
         "began": START + timedelta(days=number if on_day is None else on_day, minutes=number),
@@ -44,7 +48,9 @@ def session(
 
 
 def adapted(seed: int, *, base: float = 450.0, attempts: int = 20) -> list[AttemptResult]:
-    """Return attempts of a person whose times grow by 165 ms a level, one level up or down after each."""
+    """Return attempts of a person whose times grow by 165 ms a level, one level up or down after
+    each.
+    """
     rng, level, made = random.Random(seed), 1, []
     for _ in range(attempts):
         mean = base + 165.0 * level + rng.gauss(0, 35)

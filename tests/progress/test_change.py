@@ -10,7 +10,9 @@ from sar_tui.progress.change import baseline, difference, mdc95, verdict
 
 FIRST = (146, 148, 170, 90, 157, 156, 176, 205)
 SECOND = (140, 152, 152, 99, 145, 153, 167, 218)
-"""Two tests of eight people: the worked example of Weir (2005), whose SEM is 7.6 and minimal difference 21."""
+"""Two tests of eight people: the worked example of Weir (2005), whose SEM is 7.6 and minimal
+difference 21.
+"""
 
 
 def test_the_mdc95_is_that_of_the_published_example() -> None:

@@ -8,7 +8,9 @@ from sar_tui.progress.instruments import INSTRUMENTS, InstrumentChange, Score, c
 
 
 def scored(name: str, *scores: float) -> InstrumentChange:
-    (found,) = changes([Score(name, f"2026-03-{day:02}", score) for day, score in enumerate(scores, 1)])
+    (found,) = changes(
+        [Score(name, f"2026-03-{day:02}", score) for day, score in enumerate(scores, 1)]
+    )
     return found
 
 
@@ -35,7 +37,9 @@ def test_a_change_is_compared_with_what_is_published(last: float, reached: list[
     assert [found for _, found in kinds(scored("FMA-UE", 34, 60, last))] == reached
 
 
-def test_less_time_is_an_improvement_and_a_detectable_change_may_be_larger_than_an_important_one() -> None:
+def test_less_time_is_an_improvement_and_a_detectable_change_may_be_larger_than_an_important_one() -> (
+    None
+):
     assert kinds(scored("WMFT-TIME", 20, 17)) == [("MDC90", False), ("MCID", True)]
     assert kinds(scored("WMFT-TIME", 20, 25)) == [("MDC90", True), ("MCID", False)]
 
@@ -50,10 +54,16 @@ def test_where_nothing_is_published_nothing_is_compared() -> None:
 
 
 def test_every_published_value_names_its_people_and_its_source() -> None:
-    values = [(each, instrument) for instrument in INSTRUMENTS.values() for each in instrument.published]
-    assert all(each.of and "doi:10." in each.source and 0 < each.low <= each.high for each, _ in values)
+    values = [
+        (each, instrument) for instrument in INSTRUMENTS.values() for each in instrument.published
+    ]
+    assert all(
+        each.of and "doi:10." in each.source and 0 < each.low <= each.high for each, _ in values
+    )
     pages = (Path(__file__).parents[2] / "docs" / "progress.md").read_text(encoding="utf-8")
-    assert [each.source for each, _ in values if each.source.partition("doi:")[2] not in pages] == []
+    assert [
+        each.source for each, _ in values if each.source.partition("doi:")[2] not in pages
+    ] == []
 
 
 def test_values_for_severe_and_for_chronic_impairment_are_told_apart() -> None:

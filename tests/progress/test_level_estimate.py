@@ -19,7 +19,9 @@ from sar_tui.progress.level_estimate import (
 )
 
 
-def session(seed: int, *, slope: float = 170.0, at_goal: float = 3.4, sd: float = 40.0, n: int = 20) -> list[Attempt]:
+def session(
+    seed: int, *, slope: float = 170.0, at_goal: float = 3.4, sd: float = 40.0, n: int = 20
+) -> list[Attempt]:
     """Return attempts that hover about the goal, one level up or down at a time."""
     rng, bits, made = random.Random(seed), 1, []
     for _ in range(n):
@@ -44,7 +46,9 @@ def test_without_noise_the_level_at_goal_is_exact() -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_the_slope_and_its_error_are_those_of_scipy(seed: int, stats: Any) -> None:
     attempts = session(seed)
-    judge = stats.linregress([each.difficulty for each in attempts], [each.distance for each in attempts])
+    judge = stats.linregress(
+        [each.difficulty for each in attempts], [each.distance for each in attempts]
+    )
     slope = slope_of(attempts)
     assert slope is not None
     assert slope.value == pytest.approx(judge.slope)
@@ -68,11 +72,15 @@ def test_the_band_is_fiellers_set(stats: Any) -> None:
     assert slope is not None
     mean = sum(each.difficulty for each in near) / len(near)
     height = sum(each.distance for each in near) / len(near)
-    rest = sum((each.distance - height - slope.value * (each.difficulty - mean)) ** 2 for each in near)
+    rest = sum(
+        (each.distance - height - slope.value * (each.difficulty - mean)) ** 2 for each in near
+    )
     t = stats.t.ppf(0.975, len(near) - 2)
     for end in (estimate.low, estimate.high):
         line = height + slope.value * (end - mean)
-        error = t * math.sqrt(rest / (len(near) - 2) / len(near) + slope.variance * (end - mean) ** 2)
+        error = t * math.sqrt(
+            rest / (len(near) - 2) / len(near) + slope.variance * (end - mean) ** 2
+        )
         assert abs(line) == pytest.approx(error)
 
 
@@ -113,7 +121,10 @@ def test_a_slope_that_is_not_well_known_is_used_only_if_there_is_no_other() -> N
 
 
 def test_slopes_that_differ_between_sessions_are_less_sure() -> None:
-    alike, apart = [Slope(170.0, 25.0, 18)] * 4, [Slope(value, 25.0, 18) for value in (110.0, 150.0, 190.0, 230.0)]
+    alike, apart = (
+        [Slope(170.0, 25.0, 18)] * 4,
+        [Slope(value, 25.0, 18) for value in (110.0, 150.0, 190.0, 230.0)],
+    )
     same, spread = shared_slope(alike), shared_slope(apart)
     assert same is not None
     assert spread is not None

@@ -1,4 +1,6 @@
-"""Sessions share a line only if they can be compared, and each has an estimate, a side, or nothing."""
+"""Sessions share a line only if they can be compared, and each has an estimate, a side, or
+nothing.
+"""
 
 import math
 
@@ -22,7 +24,11 @@ def found(keyboard: type[Task], *sessions: object) -> list[Line]:
 
 def test_sessions_with_the_same_settings_share_a_line(keyboard: type[Task]) -> None:
     (line,) = found(keyboard, *(session(number, adapted(number)) for number in range(3)))
-    assert [point.results.session for point in line.points] == ["session000", "session001", "session002"]
+    assert [point.results.session for point in line.points] == [
+        "session000",
+        "session001",
+        "session002",
+    ]
     assert all(point.estimate for point in line.points)
     assert line.measure == "level"
 
@@ -47,27 +53,40 @@ def test_sessions_that_measured_otherwise_never_share_a_line(
     assert [len(line.points) for line in both] == [1, 1]
 
 
-@pytest.mark.parametrize("parameters", [{"attempts": 5}, {"start_level": 4}, {"feedback_every": 3}, {"language": "es"}])
-def test_what_does_not_bear_on_times_leaves_the_line_whole(keyboard: type[Task], parameters: dict[str, object]) -> None:
+@pytest.mark.parametrize(
+    "parameters", [{"attempts": 5}, {"start_level": 4}, {"feedback_every": 3}, {"language": "es"}]
+)
+def test_what_does_not_bear_on_times_leaves_the_line_whole(
+    keyboard: type[Task], parameters: dict[str, object]
+) -> None:
     (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2), parameters))
     assert len(line.points) == 2
 
 
 def test_the_line_with_the_newest_session_comes_last(keyboard: type[Task]) -> None:
     fast = {"threshold": 800.0}
-    both = found(keyboard, session(1, adapted(1)), session(2, adapted(2), fast), session(3, adapted(3)))
+    both = found(
+        keyboard, session(1, adapted(1)), session(2, adapted(2), fast), session(3, adapted(3))
+    )
     assert [len(line.points) for line in both] == [1, 2]
 
 
 def test_a_value_left_at_its_default_and_one_set_to_it_are_the_same(keyboard: type[Task]) -> None:
-    (line,) = found(keyboard, session(1, adapted(1)), session(2, adapted(2), {"threshold": 1000.0, "levels": []}))
+    (line,) = found(
+        keyboard,
+        session(1, adapted(1)),
+        session(2, adapted(2), {"threshold": 1000.0, "levels": []}),
+    )
     assert len(line.points) == 2
 
 
 def test_a_session_on_one_side_of_the_goal_says_so(keyboard: type[Task]) -> None:
     easy, hard = at_one_level(1, 500.0), at_one_level(2, 1900.0)
     (line,) = found(keyboard, session(1, easy), session(2, hard))
-    assert [(point.estimate, point.side) for point in line.points] == [(None, "easier"), (None, "harder")]
+    assert [(point.estimate, point.side) for point in line.points] == [
+        (None, "easier"),
+        (None, "harder"),
+    ]
 
 
 def test_fast_attempts_with_too_many_errors_are_not_too_easy(keyboard: type[Task]) -> None:
@@ -77,7 +96,9 @@ def test_fast_attempts_with_too_many_errors_are_not_too_easy(keyboard: type[Task
 
 
 def test_where_the_level_never_changed_the_result_is_the_measure(keyboard: type[Task]) -> None:
-    (line,) = found(keyboard, session(1, at_one_level(1, 960.0)), session(2, at_one_level(2, 900.0)))
+    (line,) = found(
+        keyboard, session(1, at_one_level(1, 960.0)), session(2, at_one_level(2, 900.0))
+    )
     assert (line.measure, line.fixed_level) == ("result", 3)
     first, second = (line.value(point) for point in line.points)
     assert first is not None
@@ -103,7 +124,9 @@ def test_a_task_that_is_not_installed_has_results_but_no_estimate() -> None:
     assert (line.points[0].estimate, line.measure) == (None, "")
 
 
-def test_settings_that_the_task_no_longer_accepts_leave_results_without_estimate(keyboard: type[Task]) -> None:
+def test_settings_that_the_task_no_longer_accepts_leave_results_without_estimate(
+    keyboard: type[Task],
+) -> None:
     (line,) = found(keyboard, session(1, adapted(1), {"choice_set": "feet"}))
     assert line.task is None
 
@@ -115,7 +138,9 @@ def test_reaction_times_lie_over_the_information_in_the_choice(keyboard: type[Ta
     assert task.axis.show(math.log2(10.4)) == "10.4 keys"
 
 
-def test_reach_times_lie_over_the_distance_and_are_compared_with_the_markers_goal(reaching: type[Task]) -> None:
+def test_reach_times_lie_over_the_distance_and_are_compared_with_the_markers_goal(
+    reaching: type[Task],
+) -> None:
     task = reaching(reaching.Parameters())
     (attempt,) = on_axis(task, [AttemptResult(6, 2000.0, 1)])
     assert attempt.difficulty == 40.0
@@ -129,7 +154,9 @@ def test_a_place_on_the_axis_is_a_place_between_levels(reaching: type[Task]) -> 
     assert (to_level(rising, 14.9), to_level(rising, 41.0)) == (None, None)
 
 
-def test_levels_that_do_not_get_harder_one_by_one_have_no_places_between(keyboard: type[Task]) -> None:
+def test_levels_that_do_not_get_harder_one_by_one_have_no_places_between(
+    keyboard: type[Task],
+) -> None:
     task = keyboard(keyboard.Parameters(levels=("asdf", "jk")))
     assert places(task) == []
     assert to_level([], 1.0) is None

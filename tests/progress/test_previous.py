@@ -1,4 +1,6 @@
-"""A session that has just ended beside the earlier ones that can be compared with it, in words for its participant."""
+"""A session that has just ended beside the earlier ones that can be compared with it, in words for
+its participant.
+"""
 
 from collections.abc import Sequence
 from datetime import date, timedelta
@@ -28,13 +30,18 @@ def alike(mean: float) -> list[AttemptResult]:
 
 
 def said(
-    earlier: Sequence[SessionResults], results: Sequence[AttemptResult], task: Task, today: date = date(2026, 3, 20)
+    earlier: Sequence[SessionResults],
+    results: Sequence[AttemptResult],
+    task: Task,
+    today: date = date(2026, 3, 20),
 ) -> str:
     line = line_with(earlier, task, "now", results)
     return beside_previous(line, today, task.tr) if line else ""
 
 
-def test_only_live_sessions_with_the_same_settings_before_this_one_are_on_its_line(task: Task) -> None:
+def test_only_live_sessions_with_the_same_settings_before_this_one_are_on_its_line(
+    task: Task,
+) -> None:
     played = [
         session(0, adapted(0)),
         session(2, adapted(2), {"threshold": 900.0}),
@@ -55,13 +62,17 @@ def test_today_and_an_earlier_day_are_told_in_the_measure_of_the_line(task: Task
     earlier = [session(0, alike(540.0)), session(1, alike(200.0), on_day=0, status="aborted")]
 
     def told(days: int) -> str:
-        return said(earlier, alike(480.0), task, began + timedelta(days=days)).removesuffix(f" {KIND}")
+        return said(earlier, alike(480.0), task, began + timedelta(days=days)).removesuffix(
+            f" {KIND}"
+        )
 
     assert told(4) == "Today 0.48 seconds, Friday 0.54 seconds."
     assert told(0) == "Today 0.48 seconds, earlier today 0.54 seconds."
     assert told(1) == "Today 0.48 seconds, yesterday 0.54 seconds."
     assert told(12) == "Today 0.48 seconds, 12 days ago 0.54 seconds."
-    by_level = said([session(0, adapted(0, base=600.0))], adapted(1), task, began + timedelta(days=1))
+    by_level = said(
+        [session(0, adapted(0, base=600.0))], adapted(1), task, began + timedelta(days=1)
+    )
     assert by_level.startswith("Level at goal: today 3.")
     assert ", yesterday 2." in by_level
 
@@ -74,7 +85,9 @@ def test_the_words_are_also_spanish(task: Task) -> None:
     )
 
 
-def test_the_verdict_is_that_of_the_line_and_its_words_are_kind_in_both_directions(task: Task) -> None:
+def test_the_verdict_is_that_of_the_line_and_its_words_are_kind_in_both_directions(
+    task: Task,
+) -> None:
     means = (541.0, 538.0, 542.0, 540.0, 540.0)
     earlier = [session(day, alike(mean)) for day, mean in enumerate(means)]
     assert said(earlier, alike(480.0), task).endswith(PRAISE)
@@ -103,7 +116,10 @@ def test_a_participant_reads_no_other_verdict_than_a_therapist(
 def test_a_session_that_was_all_too_easy_is_not_called_worse_after_a_worse_one(
     keyboard: type[Task], task: Task
 ) -> None:
-    earlier = [*(session(number, adapted(number)) for number in range(5)), session(5, adapted(5, base=750.0))]
+    earlier = [
+        *(session(number, adapted(number)) for number in range(5)),
+        session(5, adapted(5, base=750.0)),
+    ]
     (worse,) = lines(earlier, {"keyboard": keyboard}.get)
     assert worse.verdict == "less"
     line = line_with(earlier, task, "now", [AttemptResult(3, 400.0, 20)] * 12)

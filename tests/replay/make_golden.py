@@ -1,7 +1,7 @@
 """Makes the golden sessions of the present rules: ``python -m tests.replay.make_golden``.
 
-Two simulated keyboard sessions, one of them with an operator, one of reaching, one of pairs with an operator, and a
-live keyboard session that was interrupted and resumed.
+Two simulated keyboard sessions, one of them with an operator, one of reaching, one of pairs with an
+operator, and a live keyboard session that was interrupted and resumed.
 """
 
 import gzip
@@ -31,14 +31,28 @@ def make(folder: Path) -> None:
     """Play the sessions into a data folder."""
     operated = {**FEW, "operator_feedback": "approve"}
     _simulate(folder, "keyboard", ("P01",), "average", {"attempts": 4, **FEW})
-    _simulate(folder, "keyboard", ("P02",), "poor", {"attempts": 3, "threshold": 700, **operated}, operator="careful")
+    _simulate(
+        folder,
+        "keyboard",
+        ("P02",),
+        "poor",
+        {"attempts": 3, "threshold": 700, **operated},
+        operator="careful",
+    )
     _simulate(folder, "reaching", ("P01",), "competent", {"attempts": 1, "reaches_per_attempt": 2})
-    _simulate(folder, "pairs", ("P01", "P02"), "average", {"attempts": 2, **operated}, operator="careful")
+    _simulate(
+        folder, "pairs", ("P01", "P02"), "average", {"attempts": 2, **operated}, operator="careful"
+    )
     _play_interrupted(folder)
 
 
 def _simulate(
-    folder: Path, task: str, codes: Sequence[str], user: str, settings: Mapping[str, object], operator: str = ""
+    folder: Path,
+    task: str,
+    codes: Sequence[str],
+    user: str,
+    settings: Mapping[str, object],
+    operator: str = "",
 ) -> None:
     plan = make_plan(Catalogue(), task, codes, settings, seed=5, mode="simulated")
     simulate(plan, PEOPLE[user], folder, Catalogue(), operator=PROFILES.get(operator))

@@ -1,6 +1,8 @@
-"""Golden sessions: recorded by the program of each version of the rules, they come out the same for ever.
+"""Golden sessions: recorded by the program of each version of the rules, they come out the same for
+ever.
 
-``golden/rules-N.db.gz`` was made by the last program with rules N; ``tests/store/earlier.db.gz`` has those of rules 1.
+``golden/rules-N.db.gz`` was made by the last program with rules N; ``tests/store/earlier.db.gz``
+has those of rules 1.
 """
 
 import gzip
@@ -23,7 +25,9 @@ GOLDEN = {1: Path(earlier.__file__).with_name("earlier.db.gz")} | {
 
 
 def test_each_version_of_the_rules_has_golden_sessions() -> None:
-    assert sorted(GOLDEN) == list(range(1, RULES + 1)), "run `python -m tests.replay.make_golden` when the rules change"
+    assert sorted(GOLDEN) == list(range(1, RULES + 1)), (
+        "run `python -m tests.replay.make_golden` when the rules change"
+    )
 
 
 @pytest.mark.parametrize("rules", sorted(GOLDEN))

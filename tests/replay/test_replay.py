@@ -28,16 +28,39 @@ from tests.program import Call
 SIMULATED = [
     (task, user, seed, operated)
     for seed, user in enumerate(("average", "poor", "competent", "average", "poor"), 1)
-    for task, operated in (("keyboard", True), ("pairs", False), ("reaching", False), ("keyboard", False))
+    for task, operated in (
+        ("keyboard", True),
+        ("pairs", False),
+        ("reaching", False),
+        ("keyboard", False),
+    )
 ]
 """Twenty sessions."""
-PLAN = make_plan(Catalogue(), Catalogue().task("keyboard"), ["P01"], {"attempts": 3, "prompts_per_attempt": 3}, seed=4)
+PLAN = make_plan(
+    Catalogue(),
+    Catalogue().task("keyboard"),
+    ["P01"],
+    {"attempts": 3, "prompts_per_attempt": 3},
+    seed=4,
+)
 
 
 def simulate(call: Call, task: str, user: str, seed: int, operated: bool = False) -> str:
     codes = ("-p", "P01", "-p", "P02") if task == "pairs" else ("-p", "P01")
     operator = ("--operator", "careful") if operated else ()
-    made = call("simulate", task, "--user", user, "--seed", seed, "--attempts", 2, *codes, *operator, "--json")
+    made = call(
+        "simulate",
+        task,
+        "--user",
+        user,
+        "--seed",
+        seed,
+        "--attempts",
+        2,
+        *codes,
+        *operator,
+        "--json",
+    )
     assert made.code == 0, made.err
     return str(made.json["session"])
 
@@ -47,9 +70,13 @@ def make_participants(task: Any, theme: Any, seed: int) -> list[SimulatedPartici
 
 
 def play(data: Path, *cuts: int, seed: int = 4) -> str:
-    """Play a live session on the virtual clock, cut off and resumed after each number of steps; return its id."""
+    """Play a live session on the virtual clock, cut off and resumed after each number of steps;
+    return its id.
+    """
     clock = VirtualClock()
-    run = start(msgspec.structs.replace(PLAN, seed=seed), data, Catalogue(), clock, make_participants)
+    run = start(
+        msgspec.structs.replace(PLAN, seed=seed), data, Catalogue(), clock, make_participants
+    )
     for number, steps in enumerate([*cuts, 10**6], 1):
         run.begin()
         for _ in range(steps):
@@ -69,18 +96,26 @@ def dump(data: Path) -> list[str]:
 
 
 @pytest.mark.parametrize(("task", "user", "seed", "operated"), first_rows(3, SIMULATED))
-def test_a_simulated_session_is_identical(call: Call, task: str, user: str, seed: int, operated: bool) -> None:
+def test_a_simulated_session_is_identical(
+    call: Call, task: str, user: str, seed: int, operated: bool
+) -> None:
     called = call("replay", simulate(call, task, user, seed, operated), "--json")
     assert called.json["identical"], called.json["first_difference"]
     assert (called.code, called.json["first_difference"]) == (0, None)
     (recorded,) = called.json["recorded_with"]
-    assert {name: value for name, value in recorded.items() if name != "run"} == called.json["replayed_with"]
+    assert {name: value for name, value in recorded.items() if name != "run"} == called.json[
+        "replayed_with"
+    ]
 
 
-def test_what_a_participant_does_later_does_not_change_an_earlier_session(call: Call, data: Path) -> None:
+def test_what_a_participant_does_later_does_not_change_an_earlier_session(
+    call: Call, data: Path
+) -> None:
     first, second = play(data, seed=4), play(data, seed=5)
     play(data, seed=6)
-    (best,) = [r.message.best for r in sessions.history(connect(data), second) if r.topic is SESSION]
+    (best,) = [
+        r.message.best for r in sessions.history(connect(data), second) if r.topic is SESSION
+    ]
     assert best, "the second session knew results of the first"
     for session in (first, second):
         assert call("replay", session).code == 0
@@ -89,7 +124,10 @@ def test_what_a_participant_does_later_does_not_change_an_earlier_session(call: 
 def test_a_resumed_and_an_interrupted_session_are_identical(call: Call, data: Path) -> None:
     resumed = play(data, 12, 20)
     result = call("replay", resumed, "--json").json
-    assert (result["identical"], [run["run"] for run in result["recorded_with"]]) == (True, [1, 2, 3])
+    assert (result["identical"], [run["run"] for run in result["recorded_with"]]) == (
+        True,
+        [1, 2, 3],
+    )
     with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET status='interrupted' WHERE id=?", (resumed,))
         database.execute("DELETE FROM messages WHERE run > 2")
@@ -102,14 +140,16 @@ def test_a_replay_writes_nothing(call: Call, data: Path, simulated: str) -> None
     assert dump(data) == before
 
 
-# --- differences ---------------------------------------------------------------------------------------------------
+# --- differences
+# ---------------------------------------------------------------------------------------------------
 
 
 def plant(data: Path, topic: str, field: str, value: object) -> int:
     """Change a field of the second message of a topic; return the number of the message."""
     with closing(connect(data)) as database:
         seq, id, text = database.execute(
-            "SELECT seq, topic, message FROM messages JOIN topics ON id=topic WHERE name=? ORDER BY seq LIMIT 1, 1",
+            "SELECT seq, topic, message FROM messages JOIN topics ON id=topic WHERE name=? ORDER "
+            "BY seq LIMIT 1, 1",
             (topic,),
         ).fetchone()
         values = json.loads(text)
@@ -133,7 +173,12 @@ def test_a_planted_difference_is_found_at_its_message(
     seq = plant(data, topic, field, value)
     called = call("replay", simulated, "--json")
     found = called.json["first_difference"]
-    assert (called.code, called.json["identical"], found["seq"], found["topic"]) == (1, False, seq, topic)
+    assert (called.code, called.json["identical"], found["seq"], found["topic"]) == (
+        1,
+        False,
+        seq,
+        topic,
+    )
     assert found["recorded"][field] == value != found["derived"][field]
     assert called.json["events"] == seq - 1
     told = call("replay", simulated)
@@ -141,7 +186,9 @@ def test_a_planted_difference_is_found_at_its_message(
     assert f"Message {seq} ({topic}):\n  {field}: {value!r} recorded, " in told.out
 
 
-def test_a_planted_difference_inside_of_a_value_is_told_by_its_name(call: Call, data: Path, simulated: str) -> None:
+def test_a_planted_difference_inside_of_a_value_is_told_by_its_name(
+    call: Call, data: Path, simulated: str
+) -> None:
     seq = plant(data, "event_handler/trial", "details", {"choices": 7, "key_gap_ms": None})
     told = call("replay", simulated).out
     assert f"Message {seq} (event_handler/trial):\n  details.choices: 7 recorded, 2 now\n" in told
@@ -149,7 +196,9 @@ def test_a_planted_difference_inside_of_a_value_is_told_by_its_name(call: Call, 
 
 def test_a_removed_message_is_found_where_it_was(call: Call, data: Path, simulated: str) -> None:
     with closing(connect(data)) as database:
-        (seq,) = database.execute("SELECT max(seq) FROM events WHERE topic='event_handler/trial'").fetchone()
+        (seq,) = database.execute(
+            "SELECT max(seq) FROM events WHERE topic='event_handler/trial'"
+        ).fetchone()
         database.execute("DELETE FROM messages WHERE seq=?", (seq,))
     found = call("replay", simulated, "--json").json["first_difference"]
     assert (found["seq"], found["derived_topic"]) == (seq + 1, "event_handler/trial")
@@ -166,7 +215,8 @@ def test_a_task_that_was_changed_is_named(call: Call, data: Path, tmp_path: Path
     assert (called.code, "The files of the task keyboard have changed." in called.out) == (0, True)
 
 
-# --- sessions that are not whole -----------------------------------------------------------------------------------
+# --- sessions that are not whole
+# -----------------------------------------------------------------------------------
 
 
 def test_a_running_session_is_refused(call: Call, data: Path, simulated: str) -> None:
@@ -180,7 +230,9 @@ def test_a_running_session_is_refused(call: Call, data: Path, simulated: str) ->
         )
 
 
-def test_a_session_whose_end_is_in_a_rescue_file_is_refused(call: Call, data: Path, simulated: str) -> None:
+def test_a_session_whose_end_is_in_a_rescue_file_is_refused(
+    call: Call, data: Path, simulated: str
+) -> None:
     (data / f"sar-tui-rescue-{simulated}.db").touch()
     called = call("replay", simulated)
     assert (called.code, "Run `sar-tui rescue` first." in called.err) == (2, True)
@@ -195,7 +247,9 @@ def test_a_session_with_damaged_samples_is_refused(call: Call, data: Path) -> No
     assert f"of session {session} is damaged." in called.err
 
 
-def test_a_session_of_a_task_that_is_gone_is_refused(call: Call, data: Path, simulated: str) -> None:
+def test_a_session_of_a_task_that_is_gone_is_refused(
+    call: Call, data: Path, simulated: str
+) -> None:
     with closing(connect(data)) as database:
         database.execute("UPDATE sessions SET task='gone'")
     called = call("replay", simulated)
@@ -219,7 +273,9 @@ def test_an_empty_session_has_nothing_to_compare(call: Call, data: Path, simulat
 @pytest.mark.parametrize("session", earlier.ALL)
 def test_sessions_of_an_earlier_version_are_identical(call: Call, data: Path, session: str) -> None:
     data.mkdir()
-    (data / "sar-tui.db").write_bytes(gzip.decompress(Path(earlier.__file__).with_name("earlier.db.gz").read_bytes()))
+    (data / "sar-tui.db").write_bytes(
+        gzip.decompress(Path(earlier.__file__).with_name("earlier.db.gz").read_bytes())
+    )
     called = call("replay", session, "--json")
     assert (called.code, called.json["identical"]) == (0, True), called.json["first_difference"]
     assert {run["rules"] for run in called.json["recorded_with"]} == {1}

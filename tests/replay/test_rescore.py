@@ -1,4 +1,6 @@
-"""``sar-tui replay --what-if``: recorded responses scored by other parameters, as far as the prompts are the same."""
+"""``sar-tui replay --what-if``: recorded responses scored by other parameters, as far as the
+prompts are the same.
+"""
 
 from contextlib import closing
 from pathlib import Path
@@ -24,7 +26,10 @@ def simulate(call: Call, task: str, *settings: object, attempts: int = 4) -> str
 
 def scores(data: Path, session: str) -> list[dict[str, Any]]:
     with closing(connect(data)) as database:
-        return [{name: row[name] for name in SCORE} for row in sessions.rows(database, "attempts", session)]
+        return [
+            {name: row[name] for name in SCORE}
+            for row in sessions.rows(database, "attempts", session)
+        ]
 
 
 @pytest.mark.parametrize(
@@ -42,8 +47,12 @@ def test_recorded_responses_are_scored_as_in_a_session_that_had_those_settings_f
     call: Call, data: Path, task: str, settings: tuple[str, ...], changed: tuple[str, ...]
 ) -> None:
     played = simulate(call, task, *settings, attempts=3)
-    fresh = simulate(call, task, *settings, *(word for pair in changed for word in ("--set", pair)), attempts=3)
-    called = call("replay", played, *(word for pair in changed for word in ("--what-if", pair)), "--json")
+    fresh = simulate(
+        call, task, *settings, *(word for pair in changed for word in ("--set", pair)), attempts=3
+    )
+    called = call(
+        "replay", played, *(word for pair in changed for word in ("--what-if", pair)), "--json"
+    )
     assert called.code == 0, called.err
     rescored = called.json["attempts"]
     assert called.json["ends_at_attempt"] is None
@@ -52,12 +61,19 @@ def test_recorded_responses_are_scored_as_in_a_session_that_had_those_settings_f
     assert scores(data, played) != scores(data, fresh), "the settings matter"
 
 
-def test_it_ends_at_the_first_attempt_that_would_have_had_another_level(call: Call, data: Path) -> None:
+def test_it_ends_at_the_first_attempt_that_would_have_had_another_level(
+    call: Call, data: Path
+) -> None:
     played = simulate(call, "keyboard")
     fresh = simulate(call, "keyboard", "--set", "threshold=500")
     with closing(connect(data)) as database:
-        levels = [[row["level"] for row in sessions.rows(database, "attempts", name)] for name in (played, fresh)]
-    first = next(number for number, (was, now) in enumerate(zip(*levels, strict=True), 1) if was != now)
+        levels = [
+            [row["level"] for row in sessions.rows(database, "attempts", name)]
+            for name in (played, fresh)
+        ]
+    first = next(
+        number for number, (was, now) in enumerate(zip(*levels, strict=True), 1) if was != now
+    )
     assert first > 1
     result = call("replay", played, "--what-if", "threshold=500", "--json").json
     assert (result["ends_at_attempt"], result["what_if"]) == (first, {"threshold": 500})
@@ -81,7 +97,9 @@ def test_feedback_that_would_not_have_been_given_is_named(call: Call, data: Path
     assert {one["rescored"]["feedback"] for one in result["attempts"]} == {"none"}
 
 
-def test_it_ends_where_an_operator_would_have_had_something_else_to_decide_on(call: Call, data: Path) -> None:
+def test_it_ends_where_an_operator_would_have_had_something_else_to_decide_on(
+    call: Call, data: Path
+) -> None:
     played = simulate(call, "keyboard", *FIXED, "--operator", "careful")
     same = call("replay", played, "--what-if", "threshold=1000", "--json").json
     assert (same["ends_at_attempt"], len(same["attempts"])) == (None, 4)
@@ -99,7 +117,9 @@ def test_it_ends_where_an_operator_would_have_had_something_else_to_decide_on(ca
         ("threshold", "--what-if takes NAME=VALUE"),
     ],
 )
-def test_other_settings_are_refused_with_a_sentence(call: Call, simulated: str, given: str, said: str) -> None:
+def test_other_settings_are_refused_with_a_sentence(
+    call: Call, simulated: str, given: str, said: str
+) -> None:
     called = call("replay", simulated, "--what-if", given)
     assert (called.code, called.out) == (2, "")
     assert said in called.err
@@ -107,7 +127,9 @@ def test_other_settings_are_refused_with_a_sentence(call: Call, simulated: str, 
 
 def test_a_session_that_is_not_identical_is_refused(call: Call, data: Path, simulated: str) -> None:
     with closing(connect(data)) as database:
-        (seq,) = database.execute("SELECT max(seq) FROM events WHERE topic='event_handler/trial'").fetchone()
+        (seq,) = database.execute(
+            "SELECT max(seq) FROM events WHERE topic='event_handler/trial'"
+        ).fetchone()
         database.execute("DELETE FROM messages WHERE seq=?", (seq,))
     called = call("replay", simulated, "--what-if", "threshold=900")
     assert (called.code, "differs from its record without any change" in called.err) == (1, True)

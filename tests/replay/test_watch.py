@@ -33,7 +33,12 @@ from tests.replay.test_replay import dump
 def records(*times: int) -> list[Record]:
     """Return attempts that begin at these times, in seconds."""
     return [
-        Record(number, at * SECOND, ATTEMPT_STARTED, AttemptStarted(attempt=number, practice=False, level=1, trials=2))
+        Record(
+            number,
+            at * SECOND,
+            ATTEMPT_STARTED,
+            AttemptStarted(attempt=number, practice=False, level=1, trials=2),
+        )
         for number, at in enumerate(times, 1)
     ]
 
@@ -41,7 +46,9 @@ def records(*times: int) -> list[Record]:
 def test_a_player_keeps_the_recorded_times_at_any_speed() -> None:
     player = Player(records(10, 14, 20), speed=2)
     seen: list[tuple[int, int]] = []
-    player.bus.subscribe(ATTEMPT_STARTED, lambda one: seen.append((one.attempt, player.clock.now() // SECOND)))
+    player.bus.subscribe(
+        ATTEMPT_STARTED, lambda one: seen.append((one.attempt, player.clock.now() // SECOND))
+    )
     player.advance(1 * SECOND)
     assert seen == [(1, 10)]
     player.advance(1 * SECOND)
@@ -118,7 +125,9 @@ async def test_a_session_is_shown_again_and_nothing_is_stored(
         (("--watch", "--json"), "give neither --what-if nor --json"),
     ],
 )
-def test_what_cannot_be_watched_is_refused(call: Call, simulated: str, words: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_watched_is_refused(
+    call: Call, simulated: str, words: tuple[str, ...], said: str
+) -> None:
     called = call("replay", simulated, *words)
     assert (called.code, called.out) == (2, "")
     assert said in called.err
@@ -129,7 +138,18 @@ async def test_the_frames_of_a_prompt_are_shown_at_their_times(
 ) -> None:
     monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
     tasks = write_documented(tmp_path / "mytasks", "stopping").parent
-    call("simulate", "stopping", "--user", "average", "--seed", 1, "--attempts", 1, "--tasks", str(tasks))
+    call(
+        "simulate",
+        "stopping",
+        "--user",
+        "average",
+        "--seed",
+        1,
+        "--attempts",
+        1,
+        "--tasks",
+        str(tasks),
+    )
     with closing(connect(data)) as database:
         catalogue = Catalogue(tasks=(tasks,))
         app = watch.WatchApp(data, catalogue, database, sessions.find(database, data, "last"), 1.0)
@@ -151,11 +171,25 @@ async def test_the_answer_to_a_trial_is_shown_for_as_long_as_it_was(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(watch, "TICK_SECONDS", 10_000)
-    seen = ("simulate", "keyboard", "--user", "average", "-p", "P01", "--seed", 1, "--attempts", 1, "--json")
+    seen = (
+        "simulate",
+        "keyboard",
+        "--user",
+        "average",
+        "-p",
+        "P01",
+        "--seed",
+        1,
+        "--attempts",
+        1,
+        "--json",
+    )
     session = call(*seen, "--set", "trial_feedback_ms=700").json["session"]
     data = tmp_path / "data"
     with closing(connect(data)) as database:
-        app = watch.WatchApp(data, Catalogue(), database, sessions.find(database, data, session), 1.0)
+        app = watch.WatchApp(
+            data, Catalogue(), database, sessions.find(database, data, session), 1.0
+        )
     due: list[TrialFeedback] = []
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()

@@ -25,7 +25,9 @@ class Script(list[LoggedMessage]):
         self.extend(LoggedMessage(self.run, round(ms * 1e6), message) for message in messages)
         return self
 
-    def join(self, ms: float, who: str = ANNA, state: Any = "joined", *, operated: bool = True) -> "Script":
+    def join(
+        self, ms: float, who: str = ANNA, state: Any = "joined", *, operated: bool = True
+    ) -> "Script":
         return self.log(ms, m.OperatorChanged(actor=who, state=state, operated=operated))
 
 
@@ -33,14 +35,20 @@ def proposal(id: str, kind: Any = "feedback", text: str = "Well done.", **parts:
     return m.Proposal(id=id, kind=kind, text=text, **parts)
 
 
-def pending(proposed: m.Proposal, mode: Any = "approve", level: int | None = None) -> m.PendingApproval:
+def pending(
+    proposed: m.Proposal, mode: Any = "approve", level: int | None = None
+) -> m.PendingApproval:
     return m.PendingApproval(proposal=proposed, mode=mode, level=level)
 
 
-def action(proposed: m.Proposal, decision: Any = "accepted", ground: Any = "operator", **changes: Any) -> m.Action:
+def action(
+    proposed: m.Proposal, decision: Any = "accepted", ground: Any = "operator", **changes: Any
+) -> m.Action:
     """Return the action of a proposal."""
     said = {name: getattr(proposed, name) for name in proposed.__struct_fields__} | changes
-    return m.Action(**said, decision=decision, actor=ANNA if ground == "operator" else "agent", ground=ground)
+    return m.Action(
+        **said, decision=decision, actor=ANNA if ground == "operator" else "agent", ground=ground
+    )
 
 
 def decision(id: str, verdict: Any = "accept", ms: float = 0, **parts: Any) -> m.Decision:
@@ -52,4 +60,6 @@ def seen(id: str, ms: float, who: str = ANNA) -> m.ProposalSeen:
 
 
 def level_decided(id: str, level: int, decision: Any, ground: Any) -> m.LevelDecided:
-    return m.LevelDecided(id=id, level=level, decision=decision, actor="somebody", ground=ground, at=0)
+    return m.LevelDecided(
+        id=id, level=level, decision=decision, actor="somebody", ground=ground, at=0
+    )

@@ -13,15 +13,28 @@ VALENCES = st.sampled_from(["positive", "neutral", "negative"])
 WORDS = st.lists(st.sampled_from(["well", "done", "slow", "again"]), max_size=6).map(" ".join)
 
 
-def decided(verdict: Any, text: str = "Well done.", said: str | None = None, *valences: Any) -> ProposalRecord:
+def decided(
+    verdict: Any, text: str = "Well done.", said: str | None = None, *valences: Any
+) -> ProposalRecord:
     before, after = valences or (None, None)
     return ProposalRecord(
-        "a1", 1, "feedback", "approve", 0, text, before, verdict=verdict, said=said, said_valence=after
+        "a1",
+        1,
+        "feedback",
+        "approve",
+        0,
+        text,
+        before,
+        verdict=verdict,
+        said=said,
+        said_valence=after,
     )
 
 
 def test_kappa_of_a_table_computed_by_hand() -> None:
-    """Observed (20 + 15) / 50 = 0.7; by chance 25/50 · 30/50 + 25/50 · 20/50 = 0.5; (0.7 − 0.5) / 0.5 = 0.4."""
+    """Observed (20 + 15) / 50 = 0.7; by chance 25/50 · 30/50 + 25/50 · 20/50 = 0.5; (0.7 − 0.5) /
+    0.5 = 0.4.
+    """
     pairs = [("yes", "yes")] * 20 + [("yes", "no")] * 5 + [("no", "yes")] * 10 + [("no", "no")] * 15
     assert kappa(pairs) == 0.4
 
@@ -36,7 +49,9 @@ def test_constant_disagreement_is_below_chance() -> None:
 
 
 @given(st.lists(st.tuples(VALENCES, VALENCES), min_size=1, max_size=30))
-def test_kappa_is_one_only_in_full_agreement_and_the_same_from_either_side(pairs: list[tuple[str, str]]) -> None:
+def test_kappa_is_one_only_in_full_agreement_and_the_same_from_either_side(
+    pairs: list[tuple[str, str]],
+) -> None:
     found = kappa(pairs)
     assert found == kappa([(other, one) for one, other in pairs])
     if found is not None:
@@ -86,15 +101,26 @@ def test_a_session_computed_by_hand() -> None:
     )
     assert (found.decided, found.accepted, found.edited, found.vetoed) == (7, 3, 3, 1)
     assert found.accepted_share == 0.4286, "3 of 7"
-    assert (found.edits_of_words, found.words_changed_median, found.words_changed_most) == (2, 0.4583, 0.6667)
+    assert (found.edits_of_words, found.words_changed_median, found.words_changed_most) == (
+        2,
+        0.4583,
+        0.6667,
+    )
     assert found.valence_table == {
         "negative": {"negative": 1, "neutral": 1},
         "positive": {"neutral": 1, "positive": 3},
     }
     assert (found.valences, found.valences_overridden) == (6, 2)
-    assert found.valence_kappa == 0.4545, "(4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)"
+    assert found.valence_kappa == 0.4545, (
+        "(4/6 − (4·3 + 2·1)/36) / (1 − 14/36) = (24 − 14) / (36 − 14)"
+    )
 
 
 def test_without_decisions_there_is_no_agreement() -> None:
     found = agreement([decided(None)])
-    assert (found.decided, found.accepted_share, found.words_changed_median, found.valence_kappa) == (0,) + (None,) * 3
+    assert (
+        found.decided,
+        found.accepted_share,
+        found.words_changed_median,
+        found.valence_kappa,
+    ) == (0,) + (None,) * 3

@@ -16,7 +16,12 @@ TIME = Metric("reaction_time", "ms", "lower")
 
 
 def figure(**changes: object) -> str:
-    arguments = {"metric": "reaction time (ms)", "width": 76, "height": 12, "color": False} | changes
+    arguments = {
+        "metric": "reaction time (ms)",
+        "width": 76,
+        "height": 12,
+        "color": False,
+    } | changes
     levels = arguments.pop("levels", LEVELS)
     arguments.setdefault("goals", [1000] * len(levels))  # type: ignore[arg-type]
     return attempts_figure(levels, arguments.pop("metrics", METRICS), **arguments)  # type: ignore[arg-type]
@@ -63,7 +68,9 @@ def test_an_attempt_without_result_is_below_the_axis_in_its_column(count: int, w
         line = drawn.split("\n")[axis + 1]
         assert line.strip() == "×"
         with_all = next(row for row in there[1:] if "●" in row)
-        assert with_all[line.index("×")] == "●", f"attempt {empty + 1} of {count} in {width} columns"
+        assert with_all[line.index("×")] == "●", (
+            f"attempt {empty + 1} of {count} in {width} columns"
+        )
 
 
 def test_figures_beside_each_other_have_their_axes_on_the_same_lines() -> None:
@@ -84,7 +91,9 @@ def test_levels_are_below_the_attempts_as_numbers_and_bars() -> None:
     numbers, upper, lower = below_axis(drawn)
     results = next(line for line in drawn.split("\n")[1:] if "●" in line)
     assert numbers.split() == ["level", *map(str, LEVELS)]
-    for attempt, column in enumerate(column for column, character in enumerate(results) if character == "●"):
+    for attempt, column in enumerate(
+        column for column, character in enumerate(results) if character == "●"
+    ):
         level = LEVELS[attempt]
         assert numbers[column] == str(level)
         heights = [(" " + BARS).index(line[column : column + 1] or " ") for line in (upper, lower)]
@@ -98,7 +107,12 @@ def test_a_low_plot_has_fewer_lines_for_levels(height: int, lines: int) -> None:
 
 def test_many_levels_are_numbered_where_they_change() -> None:
     levels = [1] * 30 + [12] * 30 + [3] * 40
-    assert below_axis(figure(levels=levels, metrics=[700.0] * 100))[0].split() == ["level", "1", "12", "3"]
+    assert below_axis(figure(levels=levels, metrics=[700.0] * 100))[0].split() == [
+        "level",
+        "1",
+        "12",
+        "3",
+    ]
 
 
 @pytest.mark.parametrize("levels", [[0], [-1, 2], [1] * 5, [1000, 1]])
@@ -132,7 +146,9 @@ def test_of_a_measure_whose_high_values_are_good_the_high_failures_are_inaccurat
 
 
 def test_the_legend_names_the_markers_that_are_shown() -> None:
-    heading = figure(levels=[1, 1], metrics=[400.0, 500.0], results=["inaccurate", "reached"]).split("\n")[0]
+    heading = figure(
+        levels=[1, 1], metrics=[400.0, 500.0], results=["inaccurate", "reached"]
+    ).split("\n")[0]
     assert "● reached  ◇ inaccurate" in heading
     assert "missed" not in heading
     assert "no result" not in heading
@@ -183,11 +199,15 @@ def test_a_plot_is_the_same_after_other_plots() -> None:
 
 @pytest.mark.parametrize("metrics", [[None], [700.0], [0.0]])
 def test_one_attempt_is_enough(metrics: list[float | None]) -> None:
-    assert "attempt" in figure(levels=[1], metrics=metrics, results=["missed" if metrics[0] else "no result"])
+    assert "attempt" in figure(
+        levels=[1], metrics=metrics, results=["missed" if metrics[0] else "no result"]
+    )
 
 
 def test_many_attempts_and_levels_still_fit() -> None:
-    lines = figure(levels=[1 + n % 12 for n in range(200)], metrics=[1.0 + n % 7 for n in range(200)]).split("\n")
+    lines = figure(
+        levels=[1 + n % 12 for n in range(200)], metrics=[1.0 + n % 7 for n in range(200)]
+    ).split("\n")
     assert len(lines) == 12
     assert max(map(len, lines)) <= 76
     assert lines[-1].split()[1:4] == ["1", "20", "40"]

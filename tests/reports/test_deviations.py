@@ -21,7 +21,12 @@ def found(script: Script) -> list[Deviation]:
 
 
 def test_a_session_that_went_as_planned_has_none() -> None:
-    script = Script().join(10).join(10, state="baton").log(1000, m.Remark(text="Good.", actor=ANNA), GOES_ON)
+    script = (
+        Script()
+        .join(10)
+        .join(10, state="baton")
+        .log(1000, m.Remark(text="Good.", actor=ANNA), GOES_ON)
+    )
     assert found(script) == []
 
 
@@ -42,10 +47,22 @@ def test_an_observers_stop_counts() -> None:
         (act("end", reason="tired"), "end", "tired"),
         (act("stop"), "stop", ""),
         (act("mark", reason="assisted"), "mark", "assisted"),
-        (m.LateDecision(actor=ANNA, what="veto a3", why="It was over."), "missed", "veto a3: It was over."),
-        (m.OperatorChanged(actor=ANNA, state="lost", operated=False, detail="silent"), "lost", "silent"),
+        (
+            m.LateDecision(actor=ANNA, what="veto a3", why="It was over."),
+            "missed",
+            "veto a3: It was over.",
+        ),
+        (
+            m.OperatorChanged(actor=ANNA, state="lost", operated=False, detail="silent"),
+            "lost",
+            "silent",
+        ),
         (m.OperatorChanged(actor=ANNA, state="left", operated=False), "left", ""),
-        (m.OperatorChanged(actor=ANNA, state="unproven", operated=True, detail="tmux"), "unproven", "tmux"),
+        (
+            m.OperatorChanged(actor=ANNA, state="unproven", operated=True, detail="tmux"),
+            "unproven",
+            "tmux",
+        ),
     ],
 )
 def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, detail: str) -> None:
@@ -54,7 +71,9 @@ def test_each_deviation_has_its_time_and_actor(message: m.Message, what: str, de
 
 
 def test_refused_acts_reported_together_are_counted() -> None:
-    refused = m.PeerRequestRefused(actor="observer.eve", what="operator/act", why="An observer cannot act.", count=12)
+    refused = m.PeerRequestRefused(
+        actor="observer.eve", what="operator/act", why="An observer cannot act.", count=12
+    )
     (deviation,) = found(Script().log(2000, refused))
     assert (deviation.what, deviation.actor, deviation.count) == ("refused", "observer.eve", 12)
 
@@ -62,14 +81,20 @@ def test_refused_acts_reported_together_are_counted() -> None:
 def test_acts_of_participants_and_observers_are_no_deviations() -> None:
     gone = m.OperatorChanged(actor="observer.eve", role="observer", state="left", operated=True)
     assert (
-        found(Script().join(10).log(1000, m.SessionCommand(command="pause"), m.SessionCommand(command="stop"), gone))
+        found(
+            Script()
+            .join(10)
+            .log(1000, m.SessionCommand(command="pause"), m.SessionCommand(command="stop"), gone)
+        )
         == []
     )
 
 
 def test_a_pause_lasts_until_the_session_continues() -> None:
     script = Script().join(10).log(5000, act("pause", reason="tired"), PAUSED).log(7000, PAUSED)
-    (pause,) = found(script.log(12_250, m.SessionCommand(command="resume"), GOES_ON).log(90_000, GOES_ON))
+    (pause,) = found(
+        script.log(12_250, m.SessionCommand(command="resume"), GOES_ON).log(90_000, GOES_ON)
+    )
     assert (pause.what, pause.detail, pause.duration_s) == ("pause", "tired", 7.25)
 
 
@@ -90,4 +115,7 @@ def test_each_later_change_of_control_is_a_deviation() -> None:
 
 def test_times_count_from_the_start_of_each_run() -> None:
     script = Script().join(10).log(3000, act("skip")).begin(2, 700_000).log(702_000, act("repeat"))
-    assert [(each.run, each.at_s, each.what) for each in found(script)] == [(1, 3, "skip"), (2, 2, "repeat")]
+    assert [(each.run, each.at_s, each.what) for each in found(script)] == [
+        (1, 3, "skip"),
+        (2, 2, "repeat"),
+    ]

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from sar_tui.reports.distribution import BINS, Distribution, bins, distribution, histogram
 
-TIMES = st.lists(st.integers(-1_000_000, 60_000_000).map(lambda us: us / 1000), min_size=1, max_size=50)
+TIMES = st.lists(
+    st.integers(-1_000_000, 60_000_000).map(lambda us: us / 1000), min_size=1, max_size=50
+)
 
 
 def test_statistics_computed_by_hand() -> None:
@@ -24,7 +26,9 @@ def test_percentiles_are_interpolated() -> None:
 
 
 def test_one_time_is_every_percentile_and_no_times_have_no_statistics() -> None:
-    assert distribution([7.5]) == Distribution(n=1, median=7.5, iqr=0, p5=7.5, p25=7.5, p75=7.5, p95=7.5, worst=7.5)
+    assert distribution([7.5]) == Distribution(
+        n=1, median=7.5, iqr=0, p5=7.5, p25=7.5, p75=7.5, p95=7.5, worst=7.5
+    )
     assert distribution([]) is None
 
 
@@ -40,7 +44,8 @@ def test_percentiles_are_in_order(times: list[float]) -> None:
 def test_bins_have_a_round_width_and_include_empty_ones() -> None:
     found = bins([120, 340, 360, 2210])
     assert [(each.low, each.high, each.n) for each in found] == [
-        (low, low + 200, n) for low, n in zip(range(0, 2400, 200), [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1], strict=True)
+        (low, low + 200, n)
+        for low, n in zip(range(0, 2400, 200), [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1], strict=True)
     ]
 
 
@@ -48,7 +53,9 @@ def test_bins_have_a_round_width_and_include_empty_ones() -> None:
 def test_every_time_is_in_the_bin_that_holds_it(times: list[float]) -> None:
     found = bins(times)
     assert len(found) <= BINS
-    assert [each.n for each in found] == [sum(each.low <= time < each.high for time in times) for each in found]
+    assert [each.n for each in found] == [
+        sum(each.low <= time < each.high for time in times) for each in found
+    ]
     assert sum(each.n for each in found) == len(times)
     assert all(one.high == other.low for one, other in pairwise(found))
 

@@ -22,8 +22,33 @@ BRIEF = ("--attempts", 6, "--set", "prompts_per_attempt=3", "--json")
 def study(call: Call) -> dict[str, Any]:
     """The report on three sessions: two of one person, one of another with an operator."""
     call("simulate", "keyboard", "-p", "P01", "--user", "average", "--seed", 1, *BRIEF)
-    call("simulate", "keyboard", "-p", "P01", "--user", "average", "--seed", 2, *BRIEF, "--set", "start_level=3")
-    call("simulate", "reaching", "-p", "P02", "--user", "poor", "--seed", 3, "--attempts", 2, "--operator", "careful")
+    call(
+        "simulate",
+        "keyboard",
+        "-p",
+        "P01",
+        "--user",
+        "average",
+        "--seed",
+        2,
+        *BRIEF,
+        "--set",
+        "start_level=3",
+    )
+    call(
+        "simulate",
+        "reaching",
+        "-p",
+        "P02",
+        "--user",
+        "poor",
+        "--seed",
+        3,
+        "--attempts",
+        2,
+        "--operator",
+        "careful",
+    )
     found: dict[str, Any] = call("report", "intervention", "--all", "--simulated", "--json").json
     return found
 
@@ -33,10 +58,17 @@ def test_the_dose_is_that_of_the_tables(study: dict[str, Any], tmp_path: Path) -
         expected = database.execute(
             "SELECT participant, count(DISTINCT attempts.session), count(*), sum(trials),"
             " round(sum(ended_ns - started_ns) / 6e10, 2)"
-            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY participant"
+            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY "
+            "participant"
         ).fetchall()
     told = [
-        (each["participant"], each["sessions"], each["done"], each["repetitions"], each["time_on_task_min"])
+        (
+            each["participant"],
+            each["sessions"],
+            each["done"],
+            each["repetitions"],
+            each["time_on_task_min"],
+        )
         for each in study["dose"]
     ]
     assert told == expected
@@ -48,15 +80,21 @@ def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], tmp_path: Pa
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         expected = database.execute(
             "SELECT participant, min(level), max(level), round(avg(outcome='success'), 4)"
-            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY participant"
+            " FROM attempts JOIN seats USING (session, seat) GROUP BY participant ORDER BY "
+            "participant"
         ).fetchall()
         changes = database.execute(
-            "SELECT participant, sum(level > before), sum(level < before) FROM (SELECT participant, level,"
+            "SELECT participant, sum(level > before), sum(level < before) FROM (SELECT "
+            "participant, level,"
             " lag(level) OVER (PARTITION BY attempts.session ORDER BY attempt) AS before"
-            " FROM attempts JOIN seats USING (session, seat)) GROUP BY participant ORDER BY participant"
+            " FROM attempts JOIN seats USING (session, seat)) GROUP BY participant ORDER BY "
+            "participant"
         ).fetchall()
     challenge = study["challenge"]
-    told = [(each["participant"], each["lowest"], each["highest"], each["reached_share"]) for each in challenge]
+    told = [
+        (each["participant"], each["lowest"], each["highest"], each["reached_share"])
+        for each in challenge
+    ]
     assert told == expected
     assert [(each["participant"], each["up"], each["down"]) for each in challenge] == changes
     assert changes[0][1] > 0
@@ -64,10 +102,23 @@ def test_the_challenge_is_that_of_the_tables(study: dict[str, Any], tmp_path: Pa
     assert (settings["attempts"], settings["prompts_per_attempt"]) == ([6], [3])
 
 
-def test_of_one_participant_nothing_of_the_partner_in_a_pair_is_counted(call: Call, tmp_path: Path) -> None:
+def test_of_one_participant_nothing_of_the_partner_in_a_pair_is_counted(
+    call: Call, tmp_path: Path
+) -> None:
     pair = ("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 3)
     assert call(*pair).code == 0
-    call("adverse", "add", "P02", "--what", "Cramp", "--severity", "mild", "--onset", "2026-03-01", "--new")
+    call(
+        "adverse",
+        "add",
+        "P02",
+        "--what",
+        "Cramp",
+        "--severity",
+        "mild",
+        "--onset",
+        "2026-03-01",
+        "--new",
+    )
     found = call("report", "intervention", "-p", "P01", "--simulated", "--json").json
     with closing(sqlite3.connect(tmp_path / "data" / "sar-tui.db")) as database:
         feedback = database.execute(
@@ -113,7 +164,17 @@ def played(attempt: int, level: int, *, practice: bool = False) -> list[m.Messag
         ([*played(1, 1), new_goal(), *played(2, 1), new_goal()], ["goals"]),
         ([*played(1, 1), played(1, 1)[1], changed(1, 2), *played(2, 2), played(2, 2)[1]], ["up"]),
     ],
-    ids=["after the last", "up", "down", "taken back", "by hand", "left", "practice", "goal", "scored again"],
+    ids=[
+        "after the last",
+        "up",
+        "down",
+        "taken back",
+        "by hand",
+        "left",
+        "practice",
+        "goal",
+        "scored again",
+    ],
 )
 def test_a_change_of_level_counts_once_an_attempt_was_played_at_it(
     messages: list[m.Message], changes: list[str]
@@ -133,14 +194,27 @@ def record(**changes: Any) -> Record:
 def test_a_changed_programme_is_a_modification_with_its_reason() -> None:
     versions = [
         Programme({"threshold": 900.0}, version=1, created_at="2026-03-01T09:00:00+00:00"),
-        Programme({"attempts": 10}, version=2, created_at="2026-03-08T09:00:00+00:00", reason="Tired."),
+        Programme(
+            {"attempts": 10}, version=2, created_at="2026-03-08T09:00:00+00:00", reason="Tired."
+        ),
     ]
     (change,) = intervention(record(programmes={("P01", "keyboard"): versions})).programmes
-    assert (change.version, change.changed, change.reason) == (2, {"attempts": 10, "threshold": None}, "Tired.")
+    assert (change.version, change.changed, change.reason) == (
+        2,
+        {"attempts": 10, "threshold": None},
+        "Tired.",
+    )
 
 
 def test_harms_are_counted_and_nothing_asked_is_said_as_such() -> None:
-    event = AdverseEvent(event="e1", version=1, participant="P01", onset="2026-03-01", what="A fall.", severity="mild")
+    event = AdverseEvent(
+        event="e1",
+        version=1,
+        participant="P01",
+        onset="2026-03-01",
+        what="A fall.",
+        severity="mild",
+    )
     found = intervention(record(events=[event]))
     assert found.harms.events == {"mild": 1}
     text = str(sections(found))
@@ -159,4 +233,7 @@ def test_three_tasks_are_named_with_one_and(call: Call) -> None:
     call("simulate", "reaching", "-p", "P01", "--user", "average", "--attempts", 1)
     call("simulate", "pairs", "-p", "P01", "-p", "P02", "--user", "average", "--attempts", 1)
     printed = call("report", "intervention", "--all", "--simulated").out
-    assert "the tasks “Keyboard reaction”, “Reaching” and “Pairs”: 2 participants, 3 sessions" in printed
+    assert (
+        "the tasks “Keyboard reaction”, “Reaching” and “Pairs”: 2 participants, 3 sessions"
+        in printed
+    )

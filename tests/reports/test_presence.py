@@ -24,7 +24,9 @@ def test_the_time_before_the_first_operator_is_no_absence() -> None:
 
 def test_a_lost_operator_is_absent_until_they_return() -> None:
     script = Script().join(10_000).join(10_000, state="baton")
-    script.join(20_000, state="lost", operated=False).join(25_500).join(25_500, state="baton").log(60_000, STILL)
+    script.join(20_000, state="lost", operated=False).join(25_500).join(25_500, state="baton").log(
+        60_000, STILL
+    )
     there = presence(script)
     assert there.operated_s == 44.5
     (absence,) = there.absences
@@ -44,7 +46,13 @@ def test_an_operator_who_does_not_come_back_is_absent_until_the_run_ends() -> No
 
 
 def test_while_one_of_two_operators_stays_there_is_no_absence() -> None:
-    script = Script().join(0).join(5000, "operator.ben").join(8000, state="lost", operated=True).log(10_000, STILL)
+    script = (
+        Script()
+        .join(0)
+        .join(5000, "operator.ben")
+        .join(8000, state="lost", operated=True)
+        .log(10_000, STILL)
+    )
     assert presence(script).absences == ()
     assert presence(script).operated_s == 10
 
@@ -78,20 +86,28 @@ def test_modes_are_timed_by_kind_with_the_unattended_part() -> None:
         ("veto", 6, 1),
         ("approve", 4, 1),
     ]
-    assert [(t.mode, t.time_s, t.unattended_s) for t in times if t.kind == "gesture"] == [("autonomous", 10, 2)]
+    assert [(t.mode, t.time_s, t.unattended_s) for t in times if t.kind == "gesture"] == [
+        ("autonomous", 10, 2)
+    ]
 
 
 def test_a_mode_chosen_by_hand_still_holds_in_the_next_run() -> None:
     script = Script().log(4000, m.ModeChanged(kind="difficulty", mode="manual")).log(5000, STILL)
     script.begin(2, 7000).log(8000, STILL)
-    times = {t.mode: t.time_s for t in mode_times(script, TaskParameters()) if t.kind == "difficulty"}
+    times = {
+        t.mode: t.time_s for t in mode_times(script, TaskParameters()) if t.kind == "difficulty"
+    }
     assert times == {"autonomous": 4, "manual": 2}
 
 
 EVENTS = st.one_of(
     st.builds(m.ModeChanged, kind=st.sampled_from(KINDS), mode=st.sampled_from(MODES)),
-    st.builds(m.OperatorChanged, actor=st.just(ANNA), state=st.just("joined"), operated=st.just(True)),
-    st.builds(m.OperatorChanged, actor=st.just(ANNA), state=st.just("lost"), operated=st.just(False)),
+    st.builds(
+        m.OperatorChanged, actor=st.just(ANNA), state=st.just("joined"), operated=st.just(True)
+    ),
+    st.builds(
+        m.OperatorChanged, actor=st.just(ANNA), state=st.just("lost"), operated=st.just(False)
+    ),
 )
 
 
@@ -109,4 +125,7 @@ def test_mode_times_of_each_kind_add_up_to_the_session(
         assert round(sum(t.time_s for t in times if t.kind == kind), 3) == there.duration_s
         unattended = round(sum(t.unattended_s for t in times if t.kind == kind), 3)
         assert unattended == round(there.duration_s - there.operated_s, 3)
-    assert round(sum(absence.duration_s for absence in there.absences), 3) <= there.duration_s - there.operated_s + 1e-9
+    assert (
+        round(sum(absence.duration_s for absence in there.absences), 3)
+        <= there.duration_s - there.operated_s + 1e-9
+    )

@@ -25,7 +25,9 @@ from sar_tui.store.adverse_events import AdverseEvent
 from tests.progress.session_results import adapted, at_one_level, session
 from tests.untranslated import english_in
 
-SPANISH = tomllib.loads((Path(progress_words.__file__).parent / "words.es.toml").read_text(encoding="utf-8"))
+SPANISH = tomllib.loads(
+    (Path(progress_words.__file__).parent / "words.es.toml").read_text(encoding="utf-8")
+)
 
 
 def of(keyboard: type[Task], *sessions: SessionResults) -> Progress:
@@ -38,7 +40,9 @@ def steady(count: int, base: float = 450.0) -> list[SessionResults]:
 
 def said(found: Progress, language: str = "en", kind: type[Task] | None = None) -> str:
     tr = progress_words.words(language, kind)
-    return " ".join(sentence for line in found.lines for sentence in progress_words.sentences(line, tr))
+    return " ".join(
+        sentence for line in found.lines for sentence in progress_words.sentences(line, tr)
+    )
 
 
 def test_nothing_played_is_no_progress(keyboard: type[Task]) -> None:
@@ -79,7 +83,9 @@ def test_a_person_who_gets_much_slower_has_changed(keyboard: type[Task]) -> None
 
 
 def test_the_gain_after_the_first_session_is_called_practice(keyboard: type[Task]) -> None:
-    found = of(keyboard, session(0, adapted(0, base=600.0)), *(session(n, adapted(n)) for n in (1, 2, 3)))
+    found = of(
+        keyboard, session(0, adapted(0, base=600.0)), *(session(n, adapted(n)) for n in (1, 2, 3))
+    )
     assert "Practice: from" in said(found)
     assert "it is not recovery" in said(found)
 
@@ -100,7 +106,9 @@ def test_results_below_zero_keep_their_sign_in_the_note_and_in_comparisons(
 ) -> None:
     metric = Metric("effect", unit="ms", better=better)
     means = (-12.0, -20.0, 1.0, -20.0, -300.0)
-    played = [session(n, [AttemptResult(3, mean, 20)] * 12, metric=metric) for n, mean in enumerate(means)]
+    played = [
+        session(n, [AttemptResult(3, mean, 20)] * 12, metric=metric) for n, mean in enumerate(means)
+    ]
     found = of(keyboard, *played)
     note = progress_words.note("P01", found.lines[0], progress_words.words("en", keyboard))
     assert "Baseline: -0.013 s. Sessions from -0." in note
@@ -117,7 +125,8 @@ def test_a_session_that_was_all_too_easy_asks_for_harder_levels(keyboard: type[T
     assert "harder levels can be tried" in said(found)
 
 
-# --- two sessions ------------------------------------------------------------------------------------------------
+# --- two sessions
+# ------------------------------------------------------------------------------------------------
 
 
 def fast(number: int, level: int, mean: float) -> SessionResults:
@@ -129,7 +138,9 @@ def fast(number: int, level: int, mean: float) -> SessionResults:
 def compared_in(found: Progress, one: int, other: int, code: str, keyboard: type[Task]) -> str:
     comparison = compare(found, f"session{one:03}", f"session{other:03}")
     assert comparison is not None
-    return comparison_words.compared(found.lines[0], comparison, progress_words.words(code, keyboard))
+    return comparison_words.compared(
+        found.lines[0], comparison, progress_words.words(code, keyboard)
+    )
 
 
 def test_sessions_that_all_beat_the_goal_are_compared_by_their_results_and_what_would_help_is_said(
@@ -137,7 +148,8 @@ def test_sessions_that_all_beat_the_goal_are_compared_by_their_results_and_what_
 ) -> None:
     found = of(keyboard, fast(0, 1, 500.0), fast(1, 2, 400.0), fast(2, 4, 400.0))
     assert compared_in(found, 0, 1, "en", keyboard) == (
-        "The level at goal of neither is known: every result was better than the goal. Mean at level 2: 0.60 s, then "
+        "The level at goal of neither is known: every result was better than the goal. Mean at "
+        "level 2: 0.60 s, then "
         "0.40 s; how much of that is noise is not known. Harder levels would make it known."
     )
     assert "No level was played in both" in compared_in(found, 0, 2, "en", keyboard)
@@ -152,17 +164,22 @@ def test_levels_that_follow_each_other_are_a_range(keyboard: type[Task]) -> None
     assert "Mean at levels 1 to 4, played in both: 0.4" in compared_in(found, 0, 1, "en", keyboard)
 
 
-def test_of_two_sessions_the_one_whose_level_at_goal_is_not_known_is_named(keyboard: type[Task]) -> None:
+def test_of_two_sessions_the_one_whose_level_at_goal_is_not_known_is_named(
+    keyboard: type[Task],
+) -> None:
     found = of(keyboard, *steady(2), session(9, at_one_level(9, 400.0)))
     assert compared_in(found, 0, 9, "en", keyboard).startswith(
-        "The level at goal of 2026-03-08 is not known: every result was better than the goal. Mean at level 3:"
+        "The level at goal of 2026-03-08 is not known: every result was better than the goal. "
+        "Mean at level 3:"
     )
 
 
 def test_at_the_hardest_level_a_harder_goal_is_named(keyboard: type[Task]) -> None:
     hardest = keyboard(keyboard.Parameters()).levels
     found = of(keyboard, *(fast(n, hardest - 1, 400.0) for n in (1, 2)))
-    assert compared_in(found, 1, 2, "en", keyboard).endswith("a harder goal would begin a new chart.")
+    assert compared_in(found, 1, 2, "en", keyboard).endswith(
+        "a harder goal would begin a new chart."
+    )
 
 
 def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[Task]) -> None:
@@ -172,7 +189,10 @@ def test_two_sessions_are_compared_in_the_order_they_were_played(keyboard: type[
     assert (comparison.earlier.session, comparison.later.session) == ("session001", "session009")
     assert comparison.verdict == "more"
     words = comparison_words.compared(found.lines[0], comparison, progress_words.words("en", None))
-    assert re.search(r"That is better; from [\d.]+ keys to [\d.]+ keys would be no more than noise \(MDC95\)\.$", words)
+    assert re.search(
+        r"That is better; from [\d.]+ keys to [\d.]+ keys would be no more than noise \(MDC95\)\.$",
+        words,
+    )
     assert comparison.mdc95 == found.lines[0].baseline.mdc95  # type: ignore[union-attr]
 
 
@@ -181,14 +201,17 @@ def test_sessions_on_two_lines_are_not_compared(keyboard: type[Task]) -> None:
     comparison = compare(found, "session001", "session009")
     assert comparison is not None
     assert (comparison.comparable, comparison.difference) == (False, None)
-    assert "cannot be compared" in comparison_words.compared(None, comparison, progress_words.words("en", None))
+    assert "cannot be compared" in comparison_words.compared(
+        None, comparison, progress_words.words("en", None)
+    )
 
 
 def test_an_unknown_session_is_not_compared(keyboard: type[Task]) -> None:
     assert compare(of(keyboard, *steady(2)), "session001", "nothing") is None
 
 
-# --- dose --------------------------------------------------------------------------------------------------------
+# --- dose
+# --------------------------------------------------------------------------------------------------------
 
 
 def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
@@ -205,7 +228,9 @@ def test_the_dose_of_a_day_is_the_sum_of_its_live_sessions() -> None:
 
 def test_a_calendar_marks_each_day_without_colour() -> None:
     done = {0: 20, 1: 12, 2: 3}
-    days = days_of([session(number, adapted(number, attempts=count)) for number, count in done.items()])
+    days = days_of(
+        [session(number, adapted(number, attempts=count)) for number, count in done.items()]
+    )
     months = [("2026-02", "·" * 26 + "■◧"), ("2026-03", "□" + "·" * 30), ("2026-04", "··")]
     assert dose_words.calendar(days, date(2026, 4, 2)) == months
 
@@ -234,24 +259,36 @@ def test_the_dose_of_the_last_four_weeks_includes_today_and_not_the_day_before_t
     found = recent(days, date(2026, 3, 27))
     assert (found.first, found.days, found.as_planned, found.done) == ("2026-02-28", 2, 2, 40)
     said = dose_words.recent_text(found, progress_words.words("en", None))
-    assert "sessions on 2 days, on 2 of them all that was planned; 40 of 40 attempts, 800 repetitions" in said
+    assert (
+        "sessions on 2 days, on 2 of them all that was planned; 40 of 40 attempts, 800 repetitions"
+        in said
+    )
 
 
 def test_the_dose_of_a_single_day_is_told_in_the_singular() -> None:
     found = recent(days_of([session(0, adapted(0), on_day=0)]), date(2026, 3, 1))
-    english, spanish = (dose_words.recent_text(found, progress_words.words(code, None)) for code in ("en", "es"))
+    english, spanish = (
+        dose_words.recent_text(found, progress_words.words(code, None)) for code in ("en", "es")
+    )
     assert "sessions on 1 day, on 1 of them all that was planned; 20 of 20" in english
     assert "sesiones en 1 día, en 1 de ellos todo lo previsto; 20 de 20" in spanish
 
 
-# --- pain, tiredness and adverse events ---------------------------------------------------------------------------
+# --- pain, tiredness and adverse events
+# ---------------------------------------------------------------------------
 
 
-def test_new_pain_and_adverse_events_are_told_first_in_either_language(keyboard: type[Task]) -> None:
+def test_new_pain_and_adverse_events_are_told_first_in_either_language(
+    keyboard: type[Task],
+) -> None:
     ratings = [SessionRatings(pain_after=0), *[SessionRatings(pain_after=2)] * 4]
-    event = AdverseEvent(event="A1", version=1, participant="P01", onset="2026-03-01", what="Cramp", severity="mild")
+    event = AdverseEvent(
+        event="A1", version=1, participant="P01", onset="2026-03-01", what="Cramp", severity="mild"
+    )
     found = progress("P01", steady(2), {"keyboard": keyboard}.get, ratings=ratings, events=[event])
-    english, spanish = (progress_words.warnings(found, progress_words.words(code, None)) for code in ("en", "es"))
+    english, spanish = (
+        progress_words.warnings(found, progress_words.words(code, None)) for code in ("en", "es")
+    )
     assert english[0].startswith("Pain is new: some in each of the last four sessions")
     assert english[1] == "Adverse event 2026-03-01, mild: Cramp. Outcome not yet recorded."
     assert spanish[1] == "Evento adverso 2026-03-01, leve: Cramp. Desenlace aún sin anotar."
@@ -265,9 +302,18 @@ def fell(onset: str, session: str | None = None, outcome: str = "") -> AdverseEv
     )  # fmt: skip
 
 
-def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day(keyboard: type[Task]) -> None:
-    events = [fell("2026-02-28 09:00"), fell("2026-02-01"), fell("2026-03-02", "session001"), fell("2026-03-02")]
-    found = progress("P01", steady(4), {"keyboard": keyboard}.get, events=events, today=date(2026, 3, 2))
+def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day(
+    keyboard: type[Task],
+) -> None:
+    events = [
+        fell("2026-02-28 09:00"),
+        fell("2026-02-01"),
+        fell("2026-03-02", "session001"),
+        fell("2026-03-02"),
+    ]
+    found = progress(
+        "P01", steady(4), {"keyboard": keyboard}.get, events=events, today=date(2026, 3, 2)
+    )
     (line,) = found.lines
     assert [each.events for each in line.sessions] == [
         ["2026-02-28 09:00"], ["2026-03-02"], [], ["2026-03-02"],
@@ -276,20 +322,33 @@ def test_an_adverse_event_stands_below_the_session_it_began_in_and_below_its_day
     marks = level_figure(line, 80, 24, tr)[-1]
     assert (marks.split()[0], marks.count("!")) == ("event", 3)
     calendar = "\n".join(dose_words.calendar_lines(found, 3, tr))
-    assert "2026-02  ··························■■\n         !                          !\n" in calendar
+    assert (
+        "2026-02  ··························■■\n         !                          !\n" in calendar
+    )
     assert "! adverse event" in calendar
 
 
 def test_the_note_tells_of_adverse_events(keyboard: type[Task]) -> None:
-    found = progress("P01", steady(2), {"keyboard": keyboard}.get, events=[fell("2026-03-01", outcome="No injury.")])
-    english, spanish = (progress_words.after_notes(found, progress_words.words(code, None)) for code in ("en", "es"))
+    found = progress(
+        "P01",
+        steady(2),
+        {"keyboard": keyboard}.get,
+        events=[fell("2026-03-01", outcome="No injury.")],
+    )
+    english, spanish = (
+        progress_words.after_notes(found, progress_words.words(code, None)) for code in ("en", "es")
+    )
     assert english == ["Adverse event 2026-03-01, mild: Fell. Outcome: No injury."]
     assert spanish == ["Evento adverso 2026-03-01, leve: Fell. Desenlace: No injury."]
 
 
 def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     felt = [SessionRatings(pain_after=rating) for rating in (1, 4)]
-    found = of(keyboard, *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)), *steady(3)[2:])
+    found = of(
+        keyboard,
+        *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)),
+        *steady(3)[2:],
+    )
     said = progress_words.note("P01", found.lines[0], progress_words.words("en", keyboard))
     assert "Worst of each session, 0 to 10, from first to last: pain 1 → 4." in said
     assert "Worst" not in progress_words.note(
@@ -297,11 +356,14 @@ def test_the_note_tells_of_pain_where_it_is_known(keyboard: type[Task]) -> None:
     )
 
 
-def test_the_note_tells_of_the_highest_pain_if_it_was_neither_first_nor_last(keyboard: type[Task]) -> None:
+def test_the_note_tells_of_the_highest_pain_if_it_was_neither_first_nor_last(
+    keyboard: type[Task],
+) -> None:
     felt = [SessionRatings(pain_after=rating) for rating in (0, 6, 1)]
     found = of(keyboard, *(session(n, adapted(n), felt=each) for n, each in enumerate(felt)))
     english, spanish = (
-        progress_words.felt_range(found.lines[0], progress_words.words(code, None)) for code in ("en", "es")
+        progress_words.felt_range(found.lines[0], progress_words.words(code, None))
+        for code in ("en", "es")
     )
     assert (english, spanish) == ("pain 0 → 1 (highest 6)", "dolor 0 → 1 (máximo 6)")
 
@@ -309,7 +371,9 @@ def test_the_note_tells_of_the_highest_pain_if_it_was_neither_first_nor_last(key
 def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type[Task]) -> None:
     line = of(keyboard, *steady(6)).lines[0]
     tr = progress_words.words("en", keyboard)
-    low, tall = (level_part(line, size, 5, tr, advice=["! Pain is new."]) for size in ((78, 20), (78, 46)))
+    low, tall = (
+        level_part(line, size, 5, tr, advice=["! Pain is new."]) for size in ((78, 20), (78, 46))
+    )
     assert len(low) <= 20
     assert "! Pain is new." in " ".join(low)
     assert not any(row.startswith("reaction time (s)") for row in low)
@@ -318,7 +382,8 @@ def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type
     assert "no change can be shown" in " ".join(tall)
 
 
-# --- words -------------------------------------------------------------------------------------------------------
+# --- words
+# -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -334,7 +399,9 @@ def test_at_a_tall_screen_both_charts_are_shown_and_the_text_fits(keyboard: type
         [session(1, adapted(1), mode="simulated", seat="B")],
     ],
 )
-def test_every_sentence_is_spoken_in_spanish(keyboard: type[Task], sessions: list[SessionResults]) -> None:
+def test_every_sentence_is_spoken_in_spanish(
+    keyboard: type[Task], sessions: list[SessionResults]
+) -> None:
     found = of(keyboard, *sessions)
     tr = progress_words.words("es", keyboard)
     shown = [progress_words.note("P01", line, tr) for line in found.lines]
@@ -344,8 +411,17 @@ def test_every_sentence_is_spoken_in_spanish(keyboard: type[Task], sessions: lis
 
 def test_every_text_of_charts_parts_and_dose_has_a_translation() -> None:
     folder = Path(progress_words.__file__).parent
-    names = ("progress_figures", "progress_parts", "progress_words", "progress_page", "progress_charts", "dose_words")
-    texts = set().union(*(texts_in((folder / f"{name}.py").read_text(encoding="utf-8")) for name in names))
+    names = (
+        "progress_figures",
+        "progress_parts",
+        "progress_words",
+        "progress_page",
+        "progress_charts",
+        "dose_words",
+    )
+    texts = set().union(
+        *(texts_in((folder / f"{name}.py").read_text(encoding="utf-8")) for name in names)
+    )
     assert {text for text in texts if re.search("[a-z]", text)} - set(SPANISH) == set()
 
 
@@ -354,11 +430,14 @@ def test_every_translation_is_of_a_text_of_the_reports() -> None:
     others = ("cli/progress.py", "progress/instruments.py", "store/adverse_events.py")
     files = [*folder.glob("reports/*.py"), *(folder / name for name in others)]
     inserted = {"simulated", "no session"}
-    source = re.sub(r'"\n\s*f?"', "", "".join(path.read_text(encoding="utf-8") for path in files)).replace("'", '"')
+    source = re.sub(
+        r'"\n\s*f?"', "", "".join(path.read_text(encoding="utf-8") for path in files)
+    ).replace("'", '"')
     assert [text for text in SPANISH if f'"{text}"' not in source and text not in inserted] == []
 
 
-# --- charts in text ------------------------------------------------------------------------------------------------
+# --- charts in text
+# ------------------------------------------------------------------------------------------------
 
 
 def test_the_chart_of_levels_has_pain_and_tiredness_on_its_axis(keyboard: type[Task]) -> None:
@@ -373,7 +452,13 @@ def test_the_chart_of_levels_has_pain_and_tiredness_on_its_axis(keyboard: type[T
 
 
 def test_the_chart_of_results_has_accuracy_and_quality_in_figures(keyboard: type[Task]) -> None:
-    found = of(keyboard, *(session(number, adapted(number), qualities={"sparc": -1.5 - number}) for number in (0, 1)))
+    found = of(
+        keyboard,
+        *(
+            session(number, adapted(number), qualities={"sparc": -1.5 - number})
+            for number in (0, 1)
+        ),
+    )
     drawn = result_figure(found.lines[0], 78, 16, progress_words.words("en", keyboard))
     assert drawn[-2].split() == ["correct", "95%", "95%"]
     assert drawn[-1].split() == ["smoothness", "(SPARC)", "-1.5", "-2.5"]
@@ -384,7 +469,10 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
     keyboard: type[Task], better: Literal["lower", "higher"]
 ) -> None:
     metric = Metric("reaction_time", unit="ms", better=better)
-    played = [session(n, [AttemptResult(3, mean, 20)] * 6, metric=metric) for n, mean in enumerate((1200.0, 900.0))]
+    played = [
+        session(n, [AttemptResult(3, mean, 20)] * 6, metric=metric)
+        for n, mean in enumerate((1200.0, 900.0))
+    ]
     (line,) = of(keyboard, *played).lines
     tr = progress_words.words("en", keyboard)
     drawn = result_figure(line, 80, 16, tr)
@@ -399,14 +487,18 @@ def test_a_better_result_is_higher_up_whichever_way_is_better(
 
 
 def test_the_words_of_a_task_do_not_change_those_of_the_charts(keyboard: type[Task]) -> None:
-    drawn = result_figure(of(keyboard, *steady(2)).lines[0], 78, 16, progress_words.words("es", keyboard))
+    drawn = result_figure(
+        of(keyboard, *steady(2)).lines[0], 78, 16, progress_words.words("es", keyboard)
+    )
     assert drawn[-1].startswith("aciertos ")
     assert drawn[0].startswith("tiempo de reacción (s)")
 
 
 def test_a_session_that_was_all_too_easy_is_marked_above_the_others(keyboard: type[Task]) -> None:
     easy = session(2, at_one_level(2, 500.0))
-    drawn = level_figure(of(keyboard, *steady(2), easy).lines[0], 120, 16, progress_words.words("en", keyboard))
+    drawn = level_figure(
+        of(keyboard, *steady(2), easy).lines[0], 120, 16, progress_words.words("en", keyboard)
+    )
     assert "^ all too easy" in drawn[0]
     assert "^" in drawn[1]
 
@@ -433,8 +525,12 @@ def test_values_that_differ_by_rounding_have_equal_bars() -> None:
     assert Columns(3, 3).bars([0.95, 0.95 + 1e-15, 0.95]) == "▄▄▄"
 
 
-def test_the_measures_below_a_chart_have_the_decimal_comma_of_the_language(keyboard: type[Task]) -> None:
-    (line,) = of(keyboard, *(session(n, adapted(n), qualities={"sparc": -1.6}) for n in range(3))).lines
+def test_the_measures_below_a_chart_have_the_decimal_comma_of_the_language(
+    keyboard: type[Task],
+) -> None:
+    (line,) = of(
+        keyboard, *(session(n, adapted(n), qualities={"sparc": -1.6}) for n in range(3))
+    ).lines
     drawn = "\n".join(result_figure(line, 80, 20, progress_words.words("es", keyboard)))
     assert drawn.count("-1,6") == 3
     assert "-1.6" not in drawn
@@ -443,7 +539,10 @@ def test_the_measures_below_a_chart_have_the_decimal_comma_of_the_language(keybo
 def test_the_change_of_a_quality_stands_beside_its_mdc95(keyboard: type[Task]) -> None:
     def played(count: int) -> str:
         values = (-1.60, -1.55, -1.50, -1.52, -1.40)[:count]
-        sessions = [session(day, adapted(day), qualities={"sparc": value}) for day, value in enumerate(values)]
+        sessions = [
+            session(day, adapted(day), qualities={"sparc": value})
+            for day, value in enumerate(values)
+        ]
         (line,) = of(keyboard, *sessions).lines
         return " ".join(results_part(line, (200, 40), 0, progress_words.words("en", None)))
 

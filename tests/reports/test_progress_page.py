@@ -1,4 +1,6 @@
-"""The page of progress: self-contained, with text alternatives, for no session, one, and a thousand."""
+"""The page of progress: self-contained, with text alternatives, for no session, one, and a
+thousand.
+"""
 
 import re
 import sys
@@ -46,7 +48,8 @@ def test_nobody_has_a_page_that_says_so(keyboard: type[Task]) -> None:
 
 def test_one_session_has_its_charts(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
     made = page(keyboard, steady(1))
-    assert made.count("<svg") == len(specs) == 4  # level at goal, result, attempts and repetitions of each day
+    # level at goal, result, attempts and repetitions of each day
+    assert made.count("<svg") == len(specs) == 4
     assert made.count("<figcaption>") == 4
 
 
@@ -55,11 +58,17 @@ def test_a_thousand_sessions_share_marks_by_a_stated_rule_and_the_newest_are_lis
 ) -> None:
     sessions = steady(1000)
     made = page(keyboard, sessions)
-    assert "In the charts a mark stands for up to 9 sessions, one after the other: for their mean;" in made
+    assert (
+        "In the charts a mark stands for up to 9 sessions, one after the other: for their mean;"
+        in made
+    )
     assert "Attempts of each month. Line: planned." in made
     assert [len(spec["data"]["values"]) <= 120 for spec in specs] == [True] * 4
     first = specs[1]["data"]["values"][0]
-    means = [each.mean for each in progress("P01", sessions[:9], {"keyboard": keyboard}.get).lines[0].sessions]
+    means = [
+        each.mean
+        for each in progress("P01", sessions[:9], {"keyboard": keyboard}.get).lines[0].sessions
+    ]
     assert first["value"] == pytest.approx(fmean(mean for mean in means if mean) / 1000)
     assert first["date"] == "2026-03-03", "the middle one of nine"
     assert sum(row["repetitions"] for row in specs[3]["data"]["values"]) == 400_000
@@ -71,7 +80,9 @@ def test_each_chart_has_a_text_alternative(keyboard: type[Task]) -> None:
     made = page(keyboard, steady(5))
     labels = re.findall(r'<svg role="img" aria-label="([^"]+)"', made)
     assert len(labels) == 4
-    assert re.search(r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3", labels[0])
+    assert re.search(
+        r"2026-02-27: level 3\.\d \(.* keys, 95 % band .*\)\. 2026-03-03: level 3", labels[0]
+    )
     assert "2000 repetitions on 5 days." in labels[3]
 
 
@@ -92,18 +103,27 @@ def test_texts_are_escaped(keyboard: type[Task]) -> None:
 def test_the_page_is_in_spanish(keyboard: type[Task]) -> None:
     made = page(keyboard, steady(5), "es")
     assert '<html lang="es">' in made
-    assert english_in([re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)], SPANISH) == []
+    assert (
+        english_in([re.sub(r"<style>.*?</style>|<[^>]+>", "\n", made, flags=re.DOTALL)], SPANISH)
+        == []
+    )
     assert "aciertos" in made
 
 
-def test_a_line_at_one_level_has_no_chart_of_levels(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+def test_a_line_at_one_level_has_no_chart_of_levels(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
     made = page(keyboard, [session(number, at_one_level(number, 950.0)) for number in range(4)])
     assert len(specs) == 3
     assert "Level at goal of each session" not in made
 
 
-def test_smoothness_has_a_chart_of_its_own(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
-    made = page(keyboard, [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)])
+def test_smoothness_has_a_chart_of_its_own(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
+    made = page(
+        keyboard, [session(n, adapted(n), qualities={"sparc": -1.6 - n / 10}) for n in range(3)]
+    )
     assert len(specs) == 5
     assert "Mean of each session: smoothness (SPARC)." in made
 
@@ -119,17 +139,25 @@ def test_pain_and_tiredness_are_charted_on_the_time_axis_of_the_sessions(
     made = page(keyboard, [session(n, adapted(n), felt=felt) for n, felt in enumerate(said)])
     assert "pain 5 → 3, tiredness 4 → 4" in made
     felt = next(spec for spec in specs if len(spec["layer"]) == 2 and "data" in spec["layer"][0])
-    domains = {str(layer["encoding"]["x"]["scale"]["domain"]) for spec in (specs[0], felt) for layer in spec["layer"]}
+    domains = {
+        str(layer["encoding"]["x"]["scale"]["domain"])
+        for spec in (specs[0], felt)
+        for layer in spec["layer"]
+    }
     assert domains == {"['2026-02-27T10:00:00', '2026-03-01T10:02:00']"}
 
 
-def test_an_adverse_event_is_told_and_marked_where_pain_is(keyboard: type[Task], specs: list[dict[str, Any]]) -> None:
+def test_an_adverse_event_is_told_and_marked_where_pain_is(
+    keyboard: type[Task], specs: list[dict[str, Any]]
+) -> None:
     find = {"keyboard": keyboard}.get
     found = progress("P01", steady(3), find, events=[fell("2026-02-28", outcome="No injury")])
     made = progress_page.page(found, find, "en")
     assert "<strong>Adverse event 2026-02-28, mild: Fell. Outcome: No injury.</strong>" in made
     assert "!: an adverse event." in made
-    marked = [spec for spec in specs if any(layer["mark"].get("text") == "!" for layer in spec["layer"])]
+    marked = [
+        spec for spec in specs if any(layer["mark"].get("text") == "!" for layer in spec["layer"])
+    ]
     assert [spec["data"]["values"][0]["date"] for spec in marked] == ["2026-02-28"]
 
 
@@ -143,7 +171,9 @@ def test_the_noise_of_the_baseline_is_drawn_on_the_axis_people_read(
     assert 2 < noise["high"] < 60  # keys, not bits
 
 
-def test_without_the_package_one_sentence_says_so(keyboard: type[Task], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_one_sentence_says_so(
+    keyboard: type[Task], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "vl_convert", None)
     with pytest.raises(html_page.ChartsMissing, match=r"pip install -e '\.\[report\]'"):
         page(keyboard, steady(1))
@@ -180,8 +210,11 @@ def test_goals_that_differ_between_levels_are_not_drawn_as_one_line(
 ) -> None:
     reaching = catalogue.task("reaching")
     facts = {"task": "reaching", "task_version": reaching.version, "metric": reaching.metric}
-    found = progress("P01", [session(1, adapted(1, base=900.0), **facts)], {"reaching": reaching}.get)
+    found = progress(
+        "P01", [session(1, adapted(1, base=900.0), **facts)], {"reaching": reaching}.get
+    )
     made = progress_page.page(found, {"reaching": reaching}.get, "en")
     assert found.lines[0].goal is None
     assert "Dashed" not in made
-    assert all(spec["config"]["axisY"]["format"] == ".6~r" for spec in specs)  # -1.6 is not shown as -2
+    # -1.6 is not shown as -2
+    assert all(spec["config"]["axisY"]["format"] == ".6~r" for spec in specs)

@@ -7,7 +7,15 @@ import pytest
 from sar_tui.model import messages as m
 from sar_tui.reports.proposals import Fate, ProposalRecord, proposal_records
 from sar_tui.rules.parameters import TaskParameters
-from tests.reports.session_script import Script, action, decision, level_decided, pending, proposal, seen
+from tests.reports.session_script import (
+    Script,
+    action,
+    decision,
+    level_decided,
+    pending,
+    proposal,
+    seen,
+)
 
 ALONE = TaskParameters()
 APPROVE = TaskParameters(
@@ -32,7 +40,12 @@ def pending_feedback() -> Script:
 
 def test_autonomous_actions_are_the_agents() -> None:
     record = only(Script().join(10).log(1000, A1, action(A1, ground="mode")), ALONE)
-    assert (record.kind, record.mode, record.fate, record.verdict) == ("feedback", "autonomous", "agent", None)
+    assert (record.kind, record.mode, record.fate, record.verdict) == (
+        "feedback",
+        "autonomous",
+        "agent",
+        None,
+    )
     assert (record.pending_at, record.waiting_ms, record.decision_ms) == (None, None, None)
 
 
@@ -47,7 +60,9 @@ def test_an_accepted_proposal_has_its_two_latencies() -> None:
 
 def test_an_edit_stores_the_proposed_and_the_said_text() -> None:
     milder = action(A1, "edited", text="A little slow.", valence="neutral")
-    record = only(pending_feedback().log(1500, decision("a1", "edit", 1499), milder).log(1600, milder))
+    record = only(
+        pending_feedback().log(1500, decision("a1", "edit", 1499), milder).log(1600, milder)
+    )
     assert (record.fate, record.verdict) == ("edited", "edited")
     assert (record.text, record.said, record.valence, record.said_valence) == (
         "Too slow.",
@@ -58,20 +73,36 @@ def test_an_edit_stores_the_proposed_and_the_said_text() -> None:
 
 
 def test_a_veto_leaves_nothing_said() -> None:
-    record = only(pending_feedback().log(1500, decision("a1", "veto", 1500), m.Dropped(id="a1", reason="vetoed")))
-    assert (record.fate, record.verdict, record.said, record.decision_ms) == ("vetoed", "vetoed", None, 470)
+    record = only(
+        pending_feedback().log(
+            1500, decision("a1", "veto", 1500), m.Dropped(id="a1", reason="vetoed")
+        )
+    )
+    assert (record.fate, record.verdict, record.said, record.decision_ms) == (
+        "vetoed",
+        "vetoed",
+        None,
+        470,
+    )
 
 
 def test_an_accepted_proposal_can_be_vetoed_in_the_queue_and_the_first_key_is_timed() -> None:
     script = pending_feedback().log(1230, decision("a1", ms=1230), action(A1))
     script.log(1900, decision("a1", "veto", 1900), m.Dropped(id="a1", reason="vetoed"))
     record = only(script)
-    assert (record.fate, record.verdict, record.decision_ms, record.waiting_ms) == ("vetoed", "vetoed", 200, 230)
+    assert (record.fate, record.verdict, record.decision_ms, record.waiting_ms) == (
+        "vetoed",
+        "vetoed",
+        200,
+        230,
+    )
 
 
 def test_an_accepted_proposal_that_comes_too_late_still_counts_as_agreement() -> None:
     script = (
-        pending_feedback().log(1230, decision("a1", ms=1230), action(A1)).log(3000, m.Dropped(id="a1", reason="late"))
+        pending_feedback()
+        .log(1230, decision("a1", ms=1230), action(A1))
+        .log(3000, m.Dropped(id="a1", reason="late"))
     )
     record = only(script)
     assert (record.fate, record.verdict, record.said) == ("late", "accepted", None)
@@ -80,21 +111,39 @@ def test_an_accepted_proposal_that_comes_too_late_still_counts_as_agreement() ->
 def test_an_action_cut_off_under_way_is_vetoed() -> None:
     script = Script().join(10).log(1000, A1, action(A1, ground="mode"))
     record = only(
-        script.log(1600, decision("a1", "veto", 1590), m.Halt(action="a1", reason="vetoed", asked=1590)), ALONE
+        script.log(
+            1600, decision("a1", "veto", 1590), m.Halt(action="a1", reason="vetoed", asked=1590)
+        ),
+        ALONE,
     )
     assert (record.fate, record.verdict, record.key_at) == ("cut_off", "vetoed", 1_590_000_000)
     assert record.decision_ms is None, "it stood on no operator's screen"
 
 
 def test_a_halt_of_everything_is_not_an_operators_verdict() -> None:
-    script = Script().log(1000, A1, action(A1, ground="mode")).log(1500, m.Halt(reason="stopped", asked=1500))
+    script = (
+        Script()
+        .log(1000, A1, action(A1, ground="mode"))
+        .log(1500, m.Halt(reason="stopped", asked=1500))
+    )
     assert only(script, ALONE).verdict is None
 
 
 def test_a_key_after_the_deadline_decides_nothing() -> None:
     script = pending_feedback().log(5000, action(A1, ground="deadline"))
-    record = only(script.log(5100, decision("a1", "veto", 5090), m.LateDecision(actor="x", what="veto a1", why="late")))
-    assert (record.fate, record.verdict, record.key_at, record.waiting_ms) == ("timed_out_done", None, None, 4000)
+    record = only(
+        script.log(
+            5100,
+            decision("a1", "veto", 5090),
+            m.LateDecision(actor="x", what="veto a1", why="late"),
+        )
+    )
+    assert (record.fate, record.verdict, record.key_at, record.waiting_ms) == (
+        "timed_out_done",
+        None,
+        None,
+        4000,
+    )
 
 
 @pytest.mark.parametrize(
@@ -136,13 +185,21 @@ def test_a_key_without_effect_does_not_count_for_a_later_change_of_mode() -> Non
 
 
 def test_a_decision_on_an_unseen_proposal_has_no_latency() -> None:
-    script = Script().join(10).log(1000, A1, pending(A1)).log(1500, decision("a1", ms=1500), action(A1))
+    script = (
+        Script().join(10).log(1000, A1, pending(A1)).log(1500, decision("a1", ms=1500), action(A1))
+    )
     assert only(script).decision_ms is None
 
 
 def test_the_mode_is_the_one_set_at_the_time_of_the_proposal() -> None:
     later = proposal("a2")
-    script = Script().join(10).log(1000, A1).log(2000, m.ModeChanged(kind="feedback", mode="manual")).log(3000, later)
+    script = (
+        Script()
+        .join(10)
+        .log(1000, A1)
+        .log(2000, m.ModeChanged(kind="feedback", mode="manual"))
+        .log(3000, later)
+    )
     assert [(record.id, record.mode) for record in proposal_records(script, APPROVE)] == [
         ("a1", "approve"),
         ("a2", "manual"),
@@ -166,19 +223,35 @@ def test_each_kind_has_the_mode_of_its_controlled_kind(kind: Any, ruled_by: str,
 
 def test_a_separate_gesture_is_a_proposal_without_a_valence() -> None:
     wave = proposal("a1.gesture", "gesture", "", gesture="nod", valence="negative")
-    script = Script().join(10).log(1000, A1, pending(A1), pending(wave)).log(1500, decision(wave.id), action(wave))
-    assert [(record.id, record.kind, record.fate, record.valence) for record in proposal_records(script, APPROVE)] == [
+    script = (
+        Script()
+        .join(10)
+        .log(1000, A1, pending(A1), pending(wave))
+        .log(1500, decision(wave.id), action(wave))
+    )
+    assert [
+        (record.id, record.kind, record.fate, record.valence)
+        for record in proposal_records(script, APPROVE)
+    ] == [
         ("a1", "feedback", "open", "negative"),
         ("a1.gesture", "gesture", "accepted", None),
     ]
 
 
 def test_an_operators_remark_is_no_proposal() -> None:
-    said = m.Action(id="o1", kind="remark", text="Take your time.", decision="initiated", actor="x", ground="operator")
+    said = m.Action(
+        id="o1",
+        kind="remark",
+        text="Take your time.",
+        decision="initiated",
+        actor="x",
+        ground="operator",
+    )
     assert proposal_records(Script().join(10).log(1000, said), APPROVE) == []
 
 
-# --- levels -------------------------------------------------------------------------------------------------------
+# --- levels
+# -------------------------------------------------------------------------------------------------------
 
 L1 = proposal("l1", "difficulty", "Level 1 → 2")
 UP = m.LevelChanged(previous=1, level=2, reason="success")
@@ -197,16 +270,28 @@ UP = m.LevelChanged(previous=1, level=2, reason="success")
         (level_decided("l1", 0, "rejected", "mode"), "amended", None),
     ],
 )
-def test_a_pending_change_of_level_is_one_proposal(decided: m.LevelDecided, fate: str, verdict: str | None) -> None:
+def test_a_pending_change_of_level_is_one_proposal(
+    decided: m.LevelDecided, fate: str, verdict: str | None
+) -> None:
     change = () if decided.decision == "rejected" else (UP,)
     script = Script().join(10).log(1000, pending(L1, level=2)).log(1700, decided, *change)
     record = only(script)
-    assert (record.kind, record.mode, record.fate, record.verdict) == ("difficulty", "approve", fate, verdict)
+    assert (record.kind, record.mode, record.fate, record.verdict) == (
+        "difficulty",
+        "approve",
+        fate,
+        verdict,
+    )
     assert record.waiting_ms == 700
 
 
 def test_a_level_left_to_the_operator_stays() -> None:
-    script = Script().join(10).log(1000, pending(L1, "manual", 2)).log(9000, level_decided("l1", 0, "rejected", "mode"))
+    script = (
+        Script()
+        .join(10)
+        .log(1000, pending(L1, "manual", 2))
+        .log(9000, level_decided("l1", 0, "rejected", "mode"))
+    )
     assert only(script, MANUAL).fate == "manual_dropped"
 
 
@@ -220,7 +305,9 @@ ENDED = m.AttemptEnded(
 def switched() -> Script:
     """A level is pending; then the operator sets its mode to manual."""
     taken = m.ModeChanged(kind="difficulty", mode="manual", actor="x")
-    return Script().join(10).log(1000, pending(L1, level=2)).log(2000, taken, pending(L1, "manual", 2))
+    return (
+        Script().join(10).log(1000, pending(L1, level=2)).log(2000, taken, pending(L1, "manual", 2))
+    )
 
 
 def test_a_level_whose_mode_changed_while_pending_is_dropped_for_that_reason() -> None:
@@ -231,7 +318,11 @@ def test_a_level_whose_mode_changed_while_pending_is_dropped_for_that_reason() -
 
 def test_feedback_whose_mode_changed_while_pending_is_dropped_for_that_reason() -> None:
     taken = m.ModeChanged(kind="feedback", mode="manual", actor="x")
-    script = pending_feedback().log(2000, taken, pending(A1, "manual")).log(9000, m.Dropped(id="a1", reason="manual"))
+    script = (
+        pending_feedback()
+        .log(2000, taken, pending(A1, "manual"))
+        .log(9000, m.Dropped(id="a1", reason="manual"))
+    )
     assert only(script).fate == "mode_changed"
 
 
@@ -244,13 +335,19 @@ def test_feedback_whose_mode_changed_while_pending_is_dropped_for_that_reason() 
     ],
 )
 def test_a_level_dropped_for_another_reason_has_that_reason(cause: m.Message, fate: str) -> None:
-    assert only(switched().log(9000, cause, level_decided("l1", 0, "rejected", "mode"))).fate == fate
+    assert (
+        only(switched().log(9000, cause, level_decided("l1", 0, "rejected", "mode"))).fate == fate
+    )
 
 
 def test_a_level_rejected_without_being_pending_is_a_proposal() -> None:
     script = Script().log(1000, level_decided("l1", 1, "rejected", "no operator"))
     record = only(script)
-    assert (record.fate, record.pending_at, record.waiting_ms) == ("no_operator_dropped", None, None)
+    assert (record.fate, record.pending_at, record.waiting_ms) == (
+        "no_operator_dropped",
+        None,
+        None,
+    )
 
 
 def test_a_level_that_was_never_pending_is_the_agents() -> None:
@@ -272,10 +369,23 @@ def test_after_the_last_attempt_no_operator_is_asked_about_the_level() -> None:
 
 
 def test_a_level_set_by_hand_is_no_proposal() -> None:
-    assert proposal_records(Script().log(1000, m.LevelChanged(previous=1, level=3, reason="operator")), ALONE) == []
+    assert (
+        proposal_records(
+            Script().log(1000, m.LevelChanged(previous=1, level=3, reason="operator")), ALONE
+        )
+        == []
+    )
 
 
 def test_a_change_that_replaces_a_pending_one_is_counted_as_well() -> None:
-    script = Script().join(10).log(1000, pending(L1, "manual", 2)).join(2000, state="lost", operated=False)
+    script = (
+        Script()
+        .join(10)
+        .log(1000, pending(L1, "manual", 2))
+        .join(2000, state="lost", operated=False)
+    )
     script.log(3000, level_decided("l1", 0, "rejected", "mode"), UP)
-    assert [record.fate for record in proposal_records(script, MANUAL)] == ["manual_dropped", "no_operator_done"]
+    assert [record.fate for record in proposal_records(script, MANUAL)] == [
+        "manual_dropped",
+        "no_operator_done",
+    ]

@@ -1,6 +1,15 @@
 """Text charts of sessions: of one, of more than there are columns, and of those without a value."""
 
-from sar_tui.reports.session_chart import ABOVE, BELOW, POINT, UNKNOWN, Columns, Value, limits, session_chart
+from sar_tui.reports.session_chart import (
+    ABOVE,
+    BELOW,
+    POINT,
+    UNKNOWN,
+    Columns,
+    Value,
+    limits,
+    session_chart,
+)
 
 MONTHS = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
 
@@ -26,7 +35,9 @@ def test_bands_are_drawn_and_a_very_wide_one_does_not_flatten_the_others() -> No
 
 
 def test_sessions_without_a_value_have_a_sign_in_a_row_of_their_own() -> None:
-    lines = draw([Value(1.0), Value(2.0), Value(without=ABOVE), Value(without=BELOW), Value(without=UNKNOWN)])
+    lines = draw(
+        [Value(1.0), Value(2.0), Value(without=ABOVE), Value(without=BELOW), Value(without=UNKNOWN)]
+    )
     assert len(lines) == 8
     assert lines[0].split() == ["│", ABOVE]
     assert lines[-2].split() == ["│", BELOW, UNKNOWN]
@@ -55,12 +66,22 @@ def test_dates_are_shortened_and_the_last_one_is_there() -> None:
     shown = Columns(30, 60).dates(days, MONTHS)
     assert shown.strip().startswith("1 Mar")
     assert shown.endswith("30 Mar")
-    assert Columns(3, 60).dates(["2026-03-01", "2026-03-01", "2026-03-02"], MONTHS).split() == ["1", "Mar", "2", "Mar"]
-    assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"], MONTHS).split() == ["2026-03", "2027-03"]
+    assert Columns(3, 60).dates(["2026-03-01", "2026-03-01", "2026-03-02"], MONTHS).split() == [
+        "1",
+        "Mar",
+        "2",
+        "Mar",
+    ]
+    assert Columns(2, 60).dates(["2026-03-01", "2027-03-01"], MONTHS).split() == [
+        "2026-03",
+        "2027-03",
+    ]
 
 
 def test_each_row_has_the_label_next_to_its_middle() -> None:
     columns = Columns(2, 40)
     ticks = [(float(place), str(place)) for place in range(11)]
-    lines = session_chart([Value(0.0), Value(10.0)], columns, axis=(0.0, 10.0), ticks=ticks, rows=3, margin=6)
+    lines = session_chart(
+        [Value(0.0), Value(10.0)], columns, axis=(0.0, 10.0), ticks=ticks, rows=3, margin=6
+    )
     assert [line.split("┤")[0].strip() for line in lines[:3]] == ["10", "5", "0"]

@@ -15,7 +15,9 @@ def test_the_slope_and_its_interval_are_those_of_scipy(seed: int) -> None:
     values[2] = values[1]  # a tie
     found, theirs = trend(values), stats.theilslopes(values, alpha=0.95)
     assert found is not None
-    assert (found.slope, found.low, found.high) == pytest.approx((theirs.slope, theirs.low_slope, theirs.high_slope))
+    assert (found.slope, found.low, found.high) == pytest.approx(
+        (theirs.slope, theirs.low_slope, theirs.high_slope)
+    )
 
 
 def test_few_values_have_no_trend_and_equal_ones_a_flat_one() -> None:

@@ -5,7 +5,14 @@ from typing import Any
 import pytest
 
 from sar_tui.model import messages as m
-from sar_tui.reports.wizard_study import ALIKE, Exclusion, OperatedSession, WizardStudy, read_session, study
+from sar_tui.reports.wizard_study import (
+    ALIKE,
+    Exclusion,
+    OperatedSession,
+    WizardStudy,
+    read_session,
+    study,
+)
 from sar_tui.reports.wizard_study_words import sections
 from tests.reports.session_script import Script, action, pending, proposal, seen
 
@@ -13,9 +20,15 @@ ANNA, BEN = "operator.anna", "operator.ben"
 
 
 def session(
-    name: str, decided: dict[str, tuple[str, float]], who: str = ANNA, status: str = "completed", **parameters: Any
+    name: str,
+    decided: dict[str, tuple[str, float]],
+    who: str = ANNA,
+    status: str = "completed",
+    **parameters: Any,
 ) -> OperatedSession:
-    """Return a session in which an operator decided on proposals: by id, the verdict and the time it took (ms)."""
+    """Return a session in which an operator decided on proposals: by id, the verdict and the time
+    it took (ms).
+    """
     script = Script().join(0, who)
     for number, (id, (verdict, took)) in enumerate(decided.items(), 1):
         shown = number * 10_000
@@ -23,7 +36,10 @@ def session(
         said = {"accept": (made, "accepted"), "edit": (made, "edited")}
         script.log(shown, made, pending(made)).log(shown, seen(id, shown, who))
         at = round((shown + took) * 1e6)
-        script.log(shown + took, m.Decision(action=id, verdict=verdict, actor=who, at=at, valence="neutral"))
+        script.log(
+            shown + took,
+            m.Decision(action=id, verdict=verdict, actor=who, at=at, valence="neutral"),
+        )
         if verdict in said:
             changes = {"valence": "neutral"} if verdict == "edit" else {}
             script.log(shown + took, action(*said[verdict], **changes))
@@ -48,7 +64,13 @@ def unattended(name: str) -> OperatedSession:
 @pytest.fixture(scope="module")
 def found() -> WizardStudy:
     first = session("1", {"a1": ("accept", 1000), "a2": ("edit", 2000)})
-    second = session("2", {"a1": ("accept", 600), "a2": ("accept", 800)}, BEN, "aborted", operator_feedback="veto")
+    second = session(
+        "2",
+        {"a1": ("accept", 600), "a2": ("accept", 800)},
+        BEN,
+        "aborted",
+        operator_feedback="veto",
+    )
     return study([first, second, unattended("3")], [Exclusion("4", "The microphone failed.")])
 
 
@@ -57,11 +79,17 @@ def test_agreement_and_latencies_are_those_of_all_decisions_together(found: Wiza
     assert found.agreement_by_kind["feedback"] == found.agreement
     assert found.accepted_shares == (0.5, 0.75, 1.0)
     assert found.decision_ms is not None
-    assert (found.decision_ms.n, found.decision_ms.median, found.decision_ms.worst) == (4, 900, 2000)
+    assert (found.decision_ms.n, found.decision_ms.median, found.decision_ms.worst) == (
+        4,
+        900,
+        2000,
+    )
     assert found.operators == [ANNA, BEN]
 
 
-def test_sessions_without_an_operator_and_those_excluded_by_hand_do_not_count(found: WizardStudy) -> None:
+def test_sessions_without_an_operator_and_those_excluded_by_hand_do_not_count(
+    found: WizardStudy,
+) -> None:
     assert [each.session for each in found.sessions] == ["1", "2"]
     assert [(each.session, each.why) for each in found.excluded] == [
         ("4", "The microphone failed."), ("3", "No operator took part."),
@@ -69,9 +97,14 @@ def test_sessions_without_an_operator_and_those_excluded_by_hand_do_not_count(fo
     assert found.sessions[1].remarks == ["stopped early"]
 
 
-def test_latencies_are_told_by_operator_and_by_what_differs_in_the_plans(found: WizardStudy) -> None:
+def test_latencies_are_told_by_operator_and_by_what_differs_in_the_plans(
+    found: WizardStudy,
+) -> None:
     groups = [(each.operator, each.condition, each.sessions, each.decided) for each in found.groups]
-    assert groups == [(ANNA, "operator_feedback approve", 1, 2), (BEN, "operator_feedback veto", 1, 2)]
+    assert groups == [
+        (ANNA, "operator_feedback approve", 1, 2),
+        (BEN, "operator_feedback veto", 1, 2),
+    ]
     medians = [each.decision_ms.median for each in found.groups if each.decision_ms]
     assert medians == [1500, 700]
     alike = study([session("1", {}), session("2", {})])
@@ -80,12 +113,23 @@ def test_latencies_are_told_by_operator_and_by_what_differs_in_the_plans(found: 
 
 def test_drift_is_the_change_from_session_to_session_and_within_them() -> None:
     read = [
-        session(str(n), {"a1": ("accept", 1000 + 100 * n), "a2": ("edit" if n > 3 else "accept", 2000 + 100 * n)})
+        session(
+            str(n),
+            {
+                "a1": ("accept", 1000 + 100 * n),
+                "a2": ("edit" if n > 3 else "accept", 2000 + 100 * n),
+            },
+        )
         for n in range(6)
     ]
     (drift,) = study(read).drift
     assert drift.decision_ms is not None
-    assert (drift.sessions, drift.decision_ms.slope, drift.decision_ms.low, drift.decision_ms.high) == (
+    assert (
+        drift.sessions,
+        drift.decision_ms.slope,
+        drift.decision_ms.low,
+        drift.decision_ms.high,
+    ) == (
         6,
         100,
         100,
@@ -100,7 +144,15 @@ def test_drift_is_the_change_from_session_to_session_and_within_them() -> None:
 
 def test_the_words_name_conditions_exclusions_and_what_must_be_added(found: WizardStudy) -> None:
     titles = [section.title for section in sections(found)]
-    assert titles == ["Sessions", "Agreement", "Latencies", "Drift", "Deviations", "Exclusions", "To add"]
+    assert titles == [
+        "Sessions",
+        "Agreement",
+        "Latencies",
+        "Drift",
+        "Deviations",
+        "Exclusions",
+        "To add",
+    ]
     text = str(sections(found))
     assert "A  operator_feedback approve\\nB  operator_feedback veto" in text
     assert "too few for a trend" in text

@@ -1,4 +1,6 @@
-"""A correction needs a decline that is more than a person's own noise, in two attempts, against a baseline."""
+"""A correction needs a decline that is more than a person's own noise, in two attempts, against a
+baseline.
+"""
 
 import random
 from itertools import pairwise
@@ -43,7 +45,11 @@ def test_a_decline_of_less_than_the_margin_is_none_however_steady_the_person_is(
 def test_what_is_judged_with_others_must_be_the_larger() -> None:
     sizes = [size / 10 for size in range(10, 100)]
     least = [
-        next(size for size in sizes if decline([*BASELINE, 20 + size, 20 + size], "lower", measures=measures))
+        next(
+            size
+            for size in sizes
+            if decline([*BASELINE, 20 + size, 20 + size], "lower", measures=measures)
+        )
         for measures in (1, 2, 4, 8)
     ]
     assert all(less < more for less, more in pairwise(least))
@@ -52,7 +58,9 @@ def test_what_is_judged_with_others_must_be_the_larger() -> None:
 
 def test_what_was_long_ago_does_not_count() -> None:
     recent = [20.0, 21.0] * (LONGEST_BASELINE // 2)
-    assert decline([*[500.0, 0.0] * 10, *recent, 30.0, 31.0], "lower") == decline([*recent, 30.0, 31.0], "lower")
+    assert decline([*[500.0, 0.0] * 10, *recent, 30.0, 31.0], "lower") == decline(
+        [*recent, 30.0, 31.0], "lower"
+    )
 
 
 @pytest.mark.parametrize("measures", first(1, [3, 1, 4]))
@@ -62,8 +70,12 @@ def test_by_chance_it_is_as_rare_as_was_promised_and_a_true_one_is_found(measure
     count, known = 1500, 15
     for _ in range(count):
         drawn = [[rng.gauss(0, 1) for _ in range(known + 3)] for _ in range(measures)]
-        by_chance += any(decline(values[: known + 2], "lower", measures=measures) for values in drawn)
+        by_chance += any(
+            decline(values[: known + 2], "lower", measures=measures) for values in drawn
+        )
         worse = [value + 3 * (number >= known) for number, value in enumerate(drawn[0])]
-        found += any(decline(worse[: known + more], "lower", measures=measures) for more in (1, 2, 3))
+        found += any(
+            decline(worse[: known + more], "lower", measures=measures) for more in (1, 2, 3)
+        )
     assert by_chance / count <= BY_CHANCE
     assert found / count >= 0.9

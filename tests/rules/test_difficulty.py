@@ -13,7 +13,9 @@ OUTCOMES = st.lists(st.sampled_from(["success", "failure"]), max_size=80)
 
 @st.composite
 def set_ups(draw: st.DrawFn) -> tuple[TaskParameters, int]:
-    """Valid parameters, and a number of levels of the task, at least the lowest and the first level."""
+    """Valid parameters, and a number of levels of the task, at least the lowest and the first
+    level.
+    """
     low, first, high = sorted(draw(st.tuples(*[st.integers(1, 15)] * 3)))
     parameters = build(
         TaskParameters,
@@ -59,7 +61,11 @@ def test_the_level_changes_exactly_after_the_required_number_in_a_row(
     for outcome in outcomes:
         run = run + 1 if outcome == kind else 1
         kind = outcome
-        needed = parameters.consecutive_successes if outcome == "success" else parameters.consecutive_failures
+        needed = (
+            parameters.consecutive_successes
+            if outcome == "success"
+            else parameters.consecutive_failures
+        )
         if run == needed:
             run = 0
             if outcome == "success":

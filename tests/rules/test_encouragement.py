@@ -26,7 +26,9 @@ def attempt(level: int, outcome: Outcome) -> AttemptEnded:
     )
 
 
-ATTEMPTS = st.lists(st.builds(attempt, LEVELS, st.sampled_from(["success", "failure"])), max_size=10)
+ATTEMPTS = st.lists(
+    st.builds(attempt, LEVELS, st.sampled_from(["success", "failure"])), max_size=10
+)
 
 
 @given(LEVELS)
@@ -35,7 +37,9 @@ def test_the_first_attempt_is_not_called_hard(level: int) -> None:
 
 
 @given(ATTEMPTS.filter(bool), LEVELS)
-def test_an_attempt_is_hard_after_two_failures_or_at_a_new_level(attempts: list[AttemptEnded], level: int) -> None:
+def test_an_attempt_is_hard_after_two_failures_or_at_a_new_level(
+    attempts: list[AttemptEnded], level: int
+) -> None:
     new = all(earlier.level < level for earlier in attempts)
     failing = len(attempts) > 1 and all(earlier.outcome == "failure" for earlier in attempts[-2:])
     assert why_hard(attempts, level) == ("failures" if failing else "new level" if new else "")
@@ -48,5 +52,7 @@ def test_one_failure_is_not_two() -> None:
 
 
 @given(st.integers(0, 200), st.integers(0, 200))
-def test_a_rest_is_suggested_every_n_attempts_but_never_before_the_first(attempts: int, every: int) -> None:
+def test_a_rest_is_suggested_every_n_attempts_but_never_before_the_first(
+    attempts: int, every: int
+) -> None:
     assert rest_due(attempts, every) == (every > 0 and attempts in range(every, 201, every))

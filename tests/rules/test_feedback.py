@@ -21,7 +21,12 @@ def score(metric: float | None, accuracy: float | None = 1.0) -> Score:
 
 
 def judged(score: Score, metric: Metric, parameters: TaskParameters) -> Judgement:
-    return judge(score, metric, Target(parameters.threshold, parameters.neutral_band), parameters.min_accuracy)
+    return judge(
+        score,
+        metric,
+        Target(parameters.threshold, parameters.neutral_band),
+        parameters.min_accuracy,
+    )
 
 
 def test_a_result_equal_to_the_threshold_is_failure() -> None:
@@ -43,7 +48,9 @@ def test_a_result_equal_to_the_threshold_is_failure() -> None:
         (1010.001, Judgement("failure", "negative", "missed")),
     ],
 )
-def test_feedback_within_the_band_including_its_bounds_is_neutral(metric: float, expected: Judgement) -> None:
+def test_feedback_within_the_band_including_its_bounds_is_neutral(
+    metric: float, expected: Judgement
+) -> None:
     assert judged(score(metric), TIME, P) == expected
 
 
@@ -56,12 +63,16 @@ def test_feedback_within_the_band_including_its_bounds_is_neutral(metric: float,
         (989.999, Judgement("failure", "negative", "missed")),
     ],
 )
-def test_above_the_threshold_is_success_if_higher_is_better(metric: float, expected: Judgement) -> None:
+def test_above_the_threshold_is_success_if_higher_is_better(
+    metric: float, expected: Judgement
+) -> None:
     assert judged(score(metric), TAPS, P) == expected
 
 
 @pytest.mark.parametrize("metric", [None, 1.0, 995.0, 1005.0, 5000.0])
-def test_below_the_minimum_accuracy_feedback_is_negative_and_names_accuracy(metric: float | None) -> None:
+def test_below_the_minimum_accuracy_feedback_is_negative_and_names_accuracy(
+    metric: float | None,
+) -> None:
     assert judged(score(metric, 0.79), TIME, P) == Judgement("failure", "negative", "accuracy")
 
 
@@ -78,13 +89,18 @@ def test_a_task_without_accuracy_is_judged_by_its_metric() -> None:
     assert judged(score(None, None), TIME, P) == Judgement("failure", "negative", "empty")
 
 
-@given(METRICS, ACCURACIES, st.sampled_from([TIME, TAPS]), st.integers(1, 2000), st.integers(0, 100))
+@given(
+    METRICS, ACCURACIES, st.sampled_from([TIME, TAPS]), st.integers(1, 2000), st.integers(0, 100)
+)
 def test_failure_is_never_praised_and_success_is_never_blamed(
     metric: float | None, accuracy: float | None, kind: Metric, threshold: int, band: int
 ) -> None:
     parameters = build(TaskParameters, {"threshold": threshold, "neutral_band": band})
     verdict = judged(score(metric, accuracy), kind, parameters)
-    assert (verdict.valence, verdict.outcome) not in (("positive", "failure"), ("negative", "success"))
+    assert (verdict.valence, verdict.outcome) not in (
+        ("positive", "failure"),
+        ("negative", "success"),
+    )
     enough = accuracy is None or accuracy >= 0.8
     better = metric is not None and (metric < threshold if kind is TIME else metric > threshold)
     assert (verdict.outcome == "success") == (enough and better)
@@ -92,7 +108,8 @@ def test_failure_is_never_praised_and_success_is_never_blamed(
     assert (verdict.valence == "neutral") == (enough and near)
 
 
-# --- distance from the goal -----------------------------------------------------------------------------------
+# --- distance from the goal
+# -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -115,12 +132,16 @@ def test_the_degree_grows_with_the_distance_from_the_goal(metric: float, expecte
 
 
 @pytest.mark.parametrize(("metric", "goal"), [(None, 1000.0), (12.0, 0.0)])
-def test_without_a_result_or_a_goal_the_degree_is_the_middle_one(metric: float | None, goal: float) -> None:
+def test_without_a_result_or_a_goal_the_degree_is_the_middle_one(
+    metric: float | None, goal: float
+) -> None:
     assert degree(metric, Target(goal, 0.0)) == "clear"
 
 
 @given(st.floats(1, 1e4), st.floats(0, 2e4), st.floats(0, 2e4))
-def test_the_farther_from_the_goal_the_higher_the_degree_on_either_side(goal: float, one: float, other: float) -> None:
+def test_the_farther_from_the_goal_the_higher_the_degree_on_either_side(
+    goal: float, one: float, other: float
+) -> None:
     degrees = ("slight", "clear", "strong")
     near, far = sorted((one, other))
     for side in (1, -1):

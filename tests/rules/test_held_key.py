@@ -33,7 +33,10 @@ def test_a_held_key_is_one_press_and_the_taps_around_it_count(
 ) -> None:
     taps = stamps(before)
     first = taps[-1] + delay * MS
-    held = [first + round(number / rate_hz * 1000 * MS) + late * MS for number, late in enumerate(jitter)]
+    held = [
+        first + round(number / rate_hz * 1000 * MS) + late * MS
+        for number, late in enumerate(jitter)
+    ]
     later = [held[-1] + at for at in stamps(after)[1:]]
     assert repeats([*taps, *held, *later]) == set(held)
 

@@ -1,4 +1,6 @@
-"""The rule for keys on a new screen: what was down when it appeared, and what was pressed too early, does nothing."""
+"""The rule for keys on a new screen: what was down when it appeared, and what was pressed too
+early, does nothing.
+"""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,7 +10,9 @@ from sar_tui.rules.key_guard import QUIET, UNREAD, KeyGuard
 
 
 def judged(*keys: tuple[str, int], appeared: int = 0) -> list[tuple[bool, bool]]:
-    """Return of each key, pressed at a time in ms, if it is new and if it counts on a screen that appeared at one."""
+    """Return of each key, pressed at a time in ms, if it is new and if it counts on a screen that
+    appeared at one.
+    """
     guard = KeyGuard()
     found = []
     is_there = False
@@ -35,15 +39,25 @@ def test_a_key_that_is_held_since_before_the_screen_does_nothing_until_it_is_pre
 
 
 def test_the_repeats_of_a_press_that_came_too_early_do_nothing() -> None:
-    assert not any(counts for _, counts in judged(*(("enter", at) for at in (300, 800, *range(833, 3000, 33)))))
+    assert not any(
+        counts for _, counts in judged(*(("enter", at) for at in (300, 800, *range(833, 3000, 33))))
+    )
 
 
 def test_a_key_that_is_held_on_a_screen_counts_there_but_is_new_once() -> None:
-    assert judged(("down", 700), ("down", 1200), ("down", 1233)) == [(True, True), (False, True), (False, True)]
+    assert judged(("down", 700), ("down", 1200), ("down", 1233)) == [
+        (True, True),
+        (False, True),
+        (False, True),
+    ]
 
 
 def test_another_key_is_new_at_once() -> None:
-    assert judged(("enter", -50), ("enter", 450), ("space", 620)) == [(True, True), (False, False), (True, True)]
+    assert judged(("enter", -50), ("enter", 450), ("space", 620)) == [
+        (True, True),
+        (False, False),
+        (True, True),
+    ]
 
 
 @given(
@@ -52,9 +66,14 @@ def test_another_key_is_new_at_once() -> None:
     period=st.integers(25, 50),
     jitter=st.lists(st.integers(0, 20), min_size=60, max_size=60),
 )
-def test_no_repeat_of_a_key_held_before_counts(before: int, delay: int, period: int, jitter: list[int]) -> None:
+def test_no_repeat_of_a_key_held_before_counts(
+    before: int, delay: int, period: int, jitter: list[int]
+) -> None:
     first = -before
-    stamps = [first, *(first + delay + number * period + late for number, late in enumerate(jitter))]
+    stamps = [
+        first,
+        *(first + delay + number * period + late for number, late in enumerate(jitter)),
+    ]
     found = judged(*(("enter", at) for at in stamps))
     assert not any(counts for (_, counts), at in zip(found, stamps, strict=True) if at >= 0)
 

@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 from msgspec import Meta
 
 from sar_tui.rules.declaration import Field, ParameterError, meta, read, show
-from sar_tui.rules.parameters import TaskParameters, build, changed, current_values, fields, grouped, usable
+from sar_tui.rules.parameters import (
+    TaskParameters,
+    build,
+    changed,
+    current_values,
+    fields,
+    grouped,
+    usable,
+)
 
 
 class Parameters(TaskParameters, frozen=True, kw_only=True):
@@ -21,11 +29,13 @@ class Parameters(TaskParameters, frozen=True, kw_only=True):
     mirrored: Annotated[bool, meta("Mirrored")] = False
     words: Annotated[tuple[str, ...], meta("Words")] = ("one", "two")
     nickname: Annotated[str, meta("Nickname", max_length=70)] = "x"
-    code: Annotated[str, meta("Code", takes="two capitals, such as AB", pattern="^[A-Z]{2}$")] = "AB"
-    marks: Annotated[tuple[float, ...], meta("Marks", min_length=2, max_length=3)] = (1.0, 2.0)
-    waits: Annotated[tuple[Annotated[float, Meta(ge=0.2, le=3)], ...], meta("Waits", min_length=1, max_length=4)] = (
-        1.0,
+    code: Annotated[str, meta("Code", takes="two capitals, such as AB", pattern="^[A-Z]{2}$")] = (
+        "AB"
     )
+    marks: Annotated[tuple[float, ...], meta("Marks", min_length=2, max_length=3)] = (1.0, 2.0)
+    waits: Annotated[
+        tuple[Annotated[float, Meta(ge=0.2, le=3)], ...], meta("Waits", min_length=1, max_length=4)
+    ] = (1.0,)
     undescribed: int = 4
 
 
@@ -43,7 +53,9 @@ def values_of(field: Field) -> st.SearchStrategy[Any]:
     match field.kind:
         case "int":
             low, high = field.ge, field.le
-            return st.integers(-1000 if low is None else int(low), 1000 if high is None else int(high))
+            return st.integers(
+                -1000 if low is None else int(low), 1000 if high is None else int(high)
+            )
         case "float":
             return st.floats(field.ge or 0, field.le or 1e6)
         case "bool":
@@ -56,16 +68,29 @@ def values_of(field: Field) -> st.SearchStrategy[Any]:
             return word
 
 
-ONE_OF_THE_TASKS = st.sampled_from(["reach", "repetitions", "hand", "mirrored", "words", "nickname", "undescribed"])
+ONE_OF_THE_TASKS = st.sampled_from(
+    ["reach", "repetitions", "hand", "mirrored", "words", "nickname", "undescribed"]
+)
 
 
 def test_a_declared_field_has_all_that_a_form_needs() -> None:
     assert FIELDS["reach"] == Field("reach", "Reach", "cm", "How far.", 30.5, "float", 0, 100)
     assert FIELDS["hand"] == Field(
-        "hand", "Hand", "", "", "right", "choice", choices=("right", "left"), renamed={"sinister": "left"}
+        "hand",
+        "Hand",
+        "",
+        "",
+        "right",
+        "choice",
+        choices=("right", "left"),
+        renamed={"sinister": "left"},
     )
     assert FIELDS["undescribed"] == Field("undescribed", "Undescribed", "", "", 4, "int")
-    assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == ["bool", "list", "text"]
+    assert [FIELDS[name].kind for name in ("mirrored", "words", "nickname")] == [
+        "bool",
+        "list",
+        "text",
+    ]
 
 
 def test_the_tasks_own_parameters_come_first() -> None:
@@ -77,7 +102,10 @@ def test_the_tasks_own_parameters_come_first() -> None:
 @pytest.mark.parametrize("field", fields(TaskParameters), ids=lambda field: field.name)
 def test_every_common_parameter_has_a_title_and_a_valid_default(field: Field) -> None:
     assert field.title != field.name
-    assert getattr(build(TaskParameters, {field.name: show(field.default)}), field.name) == field.default
+    assert (
+        getattr(build(TaskParameters, {field.name: show(field.default)}), field.name)
+        == field.default
+    )
 
 
 @given(st.data())
@@ -133,7 +161,10 @@ def test_the_bounds_are_inclusive() -> None:
         ({"repetitions": True}, "Repetitions is a whole number, 1 to 12, not yes."),
         ({"reach": "nan"}, "Reach is a number, 0 to 100, not nan."),
         ({"operator_timeout": "stop"}, "Timeout of approve is one of act, drop, not stop."),
-        ({"operator_lost": "wait"}, "Agent without operator is one of autonomous, silent, not wait."),
+        (
+            {"operator_lost": "wait"},
+            "Agent without operator is one of autonomous, silent, not wait.",
+        ),
         ({"hand": "both"}, "Hand is one of right, left, not both."),
         ({"words": 5}, "Words takes space-separated words, not 5."),
         ({"marks": "1"}, "Marks takes 2 to 3 space-separated numbers, not 1."),
@@ -141,8 +172,14 @@ def test_the_bounds_are_inclusive() -> None:
         ({"waits": "0.5 7"}, "Waits takes 1 to 4 space-separated numbers 0.2 to 3, not 0.5 7."),
         ({"code": "ab"}, "Code takes two capitals, such as AB, not ab."),
         ({"nickname": "y" * 71}, f"Nickname takes at most 70 letters, not {'y' * 60}…."),
-        ({"outputs": "a b c d e f g h i"}, "Outputs takes at most 8 space-separated words, not a b c d e f g h i."),
-        ({"language": "ES"}, "Language takes a code in lower case, such as en, es or es-mx, not ES."),
+        (
+            {"outputs": "a b c d e f g h i"},
+            "Outputs takes at most 8 space-separated words, not a b c d e f g h i.",
+        ),
+        (
+            {"language": "ES"},
+            "Language takes a code in lower case, such as en, es or es-mx, not ES.",
+        ),
         ({"mirrored": "perhaps"}, "Mirrored is yes or no, not perhaps."),
         ({"repetition": 2}, "There is no parameter repetition. Did you mean repetitions?"),
         ({"qqq": 2}, "There is no parameter qqq."),
@@ -155,7 +192,9 @@ def test_the_bounds_are_inclusive() -> None:
         ),
     ],
 )
-def test_each_invalid_value_is_reported_in_one_sentence(values: dict[str, object], sentence: str) -> None:
+def test_each_invalid_value_is_reported_in_one_sentence(
+    values: dict[str, object], sentence: str
+) -> None:
     assert problem(**values) == sentence
 
 
@@ -185,12 +224,16 @@ def test_a_check_of_a_task_that_fails_is_a_problem_of_its_settings(returned: obj
         def problems(self) -> Any:
             return 1 / 0 if returned == 5 else returned
 
-    with pytest.raises(ParameterError, match=r"The settings cannot be checked: problems\(\) failed \(\w+Error: "):
+    with pytest.raises(
+        ParameterError, match=r"The settings cannot be checked: problems\(\) failed \(\w+Error: "
+    ):
         build(Unchecked, {})
 
 
 def test_a_former_spelling_of_a_choice_is_read_as_the_present_one() -> None:
-    assert build(Parameters, {"hand": "sinister", "difficulty_policy": "thesis"}) == build(Parameters, {"hand": "left"})
+    assert build(Parameters, {"hand": "sinister", "difficulty_policy": "thesis"}) == build(
+        Parameters, {"hand": "left"}
+    )
     assert current_values(Parameters, {"hand": "sinister", "unknown": "x", "reach": 2.0}) == {
         "hand": "left",
         "unknown": "x",
@@ -205,7 +248,8 @@ def test_a_redeclared_common_parameter_keeps_its_former_spellings() -> None:
     assert build(Redeclared, {"difficulty_policy": "thesis"}).difficulty_policy == "one-up-one-down"
 
 
-# --- headings --------------------------------------------------------------------------------------------------------
+# --- headings
+# --------------------------------------------------------------------------------------------------------
 
 
 class GroupedParameters(TaskParameters, frozen=True, kw_only=True):
@@ -235,9 +279,9 @@ def test_headings_are_ordered_from_the_tasks_own_to_the_common_ones() -> None:
 
 
 def test_each_parameter_has_exactly_one_heading() -> None:
-    assert sorted(name for heading in grouped(GroupedParameters) for name in names_under(heading)) == sorted(
-        field.name for field in fields(GroupedParameters)
-    )
+    assert sorted(
+        name for heading in grouped(GroupedParameters) for name in names_under(heading)
+    ) == sorted(field.name for field in fields(GroupedParameters))
 
 
 def test_a_task_may_add_or_move_a_parameter_to_a_common_heading() -> None:
@@ -246,7 +290,9 @@ def test_a_task_may_add_or_move_a_parameter_to_a_common_heading() -> None:
 
 
 def test_a_redeclared_common_parameter_keeps_its_heading_and_position() -> None:
-    assert names_under("Difficulty") == [field.name for field in grouped(TaskParameters)["Difficulty"]]
+    assert names_under("Difficulty") == [
+        field.name for field in grouped(TaskParameters)["Difficulty"]
+    ]
     goal = grouped(GroupedParameters)["Difficulty"][0]
     assert (goal.name, goal.unit, goal.default) == ("threshold", "cm", 20.0)
 

@@ -28,7 +28,9 @@ def value(
 
 
 @pytest.mark.parametrize(("rank", "results"), [(1, 1), (2, 3), (3, 4), (4, 4)])
-def test_of_exchangeable_results_exactly_k_of_m_plus_1_reach_the_goal(rank: int, results: int) -> None:
+def test_of_exchangeable_results_exactly_k_of_m_plus_1_reach_the_goal(
+    rank: int, results: int
+) -> None:
     settings = PercentileSettings(percentile_rank=rank, percentile_results=results)
     orders = list(permutations(range(results + 1)))
     reached = sum(order[-1] < value(order[:-1], settings) for order in orders)  # type: ignore[operator]
@@ -44,7 +46,9 @@ def test_by_default_seven_of_ten_results_reach_the_goal() -> None:
 @pytest.mark.parametrize("count", range(1, 29))
 def test_with_fewer_results_the_share_is_as_near_as_a_rank_can_be(count: int) -> None:
     share = rank_among(count, DEFAULT) / (count + 1)
-    assert all(abs(share - 0.7) <= abs(rank / (count + 1) - 0.7) + 1e-9 for rank in range(1, count + 1))
+    assert all(
+        abs(share - 0.7) <= abs(rank / (count + 1) - 0.7) + 1e-9 for rank in range(1, count + 1)
+    )
 
 
 @given(RESULTS, st.integers(1, 20), st.integers(0, 19))
@@ -62,7 +66,9 @@ def test_the_goal_is_one_of_the_last_results_and_follows_their_direction(
 def test_an_attempt_without_a_result_ranks_last() -> None:
     settings = PercentileSettings(percentile_rank=2, percentile_results=3)
     assert value([None, 500.0, 400.0], settings) == 500.0
-    assert value([None, None, 400.0], settings) == 400.0, "a goal must be a result, so it is easier than it should be"
+    assert value([None, None, 400.0], settings) == 400.0, (
+        "a goal must be a result, so it is easier than it should be"
+    )
     assert value([None, None, None], settings) is None
 
 
@@ -77,7 +83,10 @@ def test_the_reason_names_the_rank_and_the_results() -> None:
 def test_the_level_stays() -> None:
     parameters = build(TaskParameters, {"difficulty_policy": "percentile", "start_level": 4})
     state = level_choice.start(parameters, 10)
-    assert level_choice.step(state, ScoredAttempt(1, "success", 500.0, 20, 20), parameters, 10) == state
+    assert (
+        level_choice.step(state, ScoredAttempt(1, "success", 500.0, 20, 20), parameters, 10)
+        == state
+    )
 
 
 def test_a_rank_beyond_the_number_of_results_is_refused() -> None:

@@ -1,4 +1,6 @@
-"""The estimate of a threshold: exact for its own kind of observer, within the error that it states."""
+"""The estimate of a threshold: exact for its own kind of observer, within the error that it
+states.
+"""
 
 import math
 from random import Random
@@ -14,7 +16,9 @@ HARDER_HIGHER = Quest(lowest=-1, highest=3, grain=0.05, start=1, spread=1, slope
 
 
 def observer(value: float, threshold: float) -> float:
-    """The share of right answers of two-choice observer with a Weibull function, by its textbook form."""
+    """The share of right answers of two-choice observer with a Weibull function, by its textbook
+    form.
+    """
     at_threshold = -math.log(1 - 0.25 / 0.48)
     strength = 10 ** (8 / math.log(10) * (value - threshold)) * at_threshold
     return 0.5 + 0.48 * (1 - math.exp(-strength))
@@ -24,7 +28,9 @@ def answers(quest: Quest, threshold: float, seed: int, trials: int = 40) -> list
     drawn, given = Random(seed), list[bool]()
     for _ in range(trials):
         value = quest.next(given)
-        share = observer(value, threshold) if quest.harder == "lower" else observer(-value, -threshold)
+        share = (
+            observer(value, threshold) if quest.harder == "lower" else observer(-value, -threshold)
+        )
         given.append(drawn.random() < share)
     return given
 
@@ -41,18 +47,24 @@ def test_right_answers_make_it_harder_and_wrong_ones_easier() -> None:
 
 @pytest.mark.parametrize("threshold", first(1, [-1.8, -0.4]))
 @pytest.mark.parametrize("quest", [QUEST, HARDER_HIGHER], ids=["harder lower", "harder higher"])
-def test_it_finds_the_threshold_within_the_error_that_it_states(quest: Quest, threshold: float) -> None:
+def test_it_finds_the_threshold_within_the_error_that_it_states(
+    quest: Quest, threshold: float
+) -> None:
     aim = threshold if quest.harder == "lower" else -threshold
     found = [quest.estimate(answers(quest, aim, seed)) for seed in range(30)]
     errors = [estimate.mean - aim for estimate in found]
     assert fmean(errors) == pytest.approx(0, abs=0.06)
-    assert math.sqrt(fmean(error**2 for error in errors)) == pytest.approx(fmean(each.sd for each in found), rel=0.5)
+    assert math.sqrt(fmean(error**2 for error in errors)) == pytest.approx(
+        fmean(each.sd for each in found), rel=0.5
+    )
 
 
 def test_an_answer_is_weighed_by_bayes_rule() -> None:
     coarse = Quest(lowest=-1, highest=1, grain=1, start=0, spread=1, slope=8)
     prior = [math.exp(-0.5), 1.0, math.exp(-0.5)]
-    weighed = [was * observer(0, threshold) for was, threshold in zip(prior, coarse.values, strict=True)]
+    weighed = [
+        was * observer(0, threshold) for was, threshold in zip(prior, coarse.values, strict=True)
+    ]
     assert coarse.posterior([True]) == pytest.approx([weight / sum(weighed) for weight in weighed])
 
 
@@ -62,8 +74,19 @@ def test_hundreds_of_equal_answers_leave_it_at_the_bound() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong_numbers", [{"grain": 0}, {"grain": 9}, {"lowest": 2}, {"spread": 0}, {"slope": 0}, {"target": 0.4}]
+    "wrong_numbers",
+    [{"grain": 0}, {"grain": 9}, {"lowest": 2}, {"spread": 0}, {"slope": 0}, {"target": 0.4}],
 )
 def test_numbers_that_fit_no_observer_are_refused(wrong_numbers: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="the "):
-        Quest(**{"lowest": -3, "highest": 1, "grain": 0.1, "start": 0, "spread": 1, "slope": 8, **wrong_numbers})
+        Quest(
+            **{
+                "lowest": -3,
+                "highest": 1,
+                "grain": 0.1,
+                "start": 0,
+                "spread": 1,
+                "slope": 8,
+                **wrong_numbers,
+            }
+        )

@@ -40,7 +40,9 @@ def share_better(earlier: int, reaches: int, shift: float, pairs: int, measures:
 def test_the_margin_is_the_mdc95_of_the_larger_noise() -> None:
     alike = judge(Sample(3.0, 4, 1.0), Sample(0.0, 4, 1.0), attempts(0.0, 0.0, 0.0), "higher")
     assert alike is not None
-    assert alike.mdc95 == pytest.approx(t95(11) * math.sqrt(2) * 1.0 / math.sqrt(4)), "from the trials"
+    assert alike.mdc95 == pytest.approx(t95(11) * math.sqrt(2) * 1.0 / math.sqrt(4)), (
+        "from the trials"
+    )
     apart = judge(Sample(3.0, 4, 1.0), Sample(2.0, 4, 1.0), attempts(-2.0, 0.0, 2.0), "higher")
     assert apart is not None
     assert apart.mdc95 == pytest.approx(t95(11) * math.sqrt(2) * 2.0), "between the attempts"
@@ -61,7 +63,9 @@ def test_the_direction_says_which_change_is_better(better: str, verdict: str) ->
 
 
 @pytest.mark.parametrize(
-    "earlier", [attempts(), attempts(0.0, 0.1), attempts(*[0.0] * 4, n=1, sd=0.0)], ids=["none", "two", "four trials"]
+    "earlier",
+    [attempts(), attempts(0.0, 0.1), attempts(*[0.0] * 4, n=1, sd=0.0)],
+    ids=["none", "two", "four trials"],
 )
 def test_too_few_attempts_or_trials_judge_nothing(earlier: list[Sample]) -> None:
     assert judge(Sample(99.0), Sample(0.0), earlier, "higher") is None
@@ -98,7 +102,13 @@ def test_only_the_last_attempts_tell_todays_noise() -> None:
     assert change.verdict == "better"
 
 
-@given(st.lists(VALUES, min_size=3, max_size=12), VALUES, st.integers(1, 6), st.floats(0, 100), st.floats(0.01, 100))
+@given(
+    st.lists(VALUES, min_size=3, max_size=12),
+    VALUES,
+    st.integers(1, 6),
+    st.floats(0, 100),
+    st.floats(0.01, 100),
+)
 def test_the_verdict_does_not_depend_on_the_unit_or_its_direction(
     means: list[float], now: float, n: int, sd: float, factor: float
 ) -> None:
@@ -116,13 +126,23 @@ def test_the_verdict_does_not_depend_on_the_unit_or_its_direction(
 @given(st.lists(VALUES, min_size=5, max_size=10), VALUES)
 def test_what_is_judged_with_others_needs_no_smaller_change(means: list[float], now: float) -> None:
     earlier = attempts(*means)
-    found = [judge(Sample(now, 4, 1.0), earlier[-1], earlier, "higher", measures=count) for count in (1, 3, 6)]
+    found = [
+        judge(Sample(now, 4, 1.0), earlier[-1], earlier, "higher", measures=count)
+        for count in (1, 3, 6)
+    ]
     verdicts = [change.verdict for change in found if change]
-    assert verdicts in (["chance"] * 3, [verdicts[0]] * 3, [verdicts[0], "chance", "chance"], [*verdicts[:2], "chance"])
+    assert verdicts in (
+        ["chance"] * 3,
+        [verdicts[0]] * 3,
+        [verdicts[0], "chance", "chance"],
+        [*verdicts[:2], "chance"],
+    )
 
 
 @pytest.mark.parametrize(("earlier", "reaches"), [(3, 3), (5, 1), (10, 5)])
-def test_noise_is_seldom_called_better_and_a_change_of_two_mdc_mostly(earlier: int, reaches: int) -> None:
+def test_noise_is_seldom_called_better_and_a_change_of_two_mdc_mostly(
+    earlier: int, reaches: int
+) -> None:
     two_mdc = 2 * 1.96 * math.sqrt(2 / reaches)
     assert share_better(earlier, reaches, 0.0, pairs=fewer(1000)) <= 0.06
     assert share_better(earlier, reaches, two_mdc, pairs=fewer(1000)) >= 0.76

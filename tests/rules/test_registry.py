@@ -1,4 +1,6 @@
-"""A policy is one file: it is found by its name, adds its own parameters, and can be used in a session."""
+"""A policy is one file: it is found by its name, adds its own parameters, and can be used in a
+session.
+"""
 
 import json
 import os
@@ -52,7 +54,9 @@ ROOT = Path(__file__).parents[2]
     [(difficulty.POLICIES, "difficulty_policy"), (feedback.POLICIES, "feedback_schedule")],
     ids=["difficulty", "feedback"],
 )
-def test_the_names_of_the_policies_are_the_choices_of_the_parameter(policies: Mapping[str, object], name: str) -> None:
+def test_the_names_of_the_policies_are_the_choices_of_the_parameter(
+    policies: Mapping[str, object], name: str
+) -> None:
     (field,) = [field for field in fields(TaskParameters) if field.name == name]
     assert set(field.choices) == set(policies)
     assert field.default in policies
@@ -64,12 +68,27 @@ def test_a_file_adds_a_policy_that_runs_a_session(tmp_path: Path) -> None:
     policies = tmp_path / "sar_tui" / "rules"
     (policies / "difficulty" / "stride.py").write_text(STRIDE, encoding="utf-8")
     (policies / "feedback" / "alternate.py").write_text(ALTERNATE, encoding="utf-8")
-    settings = ["difficulty_policy=stride", "stride=3", "feedback_schedule=alternate", "prompts_per_attempt=1"]
+    settings = [
+        "difficulty_policy=stride",
+        "stride=3",
+        "feedback_schedule=alternate",
+        "prompts_per_attempt=1",
+    ]
 
     def run(*arguments: str) -> str:
-        command = [sys.executable, "-m", "sar_tui", *arguments, "--json", "--data", str(tmp_path / "data")]
+        command = [
+            sys.executable,
+            "-m",
+            "sar_tui",
+            *arguments,
+            "--json",
+            "--data",
+            str(tmp_path / "data"),
+        ]
         environment = os.environ | {"PYTHONPATH": str(tmp_path)}
-        return subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+        return subprocess.run(
+            command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
+        ).stdout
 
     chosen = [word for setting in settings for word in ("--set", setting)]
     run("simulate", "keyboard", "--user", "competent", "--attempts", "4", "--seed", "1", *chosen)

@@ -18,7 +18,10 @@ TIME = Metric("time", unit="ms", better="lower")
 GOAL = 1000.0
 SCHEDULES = ("every", "faded", "bandwidth", "summary", "request", "none")
 
-RESULTS = st.lists(st.one_of(st.none(), st.floats(200, 3000), st.sampled_from([900.0, 1000.0, 1100.0])), max_size=60)
+RESULTS = st.lists(
+    st.one_of(st.none(), st.floats(200, 3000), st.sampled_from([900.0, 1000.0, 1100.0])),
+    max_size=60,
+)
 OUTCOMES = st.lists(st.booleans(), max_size=80)
 
 
@@ -54,19 +57,24 @@ def due(choices: list[FeedbackChoice]) -> list[int]:
     return [number for number, choice in enumerate(choices, 1) if choice.due]
 
 
-# --- every, summary -------------------------------------------------------------------------------------------
+# --- every, summary
+# -------------------------------------------------------------------------------------------
 
 
 @given(st.integers(1, 100), RESULTS, st.sampled_from(["every", "summary"]))
 def test_every_nth_attempt_gets_feedback_regardless_of_the_outcomes(
     every: int, results: list[float | None], schedule: str
 ) -> None:
-    choices = chosen(settings(schedule, feedback_every=every), [judged(result) for result in results])
+    choices = chosen(
+        settings(schedule, feedback_every=every), [judged(result) for result in results]
+    )
     assert due(choices) == list(range(every, len(results) + 1, every))
 
 
 @given(st.integers(1, 20), RESULTS)
-def test_a_summary_covers_exactly_the_attempts_since_the_last_one(every: int, results: list[float | None]) -> None:
+def test_a_summary_covers_exactly_the_attempts_since_the_last_one(
+    every: int, results: list[float | None]
+) -> None:
     parameters = settings("summary", feedback_every=every)
     history = History()
     for number, result in enumerate(results, 1):
@@ -82,7 +90,9 @@ def test_a_summary_covers_exactly_the_attempts_since_the_last_one(every: int, re
 
 @given(
     st.lists(
-        st.tuples(st.one_of(st.none(), st.floats(200, 3000)), st.floats(500, 2000), st.floats(0, 1)),
+        st.tuples(
+            st.one_of(st.none(), st.floats(200, 3000)), st.floats(500, 2000), st.floats(0, 1)
+        ),
         min_size=1,
         max_size=20,
     )
@@ -94,7 +104,8 @@ def test_a_summary_contains_the_means_and_counts_the_successes(
     score, target, reached = judgement.summary(recent)
     measured = [(metric, goal) for metric, goal, _ in attempts if metric is not None]
     assert reached == sum(
-        metric is not None and metric < goal and accuracy >= 0.8 for metric, goal, accuracy in attempts
+        metric is not None and metric < goal and accuracy >= 0.8
+        for metric, goal, accuracy in attempts
     )
     if measured:
         assert score.metric == pytest.approx(sum(metric for metric, _ in measured) / len(measured))
@@ -106,7 +117,9 @@ def test_a_summary_contains_the_means_and_counts_the_successes(
 
 @given(
     st.lists(
-        st.tuples(st.one_of(st.none(), st.floats(200, 3000)), st.sampled_from([0.25, 0.75, 0.8, 1.0])),
+        st.tuples(
+            st.one_of(st.none(), st.floats(200, 3000)), st.sampled_from([0.25, 0.75, 0.8, 1.0])
+        ),
         min_size=1,
         max_size=12,
     )
@@ -122,7 +135,8 @@ def test_a_summary_takes_its_valence_from_the_majority_of_attempts(
         assert 2 * reached <= len(recent)
 
 
-# --- faded ----------------------------------------------------------------------------------------------------
+# --- faded
+# ----------------------------------------------------------------------------------------------------
 
 
 @given(OUTCOMES, st.integers(1, 50))
@@ -148,16 +162,23 @@ def test_faded_feedback_thins_to_its_maximum_interval_with_constant_success(fade
 
 
 @given(OUTCOMES, st.integers(1, 10))
-def test_after_enough_failures_each_attempt_gets_feedback_again(outcomes: list[bool], fade: int) -> None:
+def test_after_enough_failures_each_attempt_gets_feedback_again(
+    outcomes: list[bool], fade: int
+) -> None:
     attempts = [judged(500.0 if success else 2000.0) for success in outcomes]
-    choices = chosen(settings("faded", feedback_fade=fade), attempts + [judged(2000.0)] * (len(outcomes) + RAREST))
+    choices = chosen(
+        settings("faded", feedback_fade=fade),
+        attempts + [judged(2000.0)] * (len(outcomes) + RAREST),
+    )
     assert all(choice.due and choice.interval == 1 for choice in choices[-RAREST // 2 :])
 
 
 @given(RESULTS, st.integers(1, 10))
 def test_faded_feedback_is_due_after_its_interval(results: list[float | None], fade: int) -> None:
     since = 0
-    for choice in chosen(settings("faded", feedback_fade=fade), [judged(result) for result in results]):
+    for choice in chosen(
+        settings("faded", feedback_fade=fade), [judged(result) for result in results]
+    ):
         since += 1
         assert choice.since == since
         assert choice.due == (choice.interval is not None and since >= choice.interval)
@@ -165,14 +186,17 @@ def test_faded_feedback_is_due_after_its_interval(results: list[float | None], f
             since = 0
 
 
-# --- bandwidth ------------------------------------------------------------------------------------------------
+# --- bandwidth
+# ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("metric", "is_due"),
     [(899.9, True), (900.0, False), (1000.0, False), (1100.0, False), (1100.1, True), (None, True)],
 )
-def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(metric: float | None, is_due: bool) -> None:
+def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(
+    metric: float | None, is_due: bool
+) -> None:
     (choice,) = chosen(settings("bandwidth", feedback_tolerance=10), [judged(metric)])
     assert (choice.due, choice.tolerance) == (is_due, 100.0)
 
@@ -181,7 +205,10 @@ def test_bandwidth_feedback_is_given_only_strictly_outside_the_tolerance(metric:
 def test_the_tolerance_is_symmetric_around_any_goal(goal: int, percent: int, off: int) -> None:
     """In percent of the goal, so that a result on the bound lies exactly on it."""
     parameters = settings("bandwidth", feedback_tolerance=percent, min_accuracy=0)
-    choices = [chosen(parameters, [judged(goal * (1 + side * off / 100), goal=float(goal))])[0] for side in (1, -1)]
+    choices = [
+        chosen(parameters, [judged(goal * (1 + side * off / 100), goal=float(goal))])[0]
+        for side in (1, -1)
+    ]
     assert [choice.due for choice in choices] == [abs(off) > percent] * 2
 
 
@@ -192,13 +219,16 @@ def test_bounds_of_a_fractional_goal_are_within_the_tolerance() -> None:
 
 
 @given(st.floats(900, 1100), st.floats(0, 0.79))
-def test_an_inaccurate_attempt_is_always_outside_the_tolerance(metric: float, accuracy: float) -> None:
+def test_an_inaccurate_attempt_is_always_outside_the_tolerance(
+    metric: float, accuracy: float
+) -> None:
     (choice,) = chosen(settings("bandwidth"), [judged(metric, accuracy)])
     assert choice.due
     assert "right" in choice.why
 
 
-# --- on request, never ----------------------------------------------------------------------------------------
+# --- on request, never
+# ----------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(["request", "none"]), st.booleans())
@@ -211,7 +241,8 @@ def test_on_request_and_none_never_give_feedback_without_a_request(
         assert not choice.due
 
 
-# --- practice -------------------------------------------------------------------------------------------------
+# --- practice
+# -------------------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(["every", "faded", "bandwidth", "summary"]), st.integers(1, 10))
@@ -227,7 +258,8 @@ def test_practice_always_gets_feedback_and_does_not_affect_the_schedule(
         assert after == history
 
 
-# --- the stored decision ----------------------------------------------------------------------------------------
+# --- the stored decision
+# ----------------------------------------------------------------------------------------
 
 
 @given(RESULTS, st.sampled_from(SCHEDULES), st.integers(1, 10), st.floats(0, 1), st.booleans())
@@ -245,8 +277,15 @@ def test_every_attempt_records_its_feedback_decision_and_reason(
     for result in results:
         attempt = judged(result, accuracy)
         history, choice = step(history, attempt, parameters, practice)
-        assert (choice.schedule, choice.content, choice.form) == (schedule, "results", "quantitative")
-        assert (choice.compared_with, choice.delay_ms) == ("best attempt", 0 if schedule == "request" else 1500)
+        assert (choice.schedule, choice.content, choice.form) == (
+            schedule,
+            "results",
+            "quantitative",
+        )
+        assert (choice.compared_with, choice.delay_ms) == (
+            "best attempt",
+            0 if schedule == "request" else 1500,
+        )
         assert choice.why.endswith(".")
         assert choice.why[0].isupper() or choice.why[0].isdigit()
         failed = result is None or accuracy < 0.8
@@ -254,8 +293,12 @@ def test_every_attempt_records_its_feedback_decision_and_reason(
 
 
 @given(st.integers(2, 50), RESULTS)
-def test_the_reason_for_no_feedback_counts_the_attempts_since_the_last(every: int, results: list[float | None]) -> None:
-    choices = chosen(settings("every", feedback_every=every), [judged(result) for result in results])
+def test_the_reason_for_no_feedback_counts_the_attempts_since_the_last(
+    every: int, results: list[float | None]
+) -> None:
+    choices = chosen(
+        settings("every", feedback_every=every), [judged(result) for result in results]
+    )
     for number, choice in enumerate(choices, 1):
         since = (number - 1) % every + 1
         assert (choice.since, choice.interval) == (since, every)

@@ -9,7 +9,9 @@ from sar_tui.rules.parameters import TaskParameters, build
 
 
 def listed(*levels: int, **settings: object) -> TaskParameters:
-    return build(TaskParameters, {"difficulty_policy": "sequence", "level_sequence": levels, **settings})
+    return build(
+        TaskParameters, {"difficulty_policy": "sequence", "level_sequence": levels, **settings}
+    )
 
 
 def test_each_attempt_has_the_level_of_its_place_and_the_last_one_stays() -> None:

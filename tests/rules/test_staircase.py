@@ -21,7 +21,9 @@ def sees_less_of_low_values(value: float) -> float:
 
 
 def answers_to(staircase: Staircase, observer: Observer, trials: int = TRIALS) -> list[bool]:
-    """The answers of a simulated observer: each prompt follows from those before, in blocks as long as attempts."""
+    """The answers of a simulated observer: each prompt follows from those before, in blocks as long
+    as attempts.
+    """
     drawn, answers = Random(8), list[bool]()
     for _ in range(trials):
         answers.append(drawn.random() < observer(staircase.next(answers[-SETTLED:])))
@@ -53,7 +55,9 @@ RULES = [
 
 @pytest.mark.parametrize(("wrong", "right", "share"), RULES)
 def test_its_target_is_that_of_the_literature(wrong: int, right: int, share: float) -> None:
-    assert Staircase(start=0, steps=(1,), wrong=wrong, right=right).target == pytest.approx(share, abs=5e-4)
+    assert Staircase(start=0, steps=(1,), wrong=wrong, right=right).target == pytest.approx(
+        share, abs=5e-4
+    )
 
 
 @pytest.mark.parametrize(("wrong", "right", "share"), RULES[:4])
@@ -72,7 +76,9 @@ def test_weighted_steps_end_at_any_share(target: float) -> None:
 
 def test_harder_may_be_higher() -> None:
     staircase = Staircase(start=45, steps=(2, 1), harder="higher")
-    assert share_right(staircase, lambda value: sees_less_of_low_values(100 - value)) == pytest.approx(0.707, abs=0.025)
+    assert share_right(
+        staircase, lambda value: sees_less_of_low_values(100 - value)
+    ) == pytest.approx(0.707, abs=0.025)
 
 
 def test_the_steps_of_one_up_two_down() -> None:
@@ -108,7 +114,8 @@ def test_values_stay_within_the_bounds(answers: list[bool], wrong: int, right: i
 
 
 @pytest.mark.parametrize(
-    "wrong_numbers", [{"steps": ()}, {"steps": (0,)}, {"right": 0}, {"easier": 0}, {"lowest": 1}, {"highest": -1}]
+    "wrong_numbers",
+    [{"steps": ()}, {"steps": (0,)}, {"right": 0}, {"easier": 0}, {"lowest": 1}, {"highest": -1}],
 )
 def test_numbers_that_make_no_staircase_are_refused(wrong_numbers: dict[str, object]) -> None:
     with pytest.raises(ValueError, match="staircase"):

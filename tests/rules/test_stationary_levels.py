@@ -20,7 +20,9 @@ ATTEMPTS = 40_000
 def chain(
     policy: DifficultyPolicy, settings: object, start: Difficulty
 ) -> tuple[list[Difficulty], np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
-    """Return the states that can be reached, and the matrix of the probabilities from each (row) to each."""
+    """Return the states that can be reached, and the matrix of the probabilities from each (row) to
+    each.
+    """
     found = [start]
     moves: list[tuple[int, int, float]] = []
     for here, state in enumerate(found):
@@ -99,7 +101,9 @@ def test_one_up_one_down_is_in_detailed_balance_and_succeeds_in_half_of_the_atte
 
 
 def test_two_up_one_down_succeeds_in_seven_of_ten_attempts() -> None:
-    assert success(stationary(one_up_one_down.POLICY, TWO_UP, Difficulty(3))) == pytest.approx(0.707, abs=0.03)
+    assert success(stationary(one_up_one_down.POLICY, TWO_UP, Difficulty(3))) == pytest.approx(
+        0.707, abs=0.03
+    )
 
 
 def test_a_target_of_attempts_is_met_in_the_long_run() -> None:

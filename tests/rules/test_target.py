@@ -12,7 +12,9 @@ BOUNDS = Bounds(1, 10)
 SHARES = st.lists(st.integers(0, 20), max_size=60)
 
 
-def after(state: Difficulty, reached: int, settings: TargetSettings | None = None, prompts: int = 20) -> Difficulty:
+def after(
+    state: Difficulty, reached: int, settings: TargetSettings | None = None, prompts: int = 20
+) -> Difficulty:
     scored = ScoredAttempt(1, "success", 500.0, reached, prompts)
     return step(state, scored, settings or TargetSettings(), BOUNDS)
 
@@ -45,7 +47,9 @@ def test_the_step_shrinks_when_the_direction_turns_but_not_below_its_floor() -> 
         state = after(state, reached)
         places.append(round(state.memory.place, 6))
     moves = [round(b - a, 6) for a, b in zip([5.0, *places], places, strict=False)]
-    assert moves == [1.8, -0.9, 0.6, -0.6, 0.6], "steps of 6, 3, 2, 2 and 2 levels, times a distance of 30 %"
+    assert moves == [1.8, -0.9, 0.6, -0.6, 0.6], (
+        "steps of 6, 3, 2, 2 and 2 levels, times a distance of 30 %"
+    )
 
 
 def test_at_the_target_nothing_moves_and_the_direction_is_kept() -> None:
@@ -56,7 +60,9 @@ def test_at_the_target_nothing_moves_and_the_direction_is_kept() -> None:
 def test_the_reason_names_what_was_reached_and_the_target() -> None:
     assert after(Difficulty(5), 19).why == "19 of 20 prompts reached the goal; the target is 70 %."
     of_attempts = TargetSettings(target_of="attempts", target_share=50)
-    assert after(Difficulty(5), 0, of_attempts).why == "Goal reached; the target is 50 % of attempts."
+    assert (
+        after(Difficulty(5), 0, of_attempts).why == "Goal reached; the target is 50 % of attempts."
+    )
 
 
 def test_after_a_level_set_by_hand_it_goes_on_from_there() -> None:

@@ -14,7 +14,8 @@ def test_settings_of_policies_that_are_not_chosen_have_no_effect() -> None:
 
 def test_settings_of_the_chosen_policies_and_of_none_have_an_effect() -> None:
     assert (
-        not {"target_share", "target_of", "feedback_every", "threshold", "start_level"} & without_effect(CHOSEN).keys()
+        not {"target_share", "target_of", "feedback_every", "threshold", "start_level"}
+        & without_effect(CHOSEN).keys()
     )
 
 

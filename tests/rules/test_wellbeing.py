@@ -36,7 +36,9 @@ def test_the_therapist_sets_the_limits() -> None:
     assert stop_now(None, 1, PainLimits(highest=0)) == "too much pain"
     assert stop_now(2, 4, PainLimits(rise=3)) is None
     assert SessionRatings(pain_before=2, pain_after=4).is_reason_to_stop
-    assert not SessionRatings(pain_before=2, pain_after=4, limits=PainLimits(rise=3)).is_reason_to_stop
+    assert not SessionRatings(
+        pain_before=2, pain_after=4, limits=PainLimits(rise=3)
+    ).is_reason_to_stop
 
 
 @given(RATINGS, st.integers(0, HIGHEST - 1))
@@ -101,6 +103,12 @@ def test_pain_told_in_a_pause_counts_as_pain() -> None:
     assert tell_therapist([*pains(0), told, told, told, told]) == ("new pain",)
 
 
-@pytest.mark.parametrize(("tired", "is_told"), [((7,), False), ((8, 7), True), ((7, 6), False), ((2, 9, 10), True)])
-def test_severe_tiredness_after_two_sessions_running_is_told(tired: tuple[int, ...], is_told: bool) -> None:
-    assert (tell_therapist([SessionRatings(fatigue_after=each) for each in tired]) == ("tired",)) is is_told
+@pytest.mark.parametrize(
+    ("tired", "is_told"), [((7,), False), ((8, 7), True), ((7, 6), False), ((2, 9, 10), True)]
+)
+def test_severe_tiredness_after_two_sessions_running_is_told(
+    tired: tuple[int, ...], is_told: bool
+) -> None:
+    assert (
+        tell_therapist([SessionRatings(fatigue_after=each) for each in tired]) == ("tired",)
+    ) is is_told

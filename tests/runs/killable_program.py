@@ -1,7 +1,8 @@
-"""A program that is killed again and again. It loads once, and plays each part in a child process of its own.
+"""A program that is killed again and again. It loads once, and plays each part in a child process
+of its own.
 
-Each line on its standard input names a part and its arguments. It answers with the child's process id; the child says
-what it has done.
+Each line on its standard input names a part and its arguments. It answers with the child's process
+id; the child says what it has done.
 """
 
 import os
@@ -63,7 +64,9 @@ def main() -> None:
     for line in sys.stdin:
         part, folder, *arguments = line.split()
         if (child := os.fork()) == 0:
-            {"play": play, "connect": connect, "bring_back": bring_back}[part](Path(folder), *arguments)
+            {"play": play, "connect": connect, "bring_back": bring_back}[part](
+                Path(folder), *arguments
+            )
             say("end")
             os._exit(0)
         say(child)

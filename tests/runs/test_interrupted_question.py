@@ -1,4 +1,6 @@
-"""A session that was interrupted while a question stood is finished by a simulated participant, whatever was chosen."""
+"""A session that was interrupted while a question stood is finished by a simulated participant,
+whatever was chosen.
+"""
 
 from pathlib import Path
 

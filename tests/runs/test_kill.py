@@ -1,4 +1,6 @@
-"""kill -9 at hundreds of moments: nothing acknowledged is lost, and what was under way can be done again."""
+"""kill -9 at hundreds of moments: nothing acknowledged is lost, and what was under way can be done
+again.
+"""
 
 import contextlib
 import os
@@ -42,7 +44,9 @@ class Killable:
         )
 
     def kill(self, after: int, later_ms: float, *part: object) -> list[str]:
-        """Begin a part, kill it some time after a number of lines, and return all its lines. It may end before."""
+        """Begin a part, kill it some time after a number of lines, and return all its lines. It may
+        end before.
+        """
         assert self._program.stdin
         print(*part, file=self._program.stdin, flush=True)
         child = int(self._read())
@@ -100,18 +104,27 @@ def trials(data: Path) -> list[Trial]:
 
 
 @pytest.mark.parametrize("seed", first(1, range(12)))
-def test_twenty_kills_of_a_session_lose_no_acknowledged_trial(data: Path, killable: Killable, seed: int) -> None:
+def test_twenty_kills_of_a_session_lose_no_acknowledged_trial(
+    data: Path, killable: Killable, seed: int
+) -> None:
     acknowledged: list[Trial] = []
     for kill in range(20):
         moments = RandomStreams("kill", seed, kill)
         session = () if kill == 0 else (sessions_of(data),)
         lines = killable.kill(
-            1 + int(moments.uniform("trials") * 5), moments.uniform("moment") * 6, "play", data, seed, *session
+            1 + int(moments.uniform("trials") * 5),
+            moments.uniform("moment") * 6,
+            "play",
+            data,
+            seed,
+            *session,
         )
         acknowledged += [(int(a), int(t)) for a, t in map(str.split, lines)]
         stored = trials(data)
         assert stored[: len(acknowledged)] == acknowledged
-        assert len(stored) <= len(acknowledged) + 1, "at most the last was not acknowledged any more"
+        assert len(stored) <= len(acknowledged) + 1, (
+            "at most the last was not acknowledged any more"
+        )
         acknowledged = stored
     while lines[-1:] != ["end"]:
         lines = killable.kill(0, 0, "play", data, seed, sessions_of(data))
@@ -151,7 +164,9 @@ def test_kills_of_a_migration_leave_a_database_that_can_be_migrated(
     with closing(sqlite3.connect(data / FILE)) as database:
         old = Database(database)
         migrations.apply(old, stop_before="version_2")
-        old["sessions"].insert_all({"id": f"s{n}", "parameters": '{"threshold": 900.0}'} for n in range(2000))
+        old["sessions"].insert_all(
+            {"id": f"s{n}", "parameters": '{"threshold": 900.0}'} for n in range(2000)
+        )
         old["attempts"].insert_all(
             {"session": f"s{n}", "attempt": 1, "seat": "A", "metric": 700.0} for n in range(2000)
         )
@@ -165,4 +180,7 @@ def test_kills_of_a_migration_leave_a_database_that_can_be_migrated(
         with closing(connect(folder)) as migrated:
             assert migrated.execute("PRAGMA user_version").fetchone() == (VERSION,)
             assert migrated.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-            assert migrated.execute("SELECT count(*), min(goal) FROM attempts").fetchone() == (2000, 900.0)
+            assert migrated.execute("SELECT count(*), min(goal) FROM attempts").fetchone() == (
+                2000,
+                900.0,
+            )

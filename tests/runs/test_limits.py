@@ -1,4 +1,6 @@
-"""Limits of a programme: a session ends between attempts, or does not begin, with a kind sentence."""
+"""Limits of a programme: a session ends between attempts, or does not begin, with a kind
+sentence.
+"""
 
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -36,13 +38,19 @@ def begin(data: Path, catalogue: Catalogue, **limits: object) -> tuple[Run, Virt
     plan = make_plan(catalogue, "keyboard", ["P07"], settings, seed=3)
     clock = VirtualClock(10 * SECOND)
     run = start(
-        plan, data, catalogue, clock, lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, 7)]
+        plan,
+        data,
+        catalogue,
+        clock,
+        lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, 7)],
     )
     return run, clock
 
 
 def play(data: Path, catalogue: Catalogue, **limits: object) -> tuple[int, str]:
-    """Play a session; return its attempts, practice included, and what the participant was told at the end."""
+    """Play a session; return its attempts, practice included, and what the participant was told at
+    the end.
+    """
     run, clock = begin(data, catalogue, **limits)
     told: list[str] = []
 
@@ -78,7 +86,9 @@ def test_a_limit_of_a_day_ends_the_session_after_a_whole_attempt(
 
 
 def test_a_session_that_has_lasted_long_enough_ends(data: Path, catalogue: Catalogue) -> None:
-    done, told = play(data, catalogue, session_minutes=1, foreperiod_min_ms=8000, foreperiod_max_ms=9000)
+    done, told = play(
+        data, catalogue, session_minutes=1, foreperiod_min_ms=8000, foreperiod_max_ms=9000
+    )
     assert 1 < done < 7
     assert told == "The time for this session is over. Well done."
 
@@ -105,7 +115,11 @@ def test_the_dose_of_a_day_is_that_of_its_attempts(data: Path, catalogue: Catalo
     assert 0.1 < today.minutes < 2
     for other in (NOON - timedelta(days=1), NOON + timedelta(days=1)):
         assert done_on_day(database, "P07", "keyboard", other) == Dose()
-    assert done_on_day(database, "P07", "reaching", NOON) == done_on_day(database, "P08", "keyboard", NOON) == Dose()
+    assert (
+        done_on_day(database, "P07", "reaching", NOON)
+        == done_on_day(database, "P08", "keyboard", NOON)
+        == Dose()
+    )
     database.close()
 
 

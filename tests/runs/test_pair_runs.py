@@ -29,17 +29,30 @@ POLICIES = ("alternate", "race", "cooperative", "joint attention")
 
 
 def plan(mode: Any = "live", left: str = "P01", right: str = "P02", **parameters: object) -> Plan:
-    return make_plan(CATALOGUE, KIND, [code for code in (left, right) if code], SHORT | parameters, seed=4, mode=mode)
+    return make_plan(
+        CATALOGUE,
+        KIND,
+        [code for code in (left, right) if code],
+        SHORT | parameters,
+        seed=4,
+        mode=mode,
+    )
 
 
 def make_participants(task: Any, theme: Any, seed: int) -> list[Any]:
-    return [SimulatedParticipant(PEOPLE["average"], task, seed), SimulatedPartner(PEOPLE["poor"], task, seed, seat="B")]
+    return [
+        SimulatedParticipant(PEOPLE["average"], task, seed),
+        SimulatedPartner(PEOPLE["poor"], task, seed, seat="B"),
+    ]
 
 
 def rows(data: Path, table: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
     database = connect(data)
     try:
-        return [tuple(row[column] for column in columns) for row in sessions.rows(database, table, session)]
+        return [
+            tuple(row[column] for column in columns)
+            for row in sessions.rows(database, table, session)
+        ]
     finally:
         database.close()
 
@@ -55,16 +68,25 @@ def whole(data: Path, **parameters: object) -> str:
     return run.id
 
 
-# --- participants --------------------------------------------------------------------------------------------------
+# --- participants
+# --------------------------------------------------------------------------------------------------
 
 
 def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) -> None:
     session = whole(data)
-    assert sorted(rows(data, "seats", session, "seat", "participant")) == [("A", "P01"), ("B", "P02")]
+    assert sorted(rows(data, "seats", session, "seat", "participant")) == [
+        ("A", "P01"),
+        ("B", "P02"),
+    ]
     database = connect(data)
     for code in ("P01", "P02"):
         (row,) = sessions.listing(database, data, participant=code)
-        assert (row["id"], row["participant"], row["partner"], row["attempts"]) == (session, "P01", "P02", 2)
+        assert (row["id"], row["participant"], row["partner"], row["attempts"]) == (
+            session,
+            "P01",
+            "P02",
+            2,
+        )
         assert sessions.participant_codes(row) == "P01, P02"
     assert sessions.listing(database, data, participant="P03") == []
     database.close()
@@ -73,7 +95,9 @@ def test_both_seats_are_stored_and_the_session_is_found_from_either(data: Path) 
 def test_neither_participant_can_be_in_a_second_live_session(data: Path) -> None:
     run = start(plan(), data, CATALOGUE, VirtualClock(), make_participants)
     for left, right in (("P01", "P03"), ("P03", "P02")):
-        with pytest.raises(StoreError, match=r"The participant P0[12] is in a live session already"):
+        with pytest.raises(
+            StoreError, match=r"The participant P0[12] is in a live session already"
+        ):
             start(plan(left=left, right=right), data, CATALOGUE, VirtualClock(), make_participants)
     assert not locks.is_held(data, "participant", "P03")
     run.close()
@@ -83,12 +107,19 @@ def test_neither_participant_can_be_in_a_second_live_session(data: Path) -> None
 @pytest.mark.parametrize(
     ("task", "left", "right", "why"),
     [
-        ("pairs", "P01", "", "The task pairs is for two: name the participant on the left, and then the one"),
+        (
+            "pairs",
+            "P01",
+            "",
+            "The task pairs is for two: name the participant on the left, and then the one",
+        ),
         ("pairs", "P01", "p01", "P01 cannot sit at both seats: name two participants."),
         ("keyboard", "P01", "P02", "The task keyboard is for one: name one participant only."),
     ],
 )
-def test_the_number_of_participants_must_match_the_seats(task: str, left: str, right: str, why: str) -> None:
+def test_the_number_of_participants_must_match_the_seats(
+    task: str, left: str, right: str, why: str
+) -> None:
     with pytest.raises(StoreError, match=why) as raised:
         make_plan(CATALOGUE, task, [code for code in (left, right) if code])
     assert raised.value.bad_input
@@ -101,7 +132,10 @@ def test_each_participant_has_their_own_best_at_either_seat(data: Path) -> None:
     run = start(other_way, data, CATALOGUE, clock, make_participants)
     reported = run.session.best["1"], run.session.others_best["B"]["1"]
     before = connect(data)
-    best = "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? AND accuracy >= 0.8"
+    best = (
+        "SELECT min(metric) FROM attempts JOIN seats USING (session, seat) WHERE participant=? "
+        "AND accuracy >= 0.8"
+    )
     kept = tuple(before.execute(best, (code,)).fetchone()[0] for code in ("P02", "P01"))
     before.close()
     run.close()
@@ -137,7 +171,8 @@ def test_a_session_of_one_has_no_partner(data: Path) -> None:
     assert (row["partner"], sessions.participant_codes(row)) == (None, "P01")
 
 
-# --- interrupted and resumed ----------------------------------------------------------------------------------------
+# --- interrupted and resumed
+# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -171,7 +206,9 @@ def test_each_trial_of_both_is_stored_once_after_a_kill_in_mid_trial_and_a_resum
     assert len(rows(data, "attempts", session, *ATTEMPTS)) == 4
     asked = rows(data, "trials", session, "attempt", "trial", "seat", "stimulus")
     other = data.parent / "whole"
-    assert asked == rows(other, "trials", whole(other, policy=policy), "attempt", "trial", "seat", "stimulus")
+    assert asked == rows(
+        other, "trials", whole(other, policy=policy), "attempt", "trial", "seat", "stimulus"
+    )
 
 
 @pytest.mark.parametrize("policy", POLICIES)

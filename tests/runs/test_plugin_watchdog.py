@@ -1,4 +1,6 @@
-"""A call of a plug-in's code that does not return is ended and named, however it is written; no other call is."""
+"""A call of a plug-in's code that does not return is ended and named, however it is written; no
+other call is.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -27,7 +29,8 @@ def watchdog() -> tuple[PluginWatchdog, list[str]]:
 
 
 class Hanging:
-    """Code that does not return: it has the watchdog look, until it is given up or ended by an error.
+    """Code that does not return: it has the watchdog look, until it is given up or ended by an
+    error.
 
     Args:
         ignores: True if it goes on after an error.
@@ -106,7 +109,16 @@ def make(hangs: Callable[[], bool], keyboard: type[Task]) -> Task:
         lambda task: type(task).sensor_seats(None),
         lambda task: task.aside(),
     ],
-    ids=["function", "lambda", "comprehension", "generator", "generator expression", "property", "class", "static"],
+    ids=[
+        "function",
+        "lambda",
+        "comprehension",
+        "generator",
+        "generator expression",
+        "property",
+        "class",
+        "static",
+    ],
 )
 def test_a_task_that_does_not_return_is_given_up_with_its_name(
     keyboard: type[Task], use: Callable[[Any], object]
@@ -158,7 +170,9 @@ def test_a_handler_that_does_not_return_is_ended_by_an_error_of_its_node() -> No
     bus.subscribe(FAULT, faults.append)
     Listener(hangs, "handler").attach(bus)
     bus.publish(KEY, m.KeyPressed(key="f", at=0))
-    assert [(fault.node, fault.error) for fault in faults] == [("listener", "NotResponding: it took longer than 10 s")]
+    assert [(fault.node, fault.error) for fault in faults] == [
+        ("listener", "NotResponding: it took longer than 10 s")
+    ]
     assert hangs.looks == LOOKS + 1
     assert hangs.given_up == []
     assert under_way(hangs.dog._watched) is None

@@ -1,4 +1,6 @@
-"""A session is resumed by a replay of its log: nothing else that is stored has a part in it, and none of it is run."""
+"""A session is resumed by a replay of its log: nothing else that is stored has a part in it, and
+none of it is run.
+"""
 
 import shutil
 import sqlite3
@@ -30,8 +32,16 @@ SHORT: dict[str, Any] = {"attempts": 12, "prompts_per_attempt": 3}
 PLANS: dict[str, tuple[str, list[str], dict[str, Any]]] = {
     "keyboard": ("keyboard", ["P01"], SHORT | {"practice_attempts": 1, "encouragement": True}),
     "on request": ("keyboard", ["P01"], SHORT | {"feedback_schedule": "request", "language": "es"}),
-    "summaries": ("keyboard", ["P01"], SHORT | {"feedback_schedule": "summary", "feedback_every": 2}),
-    "operated": ("keyboard", ["P01"], SHORT | {"operator_feedback": "approve", "operator_difficulty": "approve"}),
+    "summaries": (
+        "keyboard",
+        ["P01"],
+        SHORT | {"feedback_schedule": "summary", "feedback_every": 2},
+    ),
+    "operated": (
+        "keyboard",
+        ["P01"],
+        SHORT | {"operator_feedback": "approve", "operator_difficulty": "approve"},
+    ),
     "pairs": ("pairs", ["P01", "P02"], {"attempts": 4}),
     "long": ("keyboard", ["P01"], {"attempts": 24, "prompts_per_attempt": 20}),
 }
@@ -44,7 +54,9 @@ def a_plan(name: str) -> Plan:
 
 def nodes(name: str) -> Callable[[Any, Any, int], list[Node]]:
     def make(task: Any, theme: Any, seed: int) -> list[Node]:
-        partners = [SimulatedPartner(PEOPLE["average"], task, seed, seat=seat) for seat in task.seats[1:]]
+        partners = [
+            SimulatedPartner(PEOPLE["average"], task, seed, seat=seat) for seat in task.seats[1:]
+        ]
         operators = [SimulatedOperator(PROFILES["careful"], seed)] if name == "operated" else []
         return [SimulatedParticipant(PEOPLE["average"], task, seed), *partners, *operators]
 
@@ -70,7 +82,9 @@ def interrupted(data: Path, name: str = "keyboard", steps: int = 100) -> str:
     return run.id
 
 
-def go_on(data: Path, session: str, name: str = "keyboard", run: int = 2, steps: int | None = None) -> None:
+def go_on(
+    data: Path, session: str, name: str = "keyboard", run: int = 2, steps: int | None = None
+) -> None:
     clock = VirtualClock(run * 1000 * SECOND)
     play(resume(session, data, CATALOGUE, clock, nodes(name)), clock, steps)
 
@@ -89,7 +103,14 @@ def test_a_session_that_was_resumed_twice_follows_from_its_inputs(name: str, dat
 def test_the_progress_of_a_resume_is_told(data: Path) -> None:
     session = interrupted(data, "long", 400)
     told: list[tuple[int, int]] = []
-    run = resume(session, data, CATALOGUE, VirtualClock(1000 * SECOND), nodes("long"), lambda *now: told.append(now))
+    run = resume(
+        session,
+        data,
+        CATALOGUE,
+        VirtualClock(1000 * SECOND),
+        nodes("long"),
+        lambda *now: told.append(now),
+    )
     run.close()
     (of,) = {of for _, of in told}
     assert of == int(run.session.bus._seq) - 1
@@ -98,7 +119,8 @@ def test_the_progress_of_a_resume_is_told(data: Path) -> None:
     assert len(told) > 10
 
 
-# --- state that an earlier version stored ----------------------------------------------------------------------------
+# --- state that an earlier version stored
+# ----------------------------------------------------------------------------
 
 _A_FOLDER = b"cposix\nmkdir\n(Vharm\ntR."
 _A_CLASS = b"csar_tui.loop.session\nSession\n(N}Vharm\nI01\nstb."
@@ -110,7 +132,9 @@ _A_CLASS = b"csar_tui.loop.session\nSession\n(N}Vharm\nI01\nstb."
 def test_a_pickle_in_a_database_from_elsewhere_is_never_loaded(
     harmful: bytes, is_migrated: bool, call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Given a table of checkpoints as version 19 had it, of an earlier database or added to a present one."""
+    """Given a table of checkpoints as version 19 had it, of an earlier database or added to a
+    present one.
+    """
     data, other = tmp_path / "data", tmp_path / "other"
     monkeypatch.chdir(tmp_path)
     session = interrupted(other, "long", 1400)
@@ -131,12 +155,16 @@ def plant(path: Path, session: str, harmful: bytes, *, is_migrated: bool) -> Non
     packed = zlib.compress(harmful)
     with closing(sqlite3.connect(path)) as database, database:
         database.execute(
-            "CREATE TABLE IF NOT EXISTS checkpoints (session TEXT PRIMARY KEY, seq INTEGER NOT NULL,"
+            "CREATE TABLE IF NOT EXISTS checkpoints (session TEXT PRIMARY KEY, seq INTEGER NOT "
+            "NULL,"
             " program TEXT NOT NULL, crc32 INTEGER NOT NULL, state BLOB NOT NULL)"
         )
-        if not database.execute("UPDATE checkpoints SET state=?, crc32=?", (packed, zlib.crc32(packed))).rowcount:
+        if not database.execute(
+            "UPDATE checkpoints SET state=?, crc32=?", (packed, zlib.crc32(packed))
+        ).rowcount:
             database.execute(
-                "INSERT INTO checkpoints VALUES (?, 1, 'any', ?, ?)", (session, zlib.crc32(packed), packed)
+                "INSERT INTO checkpoints VALUES (?, 1, 'any', ?, ?)",
+                (session, zlib.crc32(packed), packed),
             )
         if is_migrated:
             database.execute("DELETE FROM _sqlite_migrations WHERE name='version_20'")
@@ -147,4 +175,6 @@ def test_a_migration_removes_the_pickles_of_earlier_versions(data: Path) -> None
     session = interrupted(data)
     plant(data / "sar-tui.db", session, _A_FOLDER, is_migrated=True)
     with closing(connect(data)) as database:
-        assert not database.execute("SELECT 1 FROM sqlite_master WHERE name='checkpoints'").fetchall()
+        assert not database.execute(
+            "SELECT 1 FROM sqlite_master WHERE name='checkpoints'"
+        ).fetchall()

@@ -48,7 +48,10 @@ def play(run: Run, clock: VirtualClock, steps: int | None = None) -> None:
 
 
 def table(data: Path, name: Any, session: str, *columns: str) -> list[tuple[Any, ...]]:
-    return [tuple(row[column] for column in columns) for row in sessions.rows(connect(data), name, session)]
+    return [
+        tuple(row[column] for column in columns)
+        for row in sessions.rows(connect(data), name, session)
+    ]
 
 
 TRIALS = ("attempt", "trial", "stimulus", "response", "correct")
@@ -64,7 +67,9 @@ def undisturbed(data: Path) -> str:
 
 @examples(25)
 @given(st.lists(st.integers(0, 40), min_size=1, max_size=4))
-def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninterrupted_one(cuts: list[int]) -> None:
+def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninterrupted_one(
+    cuts: list[int],
+) -> None:
     data = Path(tempfile.mkdtemp())
     try:
         whole = undisturbed(data)
@@ -81,7 +86,9 @@ def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninter
             play(run, clock, steps)
         assert sessions.find(connect(data), data, run.id)["status"] == "completed"
         assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
-        assert table(data, "attempts", run.id, *ATTEMPTS) == table(data, "attempts", whole, *ATTEMPTS)
+        assert table(data, "attempts", run.id, *ATTEMPTS) == table(
+            data, "attempts", whole, *ATTEMPTS
+        )
         trials = sessions.rows(connect(data), "trials", run.id)
         assert [trial["run"] for trial in trials] == sorted(trial["run"] for trial in trials)
         assert len(sessions.rows(connect(data), "runs", run.id)) == run.number
@@ -91,7 +98,9 @@ def test_a_session_resumed_any_number_of_times_has_the_same_trials_as_an_uninter
         shutil.rmtree(data)
 
 
-def test_each_run_stores_its_software_and_machine(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_run_stores_its_software_and_machine(
+    data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for name in ("SSH_CONNECTION", "SSH_TTY", "SSH_CLIENT", "TMUX", "STY", "ZELLIJ"):
         monkeypatch.delenv(name, raising=False)
     clock = VirtualClock()
@@ -109,7 +118,9 @@ def test_each_run_stores_its_software_and_machine(data: Path, monkeypatch: pytes
 
 def test_a_session_that_has_ended_cannot_be_resumed(data: Path) -> None:
     session = undisturbed(data)
-    with pytest.raises(StoreError, match="is completed; only a live one that was interrupted") as caught:
+    with pytest.raises(
+        StoreError, match="is completed; only a live one that was interrupted"
+    ) as caught:
         resume(session, data, CATALOGUE, VirtualClock(), make_participants)
     assert caught.value.bad_input
 
@@ -120,19 +131,24 @@ def test_a_session_stored_with_former_spellings_resumes(data: Path) -> None:
     run = start(PLAN, data, CATALOGUE, clock, make_participants)
     play(run, clock, 20)
     with transaction(connect(data)) as connection:
-        connection.execute("UPDATE sessions SET parameters = json_set(parameters, '$.difficulty_policy', 'thesis')")
+        connection.execute(
+            "UPDATE sessions SET parameters = json_set(parameters, '$.difficulty_policy', 'thesis')"
+        )
     clock = VirtualClock(1000 * SECOND)
     play(resume(run.id, data, CATALOGUE, clock, make_participants), clock)
     assert table(data, "trials", run.id, *TRIALS) == table(data, "trials", whole, *TRIALS)
 
 
-# --- earlier best results --------------------------------------------------------------------------------------
+# --- earlier best results
+# --------------------------------------------------------------------------------------
 
 
 def best_known(data: Path, run: Run) -> dict[str, float]:
     """Return the earlier best results that a run started with, by level."""
     history = sessions.history(connect(data), run.id)
-    (best,) = [r.message.best for r in history if r.topic is SESSION and r.message.run == run.number]
+    (best,) = [
+        r.message.best for r in history if r.topic is SESSION and r.message.run == run.number
+    ]
     return dict(best)
 
 
@@ -150,7 +166,11 @@ def played(data: Path, seed: int, steps: int | None = None, **changed: Any) -> R
     clock = VirtualClock()
     plan = msgspec.structs.replace(PLAN, seed=seed, **changed)
     run = start(
-        plan, data, CATALOGUE, clock, lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, seed)]
+        plan,
+        data,
+        CATALOGUE,
+        clock,
+        lambda task, theme, seed: [SimulatedParticipant(PEOPLE["average"], task, seed)],
     )
     play(run, clock, steps)
     return run
@@ -191,22 +211,32 @@ def test_a_theme_edited_between_two_runs_is_spoken_in_the_second_and_the_first_i
     words.write_text('"attempt {number} of {total}" = "round {number} of {total}"')
     catalogue = Catalogue(themes=(tmp_path / "themes",))
     clock = VirtualClock()
-    run = start(msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants)
+    run = start(
+        msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants
+    )
     play(run, clock, 12)
     words.write_text('"attempt {number} of {total}" = "turn {number} of {total}"')
     clock = VirtualClock(1000 * SECOND)
     again = resume(run.id, data, catalogue, clock, make_participants)
     play(again, clock)
-    names = [r.message.attempt_name for r in sessions.history(connect(data), run.id) if r.topic is WAITING]
+    names = [
+        r.message.attempt_name
+        for r in sessions.history(connect(data), run.id)
+        if r.topic is WAITING
+    ]
     assert (names[0], names[-1]) == ("round 1 of 3", "turn 3 of 3")
 
 
-def test_a_session_whose_theme_was_removed_goes_on_with_the_default_one_and_says_so(data: Path, tmp_path: Path) -> None:
+def test_a_session_whose_theme_was_removed_goes_on_with_the_default_one_and_says_so(
+    data: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "themes" / "mine"
     shutil.copytree(CATALOGUE.theme_folder("playful"), folder)
     catalogue = Catalogue(themes=(tmp_path / "themes",))
     clock = VirtualClock()
-    run = start(msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants)
+    run = start(
+        msgspec.structs.replace(PLAN, theme="mine"), data, catalogue, clock, make_participants
+    )
     assert run.theme_notice == ""
     play(run, clock, 12)
     shutil.rmtree(folder)
@@ -215,7 +245,8 @@ def test_a_session_whose_theme_was_removed_goes_on_with_the_default_one_and_says
     play(again, clock)
     assert again.session.ended
     assert again.theme_notice == (
-        f"The theme mine of session {run.id} cannot be loaded any more: it went on with calm, whose words and looks "
+        f"The theme mine of session {run.id} cannot be loaded any more: it went on with calm, "
+        "whose words and looks "
         "differ."
     )
     (deviation,) = deviations(read(connect(data), run.id), [])
@@ -227,7 +258,9 @@ def test_a_simulation_that_is_interrupted_keeps_what_it_has_done(data: Path) -> 
         if attempt == 3:
             raise KeyboardInterrupt
 
-    plan = make_plan(CATALOGUE, "keyboard", ["P01"], {"prompts_per_attempt": 2}, seed=1, mode="simulated", id="S")
+    plan = make_plan(
+        CATALOGUE, "keyboard", ["P01"], {"prompts_per_attempt": 2}, seed=1, mode="simulated", id="S"
+    )
     with pytest.raises(KeyboardInterrupt):
         simulate(plan, PEOPLE["average"], data, CATALOGUE, interrupt)
     with closing(connect(data)) as database:

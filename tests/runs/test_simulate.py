@@ -39,7 +39,9 @@ class Timed(Output):
     can: ClassVar[frozenset[ActionPart]] = frozenset({"gesture"})
 
     def gesture(self, action: str, name: str) -> None:
-        self.clock.call_at(self.clock.now() + 10_000 * MS, lambda: self.report(action, "gesture", "done"))
+        self.clock.call_at(
+            self.clock.now() + 10_000 * MS, lambda: self.report(action, "gesture", "done")
+        )
 
 
 @pytest.mark.parametrize("output", [Arm, Timed])
@@ -58,7 +60,9 @@ def test_each_gesture_of_an_output_is_done_whatever_clock_it_follows(
         mode="simulated",
     )
     session = simulate(plan, PEOPLE["average"], data, catalogue)
-    (arm,) = [summary for summary in output_summaries(connect(data), session) if summary.output == "arm"]
+    (arm,) = [
+        summary for summary in output_summaries(connect(data), session) if summary.output == "arm"
+    ]
     assert arm.done >= 4
     assert (arm.aborted, arm.failed) == (0, 0)
 
@@ -74,11 +78,20 @@ def test_an_output_that_ends_the_program_when_closed_is_named_and_the_session_is
     data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "sar_tui.runs.simulate.output_nodes", lambda task, theme: [OutputNode(Stubborn(), "arm", theme)]
+        "sar_tui.runs.simulate.output_nodes",
+        lambda task, theme: [OutputNode(Stubborn(), "arm", theme)],
     )
-    plan = make_plan(catalogue, "keyboard", ["P01"], {"attempts": 1, "outputs": ("screen", "speech")}, mode="simulated")
+    plan = make_plan(
+        catalogue,
+        "keyboard",
+        ["P01"],
+        {"attempts": 1, "outputs": ("screen", "speech")},
+        mode="simulated",
+    )
     session = simulate(plan, PEOPLE["average"], data, catalogue)
     database = connect(data)
     assert database.execute("SELECT status FROM sessions").fetchone()[0] == "completed"
-    (line,) = [summary.line for summary in output_summaries(database, session) if summary.output == "arm"]
+    (line,) = [
+        summary.line for summary in output_summaries(database, session) if summary.output == "arm"
+    ]
     assert line == "arm: it was not closed (SystemExit: the arm is stuck)"

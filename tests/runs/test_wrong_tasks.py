@@ -1,4 +1,6 @@
-"""A task that breaks the contract ends its session with a sentence; all that is stored can be read."""
+"""A task that breaks the contract ends its session with a sentence; all that is stored can be
+read.
+"""
 
 from pathlib import Path
 

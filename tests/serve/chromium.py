@@ -60,7 +60,9 @@ class Chromium:
                 case "Network.webSocketCreated", params:
                     self.requested.append(params["url"])
                     self._open_screen(params["url"])
-                case "Network.webSocketFrameReceived", {"response": {"opcode": 2, "payloadData": data}}:
+                case "Network.webSocketFrameReceived", {
+                    "response": {"opcode": 2, "payloadData": data}
+                }:
                     self._screen_bytes.append(base64.b64decode(data))
                 case "Log.entryAdded", params:
                     self.errors.append(params["entry"]["text"])
@@ -90,7 +92,9 @@ class Chromium:
 
     async def value(self, expression: str) -> Any:
         """Evaluate a JavaScript expression in the page."""
-        result = await self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        result = await self.call(
+            "Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True
+        )
         return result["result"].get("value")
 
     async def wait_until(self, expression: str) -> None:

@@ -73,7 +73,9 @@ async def serving(
         slept.append(seconds)
 
     tiny = [sys.executable, "-m", "tests.serve.counter_app", str(diary)]
-    server = Server(kind, program or tiny, Address("127.0.0.1", port), TOKEN, log.append, sleep, is_ready)
+    server = Server(
+        kind, program or tiny, Address("127.0.0.1", port), TOKEN, log.append, sleep, is_ready
+    )
     runner = web.AppRunner(server.app(), access_log=None, shutdown_timeout=1)
     await runner.setup()
     try:
@@ -99,14 +101,18 @@ class TerminalScreen:
         return "\n".join(line.rstrip() for line in self._screen.display)
 
 
-async def read_until(socket: aiohttp.ClientWebSocketResponse, screen: TerminalScreen, text: str) -> None:
+async def read_until(
+    socket: aiohttp.ClientWebSocketResponse, screen: TerminalScreen, text: str
+) -> None:
     """Read a view until it shows a text."""
     async with asyncio.timeout(SECONDS):
         while text not in screen.text:
             message = await socket.receive()
             if message.type is aiohttp.WSMsgType.TEXT:  # for the page itself
                 continue
-            assert message.type is aiohttp.WSMsgType.BINARY, f"{message} came while the screen was: {screen.text}"
+            assert message.type is aiohttp.WSMsgType.BINARY, (
+                f"{message} came while the screen was: {screen.text}"
+            )
             screen.feed(message.data)
 
 
@@ -116,7 +122,10 @@ async def told(socket: aiohttp.ClientWebSocketResponse, kind: str) -> object:
         while True:
             message = await socket.receive()
             assert message.type in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY), message
-            if message.type is aiohttp.WSMsgType.TEXT and (received := json.loads(message.data))[0] == kind:
+            if (
+                message.type is aiohttp.WSMsgType.TEXT
+                and (received := json.loads(message.data))[0] == kind
+            ):
                 content: object = received[1]
                 return content
 

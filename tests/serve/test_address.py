@@ -74,7 +74,14 @@ def test_url_is_the_public_url_if_given() -> None:
 
 @pytest.mark.parametrize(
     "url",
-    ["lab.example", "ftp://lab.example", "https://", "https://lab.example/sar", "https://lab.example?x", "http:"],
+    [
+        "lab.example",
+        "ftp://lab.example",
+        "https://",
+        "https://lab.example/sar",
+        "https://lab.example?x",
+        "http:",
+    ],
 )
 def test_invalid_public_url_is_refused(url: str) -> None:
     with pytest.raises(AddressError, match="is not a valid public URL"):

@@ -12,7 +12,10 @@ from tests.serve.chromium import chromium
 from tests.serve.serve_fixtures import TOKEN, logged, serving
 
 pytestmark = needs_browser
-COVER = "(document.body.classList.contains('-covered') ? document.getElementById('why').textContent : '')"
+COVER = (
+    "(document.body.classList.contains('-covered') ? "
+    "document.getElementById('why').textContent : '')"
+)
 """Text that covers the view."""
 COVERS_ALL = """
 (() => {
@@ -31,9 +34,9 @@ async def test_app_is_shown_and_receives_keys(tmp_path: Path) -> None:
         assert await browser.value("document.fonts.check('16px \"Roboto Mono\"')")
         await browser.press("a")
         await browser.see("Pressed 1 times")
-        assert {url.partition("://")[2].partition("/")[0] for url in browser.requested if "://" in url} == {
-            f"127.0.0.1:{served.port}"
-        }
+        assert {
+            url.partition("://")[2].partition("/")[0] for url in browser.requested if "://" in url
+        } == {f"127.0.0.1:{served.port}"}
         assert browser.errors == []
         await browser.press("x")
         await browser.wait_until(f"{COVER} === 'You have left the session.'")
@@ -99,7 +102,9 @@ Tiny().run()
 async def test_page_without_token_is_one_sentence(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served, chromium() as browser:
         await browser.open(f"{served.origin}/")
-        await browser.wait_until("document.body !== null && document.body.innerText.includes('token')")
+        await browser.wait_until(
+            "document.body !== null && document.body.innerText.includes('token')"
+        )
         assert await browser.value("document.body.innerText") == (
             "Open the complete address that `sar-tui serve` printed, with its token."
         )
@@ -137,5 +142,7 @@ async def test_browser_speaks_after_the_button_and_with_local_voices_only(tmp_pa
         assert await browser.value("window.said") == [["", ""], ["Muy bien.", "es-MX"], ["hush"]]
         assert browser.errors == []
         await browser.press("f")
-        await browser.wait_until("document.getElementById('speak').textContent === 'This device has no voice for fr'")
+        await browser.wait_until(
+            "document.getElementById('speak').textContent === 'This device has no voice for fr'"
+        )
         assert await browser.value("window.said.length") == 3

@@ -23,7 +23,10 @@ def test_page_refers_only_to_existing_files() -> None:
 
 
 def test_scripts_and_styles_contain_no_other_hosts() -> None:
-    served = [*PAGE.iterdir(), *(path for path in LIBRARY.rglob("*") if path.suffix in (".js", ".css"))]
+    served = [
+        *PAGE.iterdir(),
+        *(path for path in LIBRARY.rglob("*") if path.suffix in (".js", ".css")),
+    ]
     for path in served:
         text = re.sub(r"/\*.*?\*/", "", path.read_text("utf-8"), flags=re.DOTALL)
         assert re.findall(r"(?:https?|wss?)://[\w.-]+", text) == [], path.name

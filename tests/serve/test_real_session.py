@@ -21,7 +21,10 @@ from tests.needs_browser import needs_browser
 from tests.serve.chromium import chromium
 from tests.serve.serve_fixtures import SECONDS
 
-pytestmark = [needs_browser, pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals of POSIX systems")]
+pytestmark = [
+    needs_browser,
+    pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals of POSIX systems"),
+]
 
 
 @pytest.fixture(autouse=True)
@@ -36,7 +39,14 @@ def short_runtime_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 async def serve(*arguments: str) -> AsyncIterator[str]:
     """Run ``sar-tui serve``; yields the printed address."""
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "sar_tui", "serve", *arguments, "--port", "0", stdout=asyncio.subprocess.PIPE
+        sys.executable,
+        "-m",
+        "sar_tui",
+        "serve",
+        *arguments,
+        "--port",
+        "0",
+        stdout=asyncio.subprocess.PIPE,
     )
     try:
         assert process.stdout
@@ -70,7 +80,9 @@ async def logged_message(data: Path, topic: str, **with_values: str) -> dict[str
     """Wait for the first logged message of a topic with these values."""
     async with asyncio.timeout(SECONDS):
         while True:
-            for (text,) in rows(data, "SELECT message FROM events WHERE topic=? ORDER BY seq", topic):
+            for (text,) in rows(
+                data, "SELECT message FROM events WHERE topic=? ORDER BY seq", topic
+            ):
                 message: dict[str, Any] = json.loads(text)
                 if with_values.items() <= message.items():
                     return message
@@ -79,12 +91,19 @@ async def logged_message(data: Path, topic: str, **with_values: str) -> dict[str
 
 @pytest.mark.slow
 async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
-    settings = {"operator_feedback": "approve", "operator_time_ms": 60_000, "operator_timeout": "drop"}
+    settings = {
+        "operator_feedback": "approve",
+        "operator_time_ms": 60_000,
+        "operator_timeout": "drop",
+    }
     session = [*run_command(data, prompts_per_attempt=2, attempts=1, **settings), "--operator"]
     with Terminal(session) as terminal:
         await asyncio.to_thread(terminal.wait_for, "Press Enter to go on.")
         async with serve("operator", "--data", str(data)) as address, chromium() as browser:
-            async with aiohttp.ClientSession() as http, http.get(address.partition("?")[0]) as refused:
+            async with (
+                aiohttp.ClientSession() as http,
+                http.get(address.partition("?")[0]) as refused,
+            ):
                 assert refused.status == 403
             async with keep_reading(terminal):
                 await browser.open(address)
@@ -96,7 +115,8 @@ async def test_proposal_is_approved_in_a_browser(data: Path) -> None:
                 text = (await logged_message(data, "arbiter/offered"))["proposal"]["text"]
                 await browser.see(text[:20])
                 assert text[:20].encode() not in terminal.output
-                await logged_message(data, "arbiter/stalling")  # keys pressed too soon after a proposal are ignored
+                # keys pressed too soon after a proposal are ignored
+                await logged_message(data, "arbiter/stalling")
                 await browser.press("Enter")
             await asyncio.to_thread(terminal.wait_for, text[:20])
             await browser.call("Page.navigate", url="about:blank")
@@ -126,6 +146,8 @@ async def test_agent_in_a_browser_follows_the_session(data: Path) -> None:
             terminal.confirm()
             await asyncio.to_thread(participant.run, 2)
             async with keep_reading(terminal):
-                feedback = str((await logged_message(data, "arbiter/action", kind="feedback"))["text"])
+                feedback = str(
+                    (await logged_message(data, "arbiter/action", kind="feedback"))["text"]
+                )
                 await browser.see(feedback[:12])
                 assert greeting[:12] not in browser.text

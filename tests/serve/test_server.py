@@ -24,7 +24,16 @@ from tests.serve.serve_fixtures import (
     told,
 )
 
-PATHS = ("/", "/ready", "/page/page.js", "/library/js/textual.js", "/ws/one", "/voice/one", "/download/x", "/nowhere")
+PATHS = (
+    "/",
+    "/ready",
+    "/page/page.js",
+    "/library/js/textual.js",
+    "/ws/one",
+    "/voice/one",
+    "/download/x",
+    "/nowhere",
+)
 UPGRADE = {
     "Connection": "Upgrade",
     "Upgrade": "websocket",
@@ -34,7 +43,9 @@ UPGRADE = {
 
 
 async def status(served: Served, path: str, headers: dict[str, str]) -> tuple[int, str]:
-    async with served.http.get(served.origin + path, headers=headers, allow_redirects=False) as answer:
+    async with served.http.get(
+        served.origin + path, headers=headers, allow_redirects=False
+    ) as answer:
         return answer.status, await answer.text()
 
 
@@ -55,7 +66,9 @@ async def test_without_token_everything_is_refused(tmp_path: Path, kind: str) ->
 
 async def test_token_is_exchanged_for_a_cookie(tmp_path: Path) -> None:
     async with serving(tmp_path / "diary") as served:
-        async with served.http.get(f"{served.origin}/?token={TOKEN}", allow_redirects=False) as answer:
+        async with served.http.get(
+            f"{served.origin}/?token={TOKEN}", allow_redirects=False
+        ) as answer:
             assert (answer.status, answer.headers["Location"]) == (303, "/")
             cookie = answer.headers["Set-Cookie"]
         assert "HttpOnly" in cookie
@@ -78,7 +91,12 @@ async def test_foreign_host_or_origin_is_refused_even_with_the_token(tmp_path: P
     async with serving(tmp_path / "diary") as served:
         rebound = {"Host": f"evil.example:{served.port}"}
         assert "not a name" in (await status(served, f"/?token={TOKEN}", rebound))[1]
-        for origin in ("http://evil.example", f"http://127.0.0.1:{served.port + 1}", "null", f"{served.origin}x"):
+        for origin in (
+            "http://evil.example",
+            f"http://127.0.0.1:{served.port + 1}",
+            "null",
+            f"{served.origin}x",
+        ):
             got, why = await status(served, "/ws/one", UPGRADE | served.cookie | {"Origin": origin})
             assert (got, why) == (403, "Other pages may not connect to this one.")
         assert (await status(served, "/ws/one", UPGRADE | served.cookie))[0] == 403
@@ -173,7 +191,9 @@ async def test_error_of_a_program_is_shown_in_the_browser(tmp_path: Path) -> Non
         assert await close_code(socket) == aiohttp.WSCloseCode.OK
 
 
-@pytest.mark.parametrize("sent", ["{", "[]", '["stdin", 3]', '["run", "rm"]', '["resize", {"width": "x"}]'])
+@pytest.mark.parametrize(
+    "sent", ["{", "[]", '["stdin", 3]', '["run", "rm"]', '["resize", {"width": "x"}]']
+)
 async def test_invalid_message_ends_the_view(tmp_path: Path, sent: str) -> None:
     idle = [sys.executable, "-c", "import sys; sys.stdin.read()"]
     async with (
@@ -196,7 +216,9 @@ async def test_number_of_views_is_limited(tmp_path: Path) -> None:
         assert (got, why) == (503, "8 browsers are connected already; close one of them.")
         await sockets[0].close()
         await logged(served, "127.0.0.1 left the observer's view")
-        another = await served.http.ws_connect(f"{served.origin}/ws/another", headers=served.allowed)
+        another = await served.http.ws_connect(
+            f"{served.origin}/ws/another", headers=served.allowed
+        )
         assert not another.closed
 
 
@@ -210,16 +232,20 @@ async def test_programs_end_with_the_server(tmp_path: Path) -> None:
         os.kill(pid, 0)
 
 
-async def test_a_program_that_does_not_end_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_program_that_does_not_end_is_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sar_tui.serve.browser_view._QUIT_TIMEOUT_S", 0.1)
     diary = tmp_path / "diary"
     deaf = [
         sys.executable,
         "-c",
-        f"import os, signal; open({str(diary)!r}, 'w').write(f'came {{os.getpid()}}\\n'); signal.pause()",
+        f"import os, signal; open({str(diary)!r}, 'w').write(f'came {{os.getpid()}}\\n'); "
+        "signal.pause()",
     ]
     async with serving(tmp_path / "diary", program=deaf) as served:
-        # Keep the socket: a browser that disconnects ends the program, perhaps before it has written.
+        # Keep the socket: a browser that disconnects ends the program, perhaps before it has
+        # written.
         socket = await served.http.ws_connect(f"{served.origin}/ws/one", headers=served.allowed)
         pid = int((await served.written("came ")).split()[1])
         assert not socket.closed

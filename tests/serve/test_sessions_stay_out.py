@@ -27,7 +27,9 @@ async def test_home_opens_in_a_browser_but_starts_no_session(tmp_path: Path) -> 
     program = [sys.executable, "-m", "sar_tui", "--data", str(data)]
     async with (
         serving(tmp_path / "diary", program=program) as served,
-        served.http.ws_connect(f"{served.origin}/ws/one?width=100&height=30", headers=served.allowed) as socket,
+        served.http.ws_connect(
+            f"{served.origin}/ws/one?width=100&height=30", headers=served.allowed
+        ) as socket,
     ):
         screen = TerminalScreen(100, 30)
         await read_until(socket, screen, "P01")

@@ -29,7 +29,9 @@ def test_file_readable_by_others_is_refused(tmp_path: Path) -> None:
         load_or_create_token(file)
 
 
-@pytest.mark.parametrize("held", [b"", b"short", b"with spaces and more than enough", b"\xff" * 40, b"x" * 30 + b"?"])
+@pytest.mark.parametrize(
+    "held", [b"", b"short", b"with spaces and more than enough", b"\xff" * 40, b"x" * 30 + b"?"]
+)
 def test_a_file_without_a_token_is_refused(tmp_path: Path, held: bytes) -> None:
     file = tmp_path / "token"
     file.write_bytes(held)

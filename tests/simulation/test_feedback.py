@@ -25,7 +25,9 @@ SEEDS = range(1, 13)
 class StoredSession:
     """A simulated session, read from the database."""
 
-    def __init__(self, data: Path, user: str, seed: int, task: str = "keyboard", **parameters: Any) -> None:
+    def __init__(
+        self, data: Path, user: str, seed: int, task: str = "keyboard", **parameters: Any
+    ) -> None:
         catalogue = Catalogue()
         plan = make_plan(catalogue, task, ["SIM"], parameters, seed=seed, mode="simulated")
         self.parameters = plan.parameters
@@ -48,7 +50,8 @@ class StoredSession:
         return Counter(row["feedback"] for row in self.attempts)
 
 
-# --- the thesis' Figures 4.11 to 4.14 -------------------------------------------------------------------------
+# --- the thesis' Figures 4.11 to 4.14
+# -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("every", [1, 3])
@@ -57,8 +60,16 @@ def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
     data: Path, seed: int, every: int
 ) -> None:
     """Feedback on each attempt (Figures 4.11, 4.12), and on every third (4.13, 4.14)."""
-    settings = {"attempts": 20, "prompts_per_attempt": 8, "difficulty_policy": "fixed", "start_level": 5}
-    users = {user: StoredSession(data, user, seed, feedback_every=every, **settings) for user in ("poor", "competent")}
+    settings = {
+        "attempts": 20,
+        "prompts_per_attempt": 8,
+        "difficulty_policy": "fixed",
+        "start_level": 5,
+    }
+    users = {
+        user: StoredSession(data, user, seed, feedback_every=every, **settings)
+        for user in ("poor", "competent")
+    }
     poor, competent = users["poor"].valences, users["competent"].valences
     assert competent["positive"] > poor["positive"]
     assert poor["negative"] > competent["negative"]
@@ -67,10 +78,14 @@ def test_competent_users_are_praised_more_often_than_poor_ones_in_every_session(
 
 
 def test_feedback_every_three_attempts_is_on_every_third_attempt(data: Path) -> None:
-    session = StoredSession(data, "average", 1, attempts=20, prompts_per_attempt=5, feedback_every=3)
+    session = StoredSession(
+        data, "average", 1, attempts=20, prompts_per_attempt=5, feedback_every=3
+    )
     assert session.with_feedback == [3, 6, 9, 12, 15, 18]
     assert [feedback.attempt for feedback in session.all(FEEDBACK)] == session.with_feedback
-    said = [action["proposed"]["attempt"] for action in session.actions if action["kind"] == "feedback"]
+    said = [
+        action["proposed"]["attempt"] for action in session.actions if action["kind"] == "feedback"
+    ]
     assert said == session.with_feedback
 
 
@@ -81,12 +96,17 @@ def test_each_practice_attempt_gets_feedback_and_the_schedule_starts_after_it(da
     assert session.with_feedback == [1, 2, 5, 8]
 
 
-# --- each schedule: when, what and why ------------------------------------------------------------------------
+# --- each schedule: when, what and why
+# ------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module", params=SCHEDULES)
-def session(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> StoredSession:
-    """A session under each schedule, with values other than the defaults for the other feedback settings."""
+def session(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> StoredSession:
+    """A session under each schedule, with values other than the defaults for the other feedback
+    settings.
+    """
     return StoredSession(
         tmp_path_factory.mktemp("data"),
         "average",
@@ -109,7 +129,10 @@ def test_every_attempt_stores_its_feedback_choice(session: StoredSession) -> Non
     assert len(session.attempts) == 16
     for row in session.attempts:
         choice = row["choice"]
-        assert (choice["schedule"], choice["delay_ms"]) == (schedule, 0 if schedule == "request" else 700)
+        assert (choice["schedule"], choice["delay_ms"]) == (
+            schedule,
+            0 if schedule == "request" else 700,
+        )
         assert choice["due"] == (row["feedback"] != "none")
         assert (choice["content"], choice["form"], choice["compared_with"]) == (
             "results", "quantitative", "best attempt",
@@ -139,7 +162,10 @@ def test_the_stored_reason_for_feedback_is_true(session: StoredSession) -> None:
                 failed = row["accuracy"] < session.parameters.min_accuracy
                 assert choice["due"] == (failed or off > choice["tolerance"])
             case "request":
-                asked, waits = "The participant asked for it.", "Feedback is given when the participant asks for it."
+                asked, waits = (
+                    "The participant asked for it.",
+                    "Feedback is given when the participant asks for it.",
+                )
                 assert choice["why"] == (asked if choice["due"] else waits)
             case "none":
                 assert (choice["due"], choice["why"]) == (False, "No feedback is given.")
@@ -147,7 +173,9 @@ def test_the_stored_reason_for_feedback_is_true(session: StoredSession) -> None:
             since = 0
 
 
-def test_the_row_and_the_feedback_have_the_choice_of_the_last_message(session: StoredSession) -> None:
+def test_the_row_and_the_feedback_have_the_choice_of_the_last_message(
+    session: StoredSession,
+) -> None:
     by_attempt = {message.attempt: message for message in session.all(ATTEMPT_ENDED)}
     assert [row["choice"] for row in session.attempts] == [
         msgspec.to_builtins(by_attempt[row["attempt"]].choice) for row in session.attempts
@@ -165,7 +193,11 @@ def test_feedback_is_said_as_chosen_and_when_it_was_due(session: StoredSession) 
     on_request = session.parameters.feedback_schedule == "request"
     said = [action for action in session.actions if action["kind"] == "feedback"]
     assert [action["proposed"]["attempt"] for action in said] == session.with_feedback
-    due = asked if on_request else [rows[attempt]["ended_ns"] + 700_000_000 for attempt in session.with_feedback]
+    due = (
+        asked
+        if on_request
+        else [rows[attempt]["ended_ns"] + 700_000_000 for attempt in session.with_feedback]
+    )
     assert [action["decided_ns"] for action in said] == due
     for action in said:
         row = rows[action["proposed"]["attempt"]]
@@ -181,7 +213,9 @@ def test_each_schedule_except_none_gives_feedback_on_some_attempts(session: Stor
 
 
 def test_each_proposal_was_said_or_has_a_reason_why_it_was_not(session: StoredSession) -> None:
-    assert [action["id"] for action in session.actions] == [proposal.id for proposal in session.all(PROPOSED)]
+    assert [action["id"] for action in session.actions] == [
+        proposal.id for proposal in session.all(PROPOSED)
+    ]
     for action in session.actions:
         assert action["decision"] in ("accepted", "dropped")
         assert (action["final"] is None) == (action["decision"] == "dropped")
@@ -189,6 +223,6 @@ def test_each_proposal_was_said_or_has_a_reason_why_it_was_not(session: StoredSe
 
 def test_every_message_can_be_read_back(session: StoredSession) -> None:
     for record in session.records:
-        assert msgspec.json.decode(msgspec.json.encode(record.message), type=ALL[record.topic.name].type) == (
-            record.message
-        )
+        assert msgspec.json.decode(
+            msgspec.json.encode(record.message), type=ALL[record.topic.name].type
+        ) == (record.message)

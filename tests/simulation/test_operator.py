@@ -17,12 +17,29 @@ from sar_tui.model import messages as m
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.model.theme import Theme
 from sar_tui.rules.parameters import build
-from sar_tui.simulation.operator import NAME, PROFILES, TOO_LATE_TO_STOP, OperatorProfile, SimulatedOperator
+from sar_tui.simulation.operator import (
+    NAME,
+    PROFILES,
+    TOO_LATE_TO_STOP,
+    OperatorProfile,
+    SimulatedOperator,
+)
 from sar_tui.simulation.participant import SimulatedParticipant
 from sar_tui.simulation.participant_model import PEOPLE
 
 PLAIN = OperatorProfile(
-    "plain", 0, 500, 0.001, 0.001, vetoes=0, edits=0, slips=0, misses=0, remarks=0, notes=0, levels=0
+    "plain",
+    0,
+    500,
+    0.001,
+    0.001,
+    vetoes=0,
+    edits=0,
+    slips=0,
+    misses=0,
+    remarks=0,
+    notes=0,
+    levels=0,
 )
 """Accepts everything 500 ms after it is on the screen, and does nothing else."""
 
@@ -43,13 +60,26 @@ def play(keyboard: type[Task], calm: Theme) -> Play:
         colleague: Callable[[m.Message], m.ModeChanged | None] = lambda _: None,
         **parameters: object,
     ) -> list[Record]:
-        short = {"attempts": 6, "prompts_per_attempt": 3, "operator_feedback": "approve", **parameters}
+        short = {
+            "attempts": 6,
+            "prompts_per_attempt": 3,
+            "operator_feedback": "approve",
+            **parameters,
+        }
         task = keyboard(build(keyboard.Parameters, short))
         clock = VirtualClock()
         operator = [SimulatedOperator(profile, seed)] if profile else []
-        session = Session(task, calm, clock, seed, [SimulatedParticipant(PEOPLE["average"], task, seed), *operator])
+        session = Session(
+            task,
+            calm,
+            clock,
+            seed,
+            [SimulatedParticipant(PEOPLE["average"], task, seed), *operator],
+        )
         messages: list[Record] = []
-        session.bus.tap(lambda cascade: messages.extend((record.at, record.message) for record in cascade))
+        session.bus.tap(
+            lambda cascade: messages.extend((record.at, record.message) for record in cascade)
+        )
         session.begin()
         while not session.ended and session.broken is None:
             before = len(messages)
@@ -75,10 +105,15 @@ def like(profile: str, **changes: Any) -> OperatorProfile:
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_the_same_seed_gives_the_same_session_and_another_a_different_one(name: str, play: Play) -> None:
+def test_the_same_seed_gives_the_same_session_and_another_a_different_one(
+    name: str, play: Play
+) -> None:
     profile = PROFILES[name]
     assert play(profile, 5) == play(profile, 5)
-    decisions = [[(d.action, d.verdict, d.at) for d in of(m.Decision, play(profile, seed))] for seed in (5, 6)]
+    decisions = [
+        [(d.action, d.verdict, d.at) for d in of(m.Decision, play(profile, seed))]
+        for seed in (5, 6)
+    ]
     assert decisions[0] != decisions[1]
 
 
@@ -93,7 +128,11 @@ def test_it_joins_at_the_start_and_takes_control(play: Play) -> None:
 
 def test_pending_proposals_are_seen_and_then_decided(play: Play) -> None:
     messages = play(PLAIN)
-    pending = {message.proposal.id: at for at, message in messages if isinstance(message, m.PendingApproval)}
+    pending = {
+        message.proposal.id: at
+        for at, message in messages
+        if isinstance(message, m.PendingApproval)
+    }
     seen = {message.action: message.at for message in of(m.ProposalSeen, messages)}
     decided = {message.action: message.at for message in of(m.Decision, messages)}
     assert pending.keys() == seen.keys() == decided.keys()
@@ -101,7 +140,9 @@ def test_pending_proposals_are_seen_and_then_decided(play: Play) -> None:
     for id, at in pending.items():
         assert seen[id] - at == 30_000_000
         assert decided[id] - seen[id] == pytest.approx(500_000_000, abs=2_000_000)
-    assert {message.ground for message in of(m.Action, messages) if message.kind == "feedback"} == {"operator"}
+    assert {message.ground for message in of(m.Action, messages) if message.kind == "feedback"} == {
+        "operator"
+    }
 
 
 def test_proposals_are_decided_one_after_the_other(play: Play) -> None:
@@ -132,12 +173,16 @@ def test_an_edit_adds_encouragement_and_softens_blame(play: Play, calm: Theme) -
 
 
 def test_a_key_due_soon_after_the_deadline_is_pressed_too_late(play: Play) -> None:
-    """The deadline is at 1000 ms: a key due at 1130 ms is still pressed, one due at 2000 ms is not."""
+    """The deadline is at 1000 ms: a key due at 1130 ms is still pressed, one due at 2000 ms is
+    not.
+    """
     slightly_late = msgspec.structs.replace(PLAIN, mean_ms=1100)
     messages = play(slightly_late, operator_time_ms=1000, operator_ms_per_word=0)
     assert len(of(m.LateDecision, messages)) == len(of(m.PendingApproval, messages)) == 6
     assert 100_000_000 < TOO_LATE_TO_STOP < 970_000_000
-    messages = play(msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000, operator_ms_per_word=0)
+    messages = play(
+        msgspec.structs.replace(PLAIN, mean_ms=2000), operator_time_ms=1000, operator_ms_per_word=0
+    )
     assert of(m.LateDecision, messages) == of(m.Decision, messages) == []
 
 
@@ -150,7 +195,9 @@ def test_an_absent_operator_decides_nothing(play: Play) -> None:
     for _, message in messages:
         if isinstance(message, m.OperatorChanged):
             is_here = message.operated
-        assert is_here or not isinstance(message, m.Decision | m.Remark | m.NoteAdded | m.ProposalSeen)
+        assert is_here or not isinstance(
+            message, m.Decision | m.Remark | m.NoteAdded | m.ProposalSeen
+        )
 
 
 def test_a_proposal_that_becomes_pending_again_is_decided_once(play: Play) -> None:
@@ -170,12 +217,16 @@ def test_a_proposal_that_becomes_pending_again_is_decided_once(play: Play) -> No
 
 def test_acts_on_its_own_initiative(play: Play) -> None:
     messages = play(msgspec.structs.replace(PLAIN, remarks=1.0, notes=1.0, levels=1.0), attempts=8)
-    acts = Counter(type(message).__name__ for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages))
+    acts = Counter(
+        type(message).__name__
+        for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages)
+    )
     assert acts["Remark"] >= 7
     assert acts["NoteAdded"] >= 7
     assert {message.command for message in of(m.SessionCommand, messages)} == {"level"}
     assert all(
-        message.actor == NAME and message.at for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages)
+        message.actor == NAME and message.at
+        for message in of(m.Remark | m.NoteAdded | m.SessionCommand, messages)
     )
 
 
@@ -218,7 +269,8 @@ def test_times_match_the_profile(name: str) -> None:
 def test_hasty_operators_are_faster_and_more_often_wrong_than_careful_ones() -> None:
     text = "You were a little slower than last time."
     hasty, careful = (
-        fmean(PROFILES[name].reaction_ms(text, streams) for streams in MANY) for name in ("hasty", "careful")
+        fmean(PROFILES[name].reaction_ms(text, streams) for streams in MANY)
+        for name in ("hasty", "careful")
     )
     assert hasty < careful / 2
     assert PROFILES["hasty"].slips > PROFILES["careful"].slips

@@ -9,7 +9,16 @@ from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.session import Session
-from sar_tui.loop.topics import ATTEMPT_ENDED, CUE, FEEDBACK, KEY, PERCEIVED, PROPOSED, STORED, TRIAL
+from sar_tui.loop.topics import (
+    ATTEMPT_ENDED,
+    CUE,
+    FEEDBACK,
+    KEY,
+    PERCEIVED,
+    PROPOSED,
+    STORED,
+    TRIAL,
+)
 from sar_tui.model import messages as m
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import build
@@ -40,7 +49,11 @@ class Played(NamedTuple):
 
     def all(self, topic: Any, **wanted: Any) -> list[Any]:
         reported = [record.message for record in self.records if record.topic is topic]
-        return [one for one in reported if all(getattr(one, name) == value for name, value in wanted.items())]
+        return [
+            one
+            for one in reported
+            if all(getattr(one, name) == value for name, value in wanted.items())
+        ]
 
     @property
     def proposed_feedback(self) -> list[m.Proposal]:
@@ -50,9 +63,14 @@ class Played(NamedTuple):
 @functools.cache
 def play(policy: str, seed: int, left: str = "average", right: str = "poor", **more: Any) -> Played:
     """Run a short session of two participants."""
-    parameters = build(KIND.Parameters, {"policy": policy, "attempts": 2, "prompts_per_attempt": 6, **more})
+    parameters = build(
+        KIND.Parameters, {"policy": policy, "attempts": 2, "prompts_per_attempt": 6, **more}
+    )
     task, clock = KIND(parameters), VirtualClock()
-    two = [SimulatedParticipant(PEOPLE[left], task, seed), SimulatedPartner(PEOPLE[right], task, seed, seat="B")]
+    two = [
+        SimulatedParticipant(PEOPLE[left], task, seed),
+        SimulatedPartner(PEOPLE[right], task, seed, seat="B"),
+    ]
     session = Session(task, CALM, clock, seed, [*two, Disk()])
     records: list[Record] = []
     session.bus.tap(records.extend)
@@ -75,7 +93,10 @@ def test_each_row_and_each_feedback_has_the_seat_of_its_participant(policy: str,
     for attempt in played.all(ATTEMPT_ENDED):
         mine = played.all(TRIAL, attempt=attempt.attempt, seat=attempt.seat)
         values = [trial.value for trial in mine if trial.value is not None]
-        assert (attempt.trials, attempt.correct) == (len(mine), sum(trial.correct for trial in mine))
+        assert (attempt.trials, attempt.correct) == (
+            len(mine),
+            sum(trial.correct for trial in mine),
+        )
         assert attempt.metric == (pytest.approx(sum(values) / len(values)) if values else None)
     feedback = {(one.attempt, one.seat): one for one in played.proposed_feedback}
     assert set(feedback) == {(one.attempt, one.seat) for one in played.all(ATTEMPT_ENDED)}
@@ -101,11 +122,17 @@ def test_in_a_race_the_first_right_response_wins_and_the_answers_follow(seed: in
         times = [row.reaction_time_ms for row in (left, right) if row.correct]
         for row in (left, right):
             assert row.details["won"] == (row.correct and row.reaction_time_ms == min(times))
-    for left, right in zip(played.all(FEEDBACK, seat="A"), played.all(FEEDBACK, seat="B"), strict=True):
+    for left, right in zip(
+        played.all(FEEDBACK, seat="A"), played.all(FEEDBACK, seat="B"), strict=True
+    ):
         won = [played.all(TRIAL, attempt=left.attempt, seat=seat) for seat in "AB"]
         assert [left.won, right.won] == [sum(row.details["won"] for row in rows) for rows in won]
         ahead = (left.won > right.won) - (left.won < right.won)
-        reported = {1: ("positive", "negative"), 0: ("neutral", "neutral"), -1: ("negative", "positive")}
+        reported = {
+            1: ("positive", "negative"),
+            0: ("neutral", "neutral"),
+            -1: ("negative", "positive"),
+        }
         assert (left.valence, right.valence) == reported[ahead]
 
 
@@ -120,7 +147,9 @@ def test_the_faster_participant_wins_most_races() -> None:
 @pytest.mark.parametrize("seed", first(4, SEEDS))
 def test_together_both_have_one_result_and_one_outcome(seed: int) -> None:
     played = play("cooperative", seed)
-    for left, right in zip(played.all(ATTEMPT_ENDED, seat="A"), played.all(ATTEMPT_ENDED, seat="B"), strict=True):
+    for left, right in zip(
+        played.all(ATTEMPT_ENDED, seat="A"), played.all(ATTEMPT_ENDED, seat="B"), strict=True
+    ):
         for name in ("attempt", "metric", "accuracy", "correct", "outcome", "feedback", "level"):
             assert getattr(left, name) == getattr(right, name)
     for left, right in zip(played.all(TRIAL, seat="A"), played.all(TRIAL, seat="B"), strict=True):
@@ -133,9 +162,15 @@ def test_together_both_have_one_result_and_one_outcome(seed: int) -> None:
 def test_in_joint_attention_a_look_to_the_other_side_costs_time() -> None:
     times: dict[bool, list[float]] = {True: [], False: []}
     for seed in SEEDS:
-        played = play("joint attention", seed, left="competent", right="competent", prompts_per_attempt=20)
+        played = play(
+            "joint attention", seed, left="competent", right="competent", prompts_per_attempt=20
+        )
         for cue, trial in zip(played.all(CUE), played.all(TRIAL), strict=True):
-            assert (cue.attempt, cue.trial, cue.side) == (trial.attempt, trial.trial, trial.details["cue"])
+            assert (cue.attempt, cue.trial, cue.side) == (
+                trial.attempt,
+                trial.trial,
+                trial.details["cue"],
+            )
             if trial.correct:
                 times[trial.details["congruent"]].append(trial.reaction_time_ms)
     means = {congruent: sum(values) / len(values) for congruent, values in times.items()}

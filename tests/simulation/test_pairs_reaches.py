@@ -40,7 +40,9 @@ def samples_in_fewer_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class PlayedReaches(NamedTuple):
-    """Messages of a session, and the times (ns) at which each hand started a complete reach, by seat."""
+    """Messages of a session, and the times (ns) at which each hand started a complete reach, by
+    seat.
+    """
 
     played: Played
     onsets: dict[str, list[int]]
@@ -56,7 +58,9 @@ def play(policy: str, seed: int) -> PlayedReaches:
     for number, seat in enumerate("AB"):
         hand = SimulatedSource(SimulatedHand(PROFILES["steady"], 100.0, 2 * seed + number), clock)
 
-        def move(at: int, shape: ReachShape, hand: SimulatedSource = hand, seat: str = seat) -> None:
+        def move(
+            at: int, shape: ReachShape, hand: SimulatedSource = hand, seat: str = seat
+        ) -> None:
             hand.move(at, shape)
             if shape.out_s > 0.25:  # else a twitch
                 onsets[seat].append(at)
@@ -78,7 +82,9 @@ def play(policy: str, seed: int) -> PlayedReaches:
 
 @pytest.mark.parametrize("policy", POLICIES)
 @pytest.mark.parametrize("seed", first(1, SEEDS))
-def test_each_movement_and_each_feedback_has_the_seat_of_its_participant(policy: str, seed: int) -> None:
+def test_each_movement_and_each_feedback_has_the_seat_of_its_participant(
+    policy: str, seed: int
+) -> None:
     played, onsets = play(policy, seed)
     trials = played.all(TRIAL)
     for trial in trials:

@@ -10,11 +10,16 @@ from hypothesis import strategies as st
 from sar_tui.model.random_streams import RandomStreams
 from sar_tui.simulation.participant_model import PEOPLE, Person
 
-STEADY = Person("steady", 300, 150, sigma_ms=80, tau_ms=120, errors=0.1, misses=0.05, practice=0, fatigue=0)
+STEADY = Person(
+    "steady", 300, 150, sigma_ms=80, tau_ms=120, errors=0.1, misses=0.05, practice=0, fatigue=0
+)
 
 
 def draws(person: Person, choices: int = 4, attempt: int = 1, count: int = 4000) -> list[float]:
-    return [person.reaction_ms(choices, attempt, RandomStreams(9, attempt, trial)) for trial in range(count)]
+    return [
+        person.reaction_ms(choices, attempt, RandomStreams(9, attempt, trial))
+        for trial in range(count)
+    ]
 
 
 @pytest.mark.parametrize("person", PEOPLE.values(), ids=PEOPLE)
@@ -70,6 +75,8 @@ def test_the_same_moment_is_the_same_each_time_and_each_person_is_their_own() ->
 def test_the_better_the_person_the_faster_and_surer() -> None:
     poor, average, competent = (PEOPLE[name] for name in ("poor", "average", "competent"))
     for choices in (1, 2, 10, 80):
-        assert competent.mean_ms(choices, 1) < average.mean_ms(choices, 1) < poor.mean_ms(choices, 1)
+        assert (
+            competent.mean_ms(choices, 1) < average.mean_ms(choices, 1) < poor.mean_ms(choices, 1)
+        )
     assert competent.errors < average.errors < poor.errors
     assert competent.misses < average.misses < poor.misses

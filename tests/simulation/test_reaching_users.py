@@ -50,7 +50,11 @@ class Sample(NamedTuple):
 
 
 @pytest.fixture(
-    scope="module", params=[pytest.param(SEEDS[:1], id="few"), pytest.param(SEEDS, id="all", marks=pytest.mark.slow)]
+    scope="module",
+    params=[
+        pytest.param(SEEDS[:1], id="few"),
+        pytest.param(SEEDS, id="all", marks=pytest.mark.slow),
+    ],
 )
 def samples(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, catalogue: Catalogue
@@ -58,7 +62,8 @@ def samples(
     """A session of each user with each seed."""
     data = tmp_path_factory.mktemp("reaching")
     with pytest.MonkeyPatch.context() as patch:
-        if request.param != SEEDS:  # The same samples in fewer blocks, because making many small blocks takes time.
+        # The same samples in fewer blocks, because making many small blocks takes time.
+        if request.param != SEEDS:
             patch.setattr("sar_tui.inputs.simulated.STEP", 80 * MS)
             patch.setattr("sar_tui.inputs.sensor.DRAIN", 80 * MS)
         made = [
@@ -91,21 +96,33 @@ def test_every_session_is_whole(samples: list[Sample]) -> None:
 
 def test_the_better_the_user_the_farther_the_marker_they_end_at(samples: list[Sample]) -> None:
     for seed in {sample.seed for sample in samples}:
-        mean = {s.user: fmean(a["level"] for a in s.attempts[-6:]) for s in samples if s.seed == seed}
+        mean = {
+            s.user: fmean(a["level"] for a in s.attempts[-6:]) for s in samples if s.seed == seed
+        }
         assert mean["competent"] > mean["average"] > mean["poor"]
 
 
-def test_the_better_the_user_the_smoother_and_faster_they_reach_to_the_same_marker(samples: list[Sample]) -> None:
+def test_the_better_the_user_the_smoother_and_faster_they_reach_to_the_same_marker(
+    samples: list[Sample],
+) -> None:
     def mean(user: str, field: str) -> float:
-        details = [t["details"] for s in samples if s.user == user for t in s.trials if t["correct"]]
+        details = [
+            t["details"] for s in samples if s.user == user for t in s.trials if t["correct"]
+        ]
         return fmean(d[field] for d in details if d["marker_cm"] == 15.0)
 
-    assert mean("competent", "reach_time_ms") < mean("average", "reach_time_ms") < mean("poor", "reach_time_ms")
+    assert (
+        mean("competent", "reach_time_ms")
+        < mean("average", "reach_time_ms")
+        < mean("poor", "reach_time_ms")
+    )
     assert mean("competent", "sparc") > mean("poor", "sparc")
 
 
 @pytest.mark.parametrize("user", USERS)
-def test_the_outcome_and_the_feedback_of_every_attempt_follow_from_its_trials(samples: list[Sample], user: str) -> None:
+def test_the_outcome_and_the_feedback_of_every_attempt_follow_from_its_trials(
+    samples: list[Sample], user: str
+) -> None:
     for sample in (sample for sample in samples if sample.user == user):
         for attempt in sample.attempts:
             trials = sample.of(attempt)
@@ -148,7 +165,9 @@ def test_every_row_can_be_made_again_from_the_kept_samples(samples: list[Sample]
         database = connect(sample.data)
         for trial in sample.trials:
             kept = trial["details"]
-            measured = imu.samples(database, sample.session, kept["window_from_ns"], kept["window_to_ns"], trial["run"])
+            measured = imu.samples(
+                database, sample.session, kept["window_from_ns"], kept["window_to_ns"], trial["run"]
+            )
             found = analysed_again(measured, kept)
             assert found.details.items() <= kept.items()
             if trial["correct"]:
@@ -161,7 +180,10 @@ def events(data: Path, session: str) -> list[tuple[object, ...]]:
 
 
 def chunks(data: Path, session: str) -> list[tuple[object, ...]]:
-    query = "SELECT stream, seq, n, before_event, at_ns, data FROM imu_chunks WHERE session=? ORDER BY stream, seq"
+    query = (
+        "SELECT stream, seq, n, before_event, at_ns, data FROM imu_chunks WHERE session=? "
+        "ORDER BY stream, seq"
+    )
     return list(connect(data).execute(query, (session,)))
 
 
@@ -170,7 +192,9 @@ def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond_and_sample(
     user: str, data: Path, catalogue: Catalogue
 ) -> None:
     parameters: dict[str, Any] = {"attempts": 2, "go_signal": True, "feedback_on": "both"}
-    first, again, another = (simulate(plan(seed, **parameters), PEOPLE[user], data, catalogue) for seed in (7, 7, 8))
+    first, again, another = (
+        simulate(plan(seed, **parameters), PEOPLE[user], data, catalogue) for seed in (7, 7, 8)
+    )
     assert first != again
     assert len(events(data, first)) > 50
     assert events(data, first) == events(data, again)
@@ -179,10 +203,14 @@ def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond_and_sample(
 
 
 @pytest.mark.usefixtures("fewer_blocks")
-def test_with_a_signal_to_go_every_user_has_reaction_times(data: Path, catalogue: Catalogue) -> None:
+def test_with_a_signal_to_go_every_user_has_reaction_times(
+    data: Path, catalogue: Catalogue
+) -> None:
     for user in USERS:
         session = simulate(plan(3, attempts=2, go_signal=True), PEOPLE[user], data, catalogue)
-        times = [trial["reaction_time_ms"] for trial in sessions.rows(connect(data), "trials", session)]
+        times = [
+            trial["reaction_time_ms"] for trial in sessions.rows(connect(data), "trials", session)
+        ]
         assert all(100 < time < 3000 for time in times if time is not None)
         assert any(times)
 
@@ -194,16 +222,24 @@ class Tiring(Person, frozen=True):
 
     def perform(self, choices: int, attempt: int, streams: RandomStreams) -> Performance:
         usual = super().perform(choices, attempt, streams)
-        return Performance(usual.reaction_ms, False, 2.0, unsteadiness=float(attempt >= self.from_attempt))
+        return Performance(
+            usual.reaction_ms, False, 2.0, unsteadiness=float(attempt >= self.from_attempt)
+        )
 
 
 @pytest.mark.usefixtures("fewer_blocks")
 def test_feedback_asks_for_another_way_to_move_once_it_is_worse_and_speaks_of_the_result_before(
     data: Path, catalogue: Catalogue
 ) -> None:
-    settings = {"feedback_on": "performance", "feedback_form": "qualitative", "reaches_per_attempt": 2}
+    settings = {
+        "feedback_on": "performance",
+        "feedback_form": "qualitative",
+        "reaches_per_attempt": 2,
+    }
     tiring = Tiring(**msgspec.structs.asdict(PEOPLE["average"]), from_attempt=9)
-    session = simulate(plan(3, attempts=11, difficulty_policy="fixed", **settings), tiring, data, catalogue)
+    session = simulate(
+        plan(3, attempts=11, difficulty_policy="fixed", **settings), tiring, data, catalogue
+    )
     words = [
         action["final"]["text"]
         for action in sessions.rows(connect(data), "actions", session)

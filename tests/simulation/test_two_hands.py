@@ -31,7 +31,9 @@ REACH_PERCEPTION: Any = type(REACHING(build(REACHING.Parameters, {"imu": "simula
 class TwoHandsParameters(REACHING.Parameters, frozen=True, kw_only=True):
     """Parameters for a sensor per seat."""
 
-    imu_b: Annotated[str, meta("Motion sensor on the right", help="As Motion sensor.", min_length=1)] = "simulated"
+    imu_b: Annotated[
+        str, meta("Motion sensor on the right", help="As Motion sensor.", min_length=1)
+    ] = "simulated"
 
 
 class TwoHands(REACHING):  # type: ignore[misc]
@@ -44,10 +46,14 @@ class TwoHands(REACHING):  # type: ignore[misc]
     Parameters = TwoHandsParameters
 
     def nodes(self) -> tuple[Node, ...]:
-        return tuple(REACH_PERCEPTION(self.analysis(), self.parameters.still_ms, seat) for seat in self.seats)
+        return tuple(
+            REACH_PERCEPTION(self.analysis(), self.parameters.still_ms, seat) for seat in self.seats
+        )
 
     def perceived(self, trial: Trial, percept: Any) -> Any:
-        found = {one.seat: one for one in (*trial.percepts, percept) if isinstance(one, m.ReachPerceived)}
+        found = {
+            one.seat: one for one in (*trial.percepts, percept) if isinstance(one, m.ReachPerceived)
+        }
         if set(found) < {"A", "B"}:
             return None
         judged = {seat: super(TwoHands, self).perceived(trial, found[seat]) for seat in self.seats}
@@ -56,7 +62,9 @@ class TwoHands(REACHING):  # type: ignore[misc]
 
 
 def parameters(**more: object) -> Any:
-    return build(TwoHands.Parameters, {"imu": "simulated", "attempts": 2, "reaches_per_attempt": 2, **more})
+    return build(
+        TwoHands.Parameters, {"imu": "simulated", "attempts": 2, "reaches_per_attempt": 2, **more}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -87,9 +95,14 @@ def test_each_reach_has_the_seat_of_its_hand(data: Path, played: str) -> None:
     for row in trials:
         assert row["correct"]
         for seat, measured in samples.items():
-            moved = measured[(measured["at"] >= row["onset_ns"]) & (measured["at"] < row["response_ns"])]
+            moved = measured[
+                (measured["at"] >= row["onset_ns"]) & (measured["at"] < row["response_ns"])
+            ]
             assert len(moved) > 50, seat
-    times = {seat: np.mean([row["details"]["reach_time_ms"] for row in trials if row["seat"] == seat]) for seat in "AB"}
+    times = {
+        seat: np.mean([row["details"]["reach_time_ms"] for row in trials if row["seat"] == seat])
+        for seat in "AB"
+    }
     assert times["A"] < times["B"]
     reaches = [record.message for record in history if record.topic is REACH]
     assert {reach.seat for reach in reaches} == {"A", "B"}
@@ -122,7 +135,10 @@ def test_the_session_waits_for_the_sensor_of_either(calm: Any) -> None:
     assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("paused", "sensor")
     publish(SENSOR, m.SensorChanged(seat="B", state="attached", at=driver.clock.now(), rate_hz=250))
     assert (driver.last(WAITING).stage, driver.last(WAITING).what) == ("attempt", "enter")
-    publish(SENSOR, m.SensorChanged(seat="A", state="detached", at=driver.clock.now(), detail="Unplugged."))
+    publish(
+        SENSOR,
+        m.SensorChanged(seat="A", state="detached", at=driver.clock.now(), detail="Unplugged."),
+    )
     assert (driver.last(WAITING).what, driver.last(WAITING).detail) == ("sensor", "Unplugged.")
     publish(SENSOR, m.SensorChanged(seat="B", state="flowing", at=driver.clock.now()))
     assert driver.last(WAITING).what == "sensor"
@@ -145,7 +161,9 @@ def test_a_stored_session_gives_each_seat_its_own_samples(data: Path, played: st
         feed.stop()
 
 
-def test_each_seat_names_its_sensor_and_a_wrong_name_is_reported_by_its_parameter(data: Path) -> None:
+def test_each_seat_names_its_sensor_and_a_wrong_name_is_reported_by_its_parameter(
+    data: Path,
+) -> None:
     clock = VirtualClock()
     given = parameters(imu_b="recorded")
     assert open_sensor(given, 1, clock, data, "A").source is not None

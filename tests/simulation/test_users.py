@@ -39,10 +39,17 @@ class Sample(NamedTuple):
 
 
 @pytest.fixture(
-    scope="module", params=[pytest.param(SEEDS[:2], id="few"), pytest.param(SEEDS, id="all", marks=pytest.mark.slow)]
+    scope="module",
+    params=[
+        pytest.param(SEEDS[:2], id="few"),
+        pytest.param(SEEDS, id="all", marks=pytest.mark.slow),
+    ],
 )
 def samples(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, catalogue: Catalogue, keyboard: type[Task]
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+    catalogue: Catalogue,
+    keyboard: type[Task],
 ) -> list[Sample]:
     """A session of each user with each seed."""
     data = tmp_path_factory.mktemp("users")
@@ -53,7 +60,12 @@ def samples(
     ]
     database = connect(data)
     return [
-        Sample(user, seed, sessions.rows(database, "attempts", session), sessions.rows(database, "trials", session))
+        Sample(
+            user,
+            seed,
+            sessions.rows(database, "attempts", session),
+            sessions.rows(database, "trials", session),
+        )
         for user, seed, session in made
     ]
 
@@ -73,7 +85,9 @@ def test_the_better_the_user_the_higher_the_level_they_end_at(samples: list[Samp
 
 
 @pytest.mark.parametrize("user", USERS)
-def test_the_outcome_and_the_feedback_of_every_attempt_follow_from_its_trials(samples: list[Sample], user: str) -> None:
+def test_the_outcome_and_the_feedback_of_every_attempt_follow_from_its_trials(
+    samples: list[Sample], user: str
+) -> None:
     for sample in (sample for sample in samples if sample.user == user):
         for attempt in sample.attempts:
             trials = [trial for trial in sample.trials if trial["attempt"] == attempt["attempt"]]
@@ -125,7 +139,9 @@ def test_nobody_spends_over_half_of_the_last_ten_attempts_at_a_bound(samples: li
 
 
 def events(database: sqlite3.Connection, session: str) -> list[tuple[object, ...]]:
-    columns = [column.name for column in Database(database)["events"].columns if column.name != "session"]
+    columns = [
+        column.name for column in Database(database)["events"].columns if column.name != "session"
+    ]
     query = f"SELECT {', '.join(columns)} FROM events WHERE session=? ORDER BY seq"
     return list(database.execute(query, (session,)))
 
@@ -135,7 +151,8 @@ def test_the_same_seed_twice_is_the_same_to_the_last_nanosecond(
     user: str, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     first, again, another = (
-        simulate(plan(keyboard, seed, attempts=4), PEOPLE[user], data, catalogue) for seed in (7, 7, 8)
+        simulate(plan(keyboard, seed, attempts=4), PEOPLE[user], data, catalogue)
+        for seed in (7, 7, 8)
     )
     database = connect(data)
     assert first != again
@@ -148,9 +165,16 @@ def test_a_simulated_session_says_that_it_is_one_and_enters_no_participant(
     data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
     progress: list[int] = []
-    session = simulate(plan(keyboard, 1, attempts=3), PEOPLE["average"], data, catalogue, progress.append)
+    session = simulate(
+        plan(keyboard, 1, attempts=3), PEOPLE["average"], data, catalogue, progress.append
+    )
     row = sessions.find(connect(data), data, session)
-    assert (row["mode"], row["status"], row["attempts"], row["participant"]) == ("simulated", "completed", 3, "SIM")
+    assert (row["mode"], row["status"], row["attempts"], row["participant"]) == (
+        "simulated",
+        "completed",
+        3,
+        "SIM",
+    )
     assert set(row["software"]) >= {"sar_tui", "python", "task", "theme"}
     assert connect(data).execute("SELECT * FROM participants").fetchall() == []
     assert progress == [1, 2, 3]

@@ -21,4 +21,6 @@ def database(data: Path) -> Iterator[sqlite3.Connection]:
 @pytest.fixture
 def plan(catalogue: Catalogue) -> Plan:
     """A short live session of P01."""
-    return make_plan(catalogue, "keyboard", ["P01"], {"attempts": 2, "prompts_per_attempt": 3}, seed=11)
+    return make_plan(
+        catalogue, "keyboard", ["P01"], {"attempts": 2, "prompts_per_attempt": 3}, seed=11
+    )

@@ -23,7 +23,9 @@ def test_an_event_with_a_time_belongs_to_the_session_under_way(
     database: sqlite3.Connection, onset: str, session: str | None
 ) -> None:
     new_session(database, "abc")
-    began, ended = (datetime.fromisoformat(f"2026-03-01 {at}").astimezone() for at in ("10:00:30", "10:20:30"))
+    began, ended = (
+        datetime.fromisoformat(f"2026-03-01 {at}").astimezone() for at in ("10:00:30", "10:20:30")
+    )
     database.execute("UPDATE sessions SET started_at=?, ended_at=?", (utc(began), utc(ended)))
     assert session_at(database, "P01", onset) == session
     assert session_at(database, "P02", onset) is None

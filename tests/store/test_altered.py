@@ -1,4 +1,6 @@
-"""A change by hand of results, of the log, of samples or of a session's facts is found, and names the session."""
+"""A change by hand of results, of the log, of samples or of a session's facts is found, and names
+the session.
+"""
 
 import gzip
 import shutil
@@ -33,15 +35,25 @@ from sar_tui.store.session_copy import copy_session
 from tests.program import Call
 from tests.runs.test_resume import go_on, interrupted
 
-SETTINGS: dict[str, Any] = {"attempts": 3, "questions": ["effort", "remark"], "operator_feedback": "approve"}
+SETTINGS: dict[str, Any] = {
+    "attempts": 3,
+    "questions": ["effort", "remark"],
+    "operator_feedback": "approve",
+}
 
 
 def nodes_of(name: str, clock: VirtualClock) -> Any:
     def make(task: Any, theme: Any, seed: int) -> list[Node]:
         person = PEOPLE["average"]
         if name == "reaching":
-            return [*simulated_nodes(person, task, seed, clock, person), SimulatedOperator(PROFILES["careful"], seed)]
-        return [SimulatedParticipant(person, task, seed), SimulatedOperator(PROFILES["careful"], seed)]
+            return [
+                *simulated_nodes(person, task, seed, clock, person),
+                SimulatedOperator(PROFILES["careful"], seed),
+            ]
+        return [
+            SimulatedParticipant(person, task, seed),
+            SimulatedOperator(PROFILES["careful"], seed),
+        ]
 
     return make
 
@@ -54,7 +66,9 @@ def to_end(run: Run, clock: VirtualClock) -> None:
 
 
 def play(folder: Path, name: str) -> str:
-    """Play a live session of two runs, with a note, a pause for pain and answers to questions; return its id."""
+    """Play a live session of two runs, with a note, a pause for pain and answers to questions;
+    return its id.
+    """
     catalogue = Catalogue()
     few = {"reaches_per_attempt": 2} if name == "reaching" else {"prompts_per_attempt": 4}
     plan = make_plan(catalogue, name, ["P01"], {**SETTINGS, **few}, seed=4)
@@ -181,8 +195,19 @@ def test_sessions_as_they_were_recorded_are_whole(recorded: tuple[str, str], dat
     assert found(data) == []
     with closing(connect(data)) as database:
         assert without_hashes(database) == 0
-        tables = ("trials", "attempts", "actions", "answers", "notes", "wellbeing", "imu_chunks", "runs")
-        counts = [database.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in tables]
+        tables = (
+            "trials",
+            "attempts",
+            "actions",
+            "answers",
+            "notes",
+            "wellbeing",
+            "imu_chunks",
+            "runs",
+        )
+        counts = [
+            database.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in tables
+        ]
     assert min(counts) > 0, counts
 
 
@@ -191,7 +216,9 @@ def test_there_are_thirty_four_alterations_and_more() -> None:
 
 
 @pytest.mark.parametrize("name", ALTERATIONS)
-def test_an_alteration_is_found_and_names_the_session(name: str, recorded: tuple[str, str], data: Path) -> None:
+def test_an_alteration_is_found_and_names_the_session(
+    name: str, recorded: tuple[str, str], data: Path
+) -> None:
     which, statement = ALTERATIONS[name]
     session, other = recorded[which], recorded[1 - which]
     alter(data, statement, session)
@@ -200,7 +227,8 @@ def test_an_alteration_is_found_and_names_the_session(name: str, recorded: tuple
     assert not [flaw for flaw in told if flaw.where == other]
 
 
-# --- what else knows the hashes -------------------------------------------------------------------------------------
+# --- what else knows the hashes
+# -------------------------------------------------------------------------------------
 
 
 OF_ROWS = (
@@ -239,7 +267,9 @@ def contents(data: Path) -> dict[str, list[Any]]:
         }
 
 
-@pytest.mark.parametrize("text", ["{", "[]", "7", '["x"]', "[7, 7, 7, 7, 7, 7]", "null", "", '[{"a": [[["b"]]]}]'])
+@pytest.mark.parametrize(
+    "text", ["{", "[]", "7", '["x"]', "[7, 7, 7, 7, 7, 7]", "null", "", '[{"a": [[["b"]]]}]']
+)
 @pytest.mark.parametrize(
     "topic", ["event_handler/session_ended", "record/status", "event_handler/trial", "store/stored"]
 )
@@ -257,10 +287,17 @@ def test_no_text_of_a_message_stops_the_check(
 
 
 @pytest.mark.parametrize(
-    "beside", ["{", "[7]", '[["chunk"]]', '[["run", "x", []]]', '[[["a"]]]', "[[]]", '[["facts", 1]]']
+    "beside",
+    ["{", "[7]", '[["chunk"]]', '[["run", "x", []]]', '[[["a"]]]', "[[]]", '[["facts", 1]]'],
 )
-def test_no_text_beside_a_hash_stops_the_check(beside: str, recorded: tuple[str, str], data: Path) -> None:
-    alter(data, f"UPDATE log_hashes SET beside='{beside}' WHERE session=:s AND number=2", recorded[SENSOR])
+def test_no_text_beside_a_hash_stops_the_check(
+    beside: str, recorded: tuple[str, str], data: Path
+) -> None:
+    alter(
+        data,
+        f"UPDATE log_hashes SET beside='{beside}' WHERE session=:s AND number=2",
+        recorded[SENSOR],
+    )
     assert {flaw.where for flaw in found(data)} == {recorded[SENSOR]}
 
 
@@ -274,22 +311,29 @@ def test_no_text_beside_a_hash_stops_the_check(beside: str, recorded: tuple[str,
         "UPDATE sessions SET log_hash=x'ff' WHERE id=:s",
         "UPDATE seats SET participant=NULL WHERE session=:s",
         "UPDATE imu_streams SET rate_hz=9e999 WHERE session=:s",
-        "UPDATE trials SET reaction_time_ms=9e999, trial=x'00' WHERE session=:s AND trial=1 AND attempt=1",
+        "UPDATE trials SET reaction_time_ms=9e999, trial=x'00' WHERE session=:s AND trial=1 AND "
+        "attempt=1",
         "UPDATE attempts SET metric='fast', started_ns=NULL WHERE session=:s AND attempt=1",
     ],
 )
-def test_no_value_of_another_type_stops_the_check(statement: str, recorded: tuple[str, str], data: Path) -> None:
+def test_no_value_of_another_type_stops_the_check(
+    statement: str, recorded: tuple[str, str], data: Path
+) -> None:
     alter(data, statement, recorded[SENSOR])
     assert recorded[SENSOR] in {flaw.where for flaw in found(data)}
 
 
-def test_altered_results_are_told_beside_altered_facts(recorded: tuple[str, str], data: Path) -> None:
+def test_altered_results_are_told_beside_altered_facts(
+    recorded: tuple[str, str], data: Path
+) -> None:
     alter(data, ALTERATIONS["the seed"][1], recorded[KEYS])
     alter(data, ALTERATIONS["a response"][1], recorded[KEYS])
     assert [flaw.kind for flaw in found(data)] == ["log", "rows"]
 
 
-def test_a_repair_leaves_a_session_as_it_is_whose_log_was_altered(recorded: tuple[str, str], data: Path) -> None:
+def test_a_repair_leaves_a_session_as_it_is_whose_log_was_altered(
+    recorded: tuple[str, str], data: Path
+) -> None:
     alter(data, ALTERATIONS["a message's text"][1], recorded[KEYS])
     alter(data, ALTERATIONS["a note"][1], recorded[KEYS])
     before = contents(data)
@@ -305,7 +349,9 @@ def test_a_backup_is_verified_by_the_hashes(recorded: tuple[str, str], data: Pat
     assert "blocks of samples" in told[0].what
 
 
-def test_an_altered_database_is_not_merged(call: Call, recorded: tuple[str, str], data: Path, tmp_path: Path) -> None:
+def test_an_altered_database_is_not_merged(
+    call: Call, recorded: tuple[str, str], data: Path, tmp_path: Path
+) -> None:
     other = tmp_path / "other"
     other.mkdir()
     shutil.copyfile(data / FILE, other / FILE)
@@ -314,7 +360,10 @@ def test_an_altered_database_is_not_merged(call: Call, recorded: tuple[str, str]
     called = call("merge", other, "--site", "BASEL", "--data", data)
     assert called.code == 0, called.err
     with closing(connect(data)) as database:
-        assert [row["participant"] for row in sessions.listing(database, data)] == ["P01@BASEL", "P01@BASEL"]
+        assert [row["participant"] for row in sessions.listing(database, data)] == [
+            "P01@BASEL",
+            "P01@BASEL",
+        ]
     assert found(data) == [], "the hashes were made with the code P01"
     assert call("merge", "--same", "P01@BASEL=P07", "--data", data).code == 0
     assert found(data) == []
@@ -324,11 +373,15 @@ def test_an_altered_database_is_not_merged(call: Call, recorded: tuple[str, str]
     assert "Rows of trials are not as its log has them: 3 changed." in called.err
 
 
-def test_a_session_that_was_moved_to_another_participant_is_whole(recorded: tuple[str, str], data: Path) -> None:
+def test_a_session_that_was_moved_to_another_participant_is_whole(
+    recorded: tuple[str, str], data: Path
+) -> None:
     with closing(connect(data)) as database, transaction(database):
         database.execute("INSERT INTO participants (code, created_at) VALUES ('P02', '')")
         database.execute("UPDATE seats SET participant='P02' WHERE session=?", (recorded[KEYS],))
-        move = RecordChanged(change="moved", actor="ana", at="", details={"before": "P01", "after": "P02"})
+        move = RecordChanged(
+            change="moved", actor="ana", at="", details={"before": "P01", "after": "P02"}
+        )
         log(database, recorded[KEYS], move)
     assert found(data) == []
     alter(data, "UPDATE seats SET participant='P01' WHERE session=:s", recorded[KEYS])
@@ -338,34 +391,60 @@ def test_a_session_that_was_moved_to_another_participant_is_whole(recorded: tupl
 def test_a_note_that_was_erased_leaves_its_hash(recorded: tuple[str, str], data: Path) -> None:
     session = recorded[KEYS]
     with closing(connect(data)) as database:
-        seq = next(one.seq for one in messages.read(database, session) if isinstance(one.message, NoteAdded))
+        seq = next(
+            one.seq
+            for one in messages.read(database, session)
+            if isinstance(one.message, NoteAdded)
+        )
         assert not erase_note(database, data, session, seq + 1, actor="ana", reason="no note")
         assert erase_note(database, data, session, seq, actor="ana", reason="a name")
         assert list(flaws(database)) == []
-        assert database.execute("SELECT text, label FROM notes WHERE session=?", (session,)).fetchall() == [("", "")]
+        assert database.execute(
+            "SELECT text, label FROM notes WHERE session=?", (session,)
+        ).fetchall() == [("", "")]
         assert replay(database, data, Catalogue(), sessions.find(database, data, session)).identical
-    assert (data / FILE).read_bytes().count(b"sits well") == 2, "the message and the row of the other session"
-    alter(data, f"UPDATE messages SET at_ns=at_ns+1 WHERE session_number={_LOG} AND seq={seq + 1}", session)
+    assert (data / FILE).read_bytes().count(b"sits well") == 2, (
+        "the message and the row of the other session"
+    )
+    alter(
+        data,
+        f"UPDATE messages SET at_ns=at_ns+1 WHERE session_number={_LOG} AND seq={seq + 1}",
+        session,
+    )
     assert {flaw.where for flaw in found(data)} == {session}
 
 
-def test_nothing_else_can_be_put_in_place_of_a_note_that_was_erased(recorded: tuple[str, str], data: Path) -> None:
+def test_nothing_else_can_be_put_in_place_of_a_note_that_was_erased(
+    recorded: tuple[str, str], data: Path
+) -> None:
     session = recorded[KEYS]
     with closing(connect(data)) as database:
-        seq = next(one.seq for one in messages.read(database, session) if isinstance(one.message, NoteAdded))
+        seq = next(
+            one.seq
+            for one in messages.read(database, session)
+            if isinstance(one.message, NoteAdded)
+        )
         assert erase_note(database, data, session, seq, actor="ana", reason="a name")
-        messages.replace(database, session, seq, NOTE_ADDED, NoteAdded(text="sits badly", actor="operator.ana"))
+        messages.replace(
+            database, session, seq, NOTE_ADDED, NoteAdded(text="sits badly", actor="operator.ana")
+        )
         database.execute("UPDATE notes SET text='sits badly' WHERE session=?", (session,))
         assert {flaw.kind for flaw in flaws(database)} == {"log"}
 
 
-def test_a_session_that_was_discarded_and_restored_is_whole(recorded: tuple[str, str], data: Path) -> None:
+def test_a_session_that_was_discarded_and_restored_is_whole(
+    recorded: tuple[str, str], data: Path
+) -> None:
     with closing(connect(data)) as database:
-        assert change_status(database, data, recorded[KEYS], "discarded", actor="ana", reason="by mistake")
+        assert change_status(
+            database, data, recorded[KEYS], "discarded", actor="ana", reason="by mistake"
+        )
         assert list(flaws(database)) == []
         assert change_status(database, data, recorded[KEYS], "restored", actor="ana")
         assert list(flaws(database)) == []
-        assert replay(database, data, Catalogue(), sessions.find(database, data, recorded[KEYS])).identical
+        assert replay(
+            database, data, Catalogue(), sessions.find(database, data, recorded[KEYS])
+        ).identical
     alter(data, "UPDATE sessions SET status='discarded' WHERE id=:s", recorded[KEYS])
     assert [flaw.kind for flaw in found(data)] == ["rows"]
 
@@ -385,12 +464,17 @@ def test_a_session_of_an_earlier_version_is_whole_and_counted(data: Path, call: 
     with closing(connect(data)) as database:
         assert (list(flaws(database)), without_hashes(database)) == ([], 0)
     alter(
-        data, f"UPDATE messages SET message=replace(message, '1', '2') WHERE session_number={_LOG} AND seq=9", session
+        data,
+        f"UPDATE messages SET message=replace(message, '1', '2') WHERE session_number={_LOG} AND "
+        "seq=9",
+        session,
     )
     assert [flaw.kind for flaw in found(data)] == ["log", "rows"]
 
 
-def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(data: Path, tmp_path: Path) -> None:
+def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(
+    data: Path, tmp_path: Path
+) -> None:
     """A rescue file, or a database that was merged, has other numbers of sessions and topics."""
     session = interrupted(data)
     other = tmp_path / "other"
@@ -402,13 +486,20 @@ def test_the_same_messages_have_the_same_hash_whatever_the_numbers_of_topics(dat
         assert [flaw for flaw in flaws(target) if flaw.where == session] == []
 
 
-# --- sessions that were recorded before there were hashes ------------------------------------------------------------
+# --- sessions that were recorded before there were hashes
+# ------------------------------------------------------------
 
 EARLIER = sorted(Path(tests.replay.__file__).with_name("golden").glob("rules-*.db.gz"))
-OF_EARLIER = (*(name for name in OF_ROWS if name != "an answer"), "a result of an attempt", "a decision on a proposal")
+OF_EARLIER = (
+    *(name for name in OF_ROWS if name != "an answer"),
+    "a result of an attempt",
+    "a decision on a proposal",
+)
 
 
-@pytest.mark.parametrize("packed", [Path(__file__).with_name("earlier.db.gz"), *EARLIER], ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "packed", [Path(__file__).with_name("earlier.db.gz"), *EARLIER], ids=lambda path: path.name
+)
 def test_results_of_earlier_versions_follow_from_their_logs(packed: Path, data: Path) -> None:
     data.mkdir(parents=True)
     (data / FILE).write_bytes(gzip.decompress(packed.read_bytes()))
@@ -421,7 +512,11 @@ def test_results_of_earlier_versions_follow_from_their_logs(packed: Path, data: 
 def test_altered_results_are_found_also_without_hashes(
     name: str, recorded: tuple[str, str], data: Path, call: Call
 ) -> None:
-    alter(data, "DELETE FROM log_hashes WHERE session=:s;UPDATE sessions SET log_hash='' WHERE id=:s", recorded[KEYS])
+    alter(
+        data,
+        "DELETE FROM log_hashes WHERE session=:s;UPDATE sessions SET log_hash='' WHERE id=:s",
+        recorded[KEYS],
+    )
     assert found(data) == []
     alter(data, ALTERATIONS[name][1], recorded[KEYS])
     assert {(flaw.kind, flaw.where) for flaw in found(data)} == {("rows", recorded[KEYS])}
@@ -430,15 +525,19 @@ def test_altered_results_are_found_also_without_hashes(
     assert contents(data) == before
 
 
-# --- views and triggers ----------------------------------------------------------------------------------------------
+# --- views and triggers
+# ----------------------------------------------------------------------------------------------
 
 _ENDLESS = "WITH RECURSIVE more (x) AS (SELECT 1 UNION ALL SELECT x+1 FROM more)"
 OF_SCHEMA = {
-    "view v_attempts": "DROP VIEW v_attempts;CREATE VIEW v_attempts AS SELECT session, metric*0.9 AS m FROM attempts",
-    "view events": f"DROP VIEW events;CREATE VIEW events AS {_ENDLESS} SELECT x AS session, 0 AS seq, 0 AS run, 0 AS"
+    "view v_attempts": "DROP VIEW v_attempts;CREATE VIEW v_attempts AS SELECT session, metric*0.9 "
+    "AS m FROM attempts",
+    "view events": f"DROP VIEW events;CREATE VIEW events AS {_ENDLESS} SELECT x AS session, 0 AS "
+    "seq, 0 AS run, 0 AS"
     " at_ns, '' AS topic, '' AS message FROM more",
     "view v_reaches": "DROP VIEW v_reaches",
-    "trigger better": "CREATE TRIGGER better AFTER INSERT ON instrument_scores BEGIN DELETE FROM adverse_events; END",
+    "trigger better": "CREATE TRIGGER better AFTER INSERT ON instrument_scores BEGIN DELETE FROM "
+    "adverse_events; END",
 }
 
 

@@ -27,7 +27,12 @@ from sar_tui.store.locks import hold
 def database(data: Path, catalogue: Catalogue) -> Iterator[sqlite3.Connection]:
     """The open database, with a session."""
     settings = {"attempts": 2, "prompts_per_attempt": 3}
-    simulate(make_plan(catalogue, "keyboard", ["P01"], settings, mode="simulated"), PEOPLE["poor"], data, catalogue)
+    simulate(
+        make_plan(catalogue, "keyboard", ["P01"], settings, mode="simulated"),
+        PEOPLE["poor"],
+        data,
+        catalogue,
+    )
     with closing(connect(data)) as opened:
         yield opened
 
@@ -45,7 +50,9 @@ def test_a_backup_holds_all_rows_and_only_its_owner_can_read_it(
         assert stat.S_IMODE(made.path.stat().st_mode) == 0o600
 
 
-def test_a_backup_is_made_while_something_is_written(database: sqlite3.Connection, data: Path) -> None:
+def test_a_backup_is_made_while_something_is_written(
+    database: sqlite3.Connection, data: Path
+) -> None:
     participants.add(database, "P07")  # in the write-ahead log only
     database.execute("BEGIN IMMEDIATE")
     database.execute("INSERT INTO participants (code, created_at) VALUES ('P08', '')")
@@ -65,7 +72,9 @@ def test_a_rehearsal_finds_damage(database: sqlite3.Connection, data: Path) -> N
     assert made.path.read_bytes() == before
 
 
-def test_a_backup_replaces_nothing(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
+def test_a_backup_replaces_nothing(
+    database: sqlite3.Connection, data: Path, tmp_path: Path
+) -> None:
     there = tmp_path / "mine.db"
     there.write_text("mine")
     with pytest.raises(StoreError, match="replaces nothing"):
@@ -100,7 +109,9 @@ def test_what_a_killed_backup_left_is_removed_by_the_next(
         "backup._sync = lambda copy: os.kill(os.getpid(), signal.SIGKILL);"
         "backup.back_up(Path(sys.argv[1]), Path(sys.argv[2]))"
     )
-    run = subprocess.run([sys.executable, "-c", killed, str(data), str(safe)], timeout=60, check=False)
+    run = subprocess.run(
+        [sys.executable, "-c", killed, str(data), str(safe)], timeout=60, check=False
+    )
     assert run.returncode == -signal.SIGKILL
     (left,) = safe.iterdir()
     assert left.suffix == ".part"
@@ -109,7 +120,9 @@ def test_what_a_killed_backup_left_is_removed_by_the_next(
     assert rehearse(made.path) == []
 
 
-def test_two_backups_of_a_folder_are_not_made_at_once(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
+def test_two_backups_of_a_folder_are_not_made_at_once(
+    database: sqlite3.Connection, data: Path, tmp_path: Path
+) -> None:
     with hold(data, "backup", "all"), pytest.raises(StoreError, match="Another backup"):
         back_up(data, tmp_path / "safe")
 
@@ -119,7 +132,8 @@ def test_a_full_disk_leaves_no_backup_and_the_database_as_it_was(
     database: sqlite3.Connection, data: Path, tmp_path: Path
 ) -> None:
     limited = (
-        "import resource, signal, sys; from pathlib import Path; from sar_tui.store.backup import back_up;"
+        "import resource, signal, sys; from pathlib import Path; from sar_tui.store.backup import "
+        "back_up;"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536));"
         "back_up(Path(sys.argv[1]), Path(sys.argv[2]))"
@@ -134,7 +148,9 @@ def test_a_full_disk_leaves_no_backup_and_the_database_as_it_was(
     assert counts(database) == before
 
 
-def test_a_damaged_database_is_not_backed_up(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
+def test_a_damaged_database_is_not_backed_up(
+    database: sqlite3.Connection, data: Path, tmp_path: Path
+) -> None:
     database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     (root,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name='trials'").fetchone()
     (size,) = database.execute("PRAGMA page_size").fetchone()

@@ -1,4 +1,6 @@
-"""A session that was started by mistake counts nowhere, until it is restored; no query has a rule of its own."""
+"""A session that was started by mistake counts nowhere, until it is restored; no query has a rule
+of its own.
+"""
 
 import re
 import sqlite3
@@ -36,7 +38,13 @@ def played(data: Path, catalogue: Catalogue) -> str:
     """The id of a live session of P01 with two attempts."""
     plan = make_plan(catalogue, "keyboard", ["P01"], SETTINGS, seed=3)
     clock = VirtualClock(10 * SECOND)
-    run = start(plan, data, catalogue, clock, lambda task, *_: [SimulatedParticipant(PEOPLE["average"], task, 7)])
+    run = start(
+        plan,
+        data,
+        catalogue,
+        clock,
+        lambda task, *_: [SimulatedParticipant(PEOPLE["average"], task, 7)],
+    )
     run.begin()
     while not run.session.ended:
         assert clock.step()
@@ -83,18 +91,26 @@ def test_a_discarded_session_counts_nowhere_and_a_restored_one_everywhere(
     database.execute("UPDATE programmes SET created_at=?", (earlier,))
     before = counted(database, data, catalogue)
     assert [name for name, does in before.items() if not does] == []
-    assert change_status(database, data, played, "discarded", actor="participant", reason=BY_MISTAKE)
+    assert change_status(
+        database, data, played, "discarded", actor="participant", reason=BY_MISTAKE
+    )
     after = counted(database, data, catalogue)
     assert [name for name, does in after.items() if does] == []
-    assert [row["status"] for row in sessions.listing(database, data)] == ["discarded"], "it is listed"
+    assert [row["status"] for row in sessions.listing(database, data)] == ["discarded"], (
+        "it is listed"
+    )
     assert change_status(database, data, played, "restored", actor="ana")
     assert counted(database, data, catalogue) == before
     assert [row["status"] for row in sessions.listing(database, data)] == ["completed"]
 
 
-def test_a_report_names_sessions_that_do_not_count(played: str, open_database: sqlite3.Connection, data: Path) -> None:
+def test_a_report_names_sessions_that_do_not_count(
+    played: str, open_database: sqlite3.Connection, data: Path
+) -> None:
     change_status(open_database, data, played, "discarded", actor="participant", reason=BY_MISTAKE)
-    with pytest.raises(StoreError, match=f"Session {played} was discarded: it does not count, and is left out"):
+    with pytest.raises(
+        StoreError, match=f"Session {played} was discarded: it does not count, and is left out"
+    ):
         select(open_database, data, Request(names=(played,)), only_counted=True)
     assert select(open_database, data, Request(names=(played,))).ids == [played], "an export has it"
 
@@ -102,12 +118,17 @@ def test_a_report_names_sessions_that_do_not_count(played: str, open_database: s
 def test_a_report_without_a_session_that_does_not_count_is_whole(
     played: str, open_database: sqlite3.Connection, data: Path
 ) -> None:
-    names = [name for (name,) in open_database.execute("SELECT name FROM pragma_table_info('sessions')")]
+    names = [
+        name for (name,) in open_database.execute("SELECT name FROM pragma_table_info('sessions')")
+    ]
     others = ", ".join(name for name in names if name not in ("id", "status"))
     open_database.execute(
-        f"INSERT INTO sessions (id, status, {others}) SELECT 'later', 'refused', {others} FROM sessions"
+        f"INSERT INTO sessions (id, status, {others}) SELECT 'later', 'refused', {others} FROM "
+        "sessions"
     )
-    open_database.execute("INSERT INTO seats (session, seat, participant) VALUES ('later', 'A', 'P01')")
+    open_database.execute(
+        "INSERT INTO seats (session, seat, participant) VALUES ('later', 'A', 'P01')"
+    )
     found = select(open_database, data, Request(everything=True), only_counted=True)
     assert (found.ids, found.refused) == ([played], ())
     assert found.set_aside == ("Session later was refused: it does not count, and is left out.",)
@@ -121,7 +142,10 @@ def test_an_older_interrupted_session_goes_on_after_one_started_by_mistake(
     assert row
     names = [name for (name,) in database.execute("SELECT name FROM pragma_table_info('sessions')")]
     others = ", ".join(name for name in names if name not in ("id", "status"))
-    database.execute(f"INSERT INTO sessions (id, status, {others}) SELECT 'later', 'discarded', {others} FROM sessions")
+    database.execute(
+        f"INSERT INTO sessions (id, status, {others}) SELECT 'later', 'discarded', {others} FROM "
+        "sessions"
+    )
     database.execute("INSERT INTO seats (session, seat, participant) VALUES ('later', 'A', 'P01')")
     database.execute("UPDATE sessions SET status='interrupted' WHERE id=?", (played,))
     assert unfinished(database, data, "P01", "keyboard") == played
@@ -129,5 +153,11 @@ def test_an_older_interrupted_session_goes_on_after_one_started_by_mistake(
 
 def test_every_query_for_live_sessions_takes_its_condition_from_one_place() -> None:
     own = re.compile(r"""\bmode\s*=+\s*'live'""")
-    found = [str(path.relative_to(PACKAGE)) for path in PACKAGE.rglob("*.py") if own.search(path.read_text("utf-8"))]
-    assert found == ["store/counted.py"], "use COUNTS, or LIVE if it is true of a session that does not count as well"
+    found = [
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        if own.search(path.read_text("utf-8"))
+    ]
+    assert found == ["store/counted.py"], (
+        "use COUNTS, or LIVE if it is true of a session that does not count as well"
+    )

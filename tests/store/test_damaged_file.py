@@ -1,4 +1,6 @@
-"""All that SQLite reads is saved of a file that is cut short, or has a damaged header; what is missing is told."""
+"""All that SQLite reads is saved of a file that is cut short, or has a damaged header; what is
+missing is told.
+"""
 
 import os
 import shutil
@@ -30,7 +32,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     catalogue = Catalogue()
     for seed in range(6):
         plan = make_plan(
-            catalogue, "keyboard", ["P01"], {"attempts": 5, "prompts_per_attempt": 10}, seed=seed, mode="simulated"
+            catalogue,
+            "keyboard",
+            ["P01"],
+            {"attempts": 5, "prompts_per_attempt": 10},
+            seed=seed,
+            mode="simulated",
         )
         simulate(plan, PEOPLE["average"], folder, catalogue)
     with closing(sqlite3.connect(folder / FILE)) as database:
@@ -47,7 +54,10 @@ def copy(whole: Path, data: Path) -> Path:
 
 def counts(folder: Path) -> dict[str, int]:
     with closing(connect(folder)) as database:
-        return {table: database.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in TABLES}
+        return {
+            table: database.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
+            for table in TABLES
+        }
 
 
 def ids(folder: Path) -> set[str]:
@@ -70,7 +80,9 @@ HEADERS: dict[str, Callable[[Path], None]] = {
 
 
 @pytest.mark.parametrize("how", HEADERS)
-def test_all_is_read_of_a_file_with_a_damaged_header(how: str, copy: Path, whole: Path, call: Call) -> None:
+def test_all_is_read_of_a_file_with_a_damaged_header(
+    how: str, copy: Path, whole: Path, call: Call
+) -> None:
     HEADERS[how](copy / FILE)
     damaged = (copy / FILE).read_bytes()
     with pytest.raises(StoreError, match="check --repair"):
@@ -101,7 +113,9 @@ def test_a_damaged_header_with_a_log_that_was_not_written_back(copy: Path, data:
 
 
 @pytest.mark.parametrize("share", [0.95, 0.85, 0.7, 0.5, 0.3])
-def test_what_is_left_of_a_file_that_was_cut_short_is_read(share: float, copy: Path, whole: Path) -> None:
+def test_what_is_left_of_a_file_that_was_cut_short_is_read(
+    share: float, copy: Path, whole: Path
+) -> None:
     size = int((copy / FILE).stat().st_size * share)
     os.truncate(copy / FILE, size + 17)
     before = counts(whole)
@@ -122,7 +136,10 @@ def test_what_is_left_of_a_file_that_was_cut_short_is_read(share: float, copy: P
 
 
 def _lacks(folder: Path, whole: Path, session: str) -> bool:
-    query = "SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM session_numbers WHERE id=?)"
+    query = (
+        "SELECT count(*) FROM messages WHERE session_number=(SELECT number FROM "
+        "session_numbers WHERE id=?)"
+    )
     found = []
     for each in (folder, whole):
         with closing(connect(each)) as database:
@@ -130,12 +147,16 @@ def _lacks(folder: Path, whole: Path, session: str) -> bool:
     return found[0] < found[1]
 
 
-def test_the_rows_that_are_missing_are_counted_by_session_and_table(copy: Path, whole: Path) -> None:
+def test_the_rows_that_are_missing_are_counted_by_session_and_table(
+    copy: Path, whole: Path
+) -> None:
     """A leaf of messages is zeroed: those of its page are lost, and no others."""
     with closing(connect(whole)) as database:
         leaves = [
             page
-            for page, kind in database.execute("SELECT pageno, pagetype FROM dbstat WHERE name='messages'")
+            for page, kind in database.execute(
+                "SELECT pageno, pagetype FROM dbstat WHERE name='messages'"
+            )
             if kind == "leaf"
         ]
     overwrite(copy / FILE, (leaves[len(leaves) // 2] - 1) * PAGE, bytes(PAGE))

@@ -17,14 +17,33 @@ from sqlite_utils import Database, Migrations
 
 from sar_tui.store import database as module
 from sar_tui.store import schema, sessions
-from sar_tui.store.database import FILE, VERSION, StoreError, connect, default_folder, explain, transaction
+from sar_tui.store.database import (
+    FILE,
+    VERSION,
+    StoreError,
+    connect,
+    default_folder,
+    explain,
+    transaction,
+)
 from sar_tui.store.schema import migrations
 
 _NOBODY = 65534
 """User id of ``nobody``, who owns no files."""
 posix = pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
 
-TABLES = {"participants", "settings", "sessions", "seats", "runs", "attempts", "trials", "actions", "events", "notes"}
+TABLES = {
+    "participants",
+    "settings",
+    "sessions",
+    "seats",
+    "runs",
+    "attempts",
+    "trials",
+    "actions",
+    "events",
+    "notes",
+}
 
 
 def mode(path: Path) -> int:
@@ -44,20 +63,29 @@ def pragma(database: sqlite3.Connection, name: str) -> object:
 
 def test_a_new_database_has_the_tables_of_the_contract(database: sqlite3.Connection) -> None:
     assert {*Database(database).table_names(), *Database(database).view_names()} >= TABLES
-    assert pragma(database, "user_version") == VERSION == len(migrations.pending(Database(memory=True)))
-    columns = {table: {column.name for column in Database(database)[table].columns} for table in TABLES}
+    assert (
+        pragma(database, "user_version")
+        == VERSION
+        == len(migrations.pending(Database(memory=True)))
+    )
+    columns = {
+        table: {column.name for column in Database(database)[table].columns} for table in TABLES
+    }
     assert columns["sessions"] >= set(
         "id task status started_at ended_at seed parameters software machine mode".split()
     )
     assert columns["attempts"] >= set(
-        "session attempt seat practice level metric metric_unit accuracy outcome feedback started_ns ended_ns".split()
+        "session attempt seat practice level metric metric_unit accuracy outcome feedback "
+        "started_ns ended_ns".split()
     )
     assert columns["trials"] >= set(
-        "session attempt trial seat run stimulus response correct onset_ns response_ns reaction_time_ms timing "
+        "session attempt trial seat run stimulus response correct onset_ns response_ns "
+        "reaction_time_ms timing "
         "details".split()
     )
     assert columns["actions"] >= set(
-        "session id kind proposed final decision actor proposed_ns decided_ns started_ns ended_ns".split()
+        "session id kind proposed final decision actor proposed_ns decided_ns started_ns "
+        "ended_ns".split()
     )
     assert columns["events"] == set("session seq run at_ns topic message".split())
     assert columns["runs"] >= set("session run clock_anchor boot_id pid software machine".split())
@@ -76,7 +104,9 @@ def test_every_commit_is_synced_to_the_disk(database: sqlite3.Connection) -> Non
     assert (pragma(database, "journal_mode"), pragma(database, "synchronous")) == ("wal", 2)
 
 
-def test_a_current_database_opens_while_another_program_holds_the_lock_of_migrations(data: Path) -> None:
+def test_a_current_database_opens_while_another_program_holds_the_lock_of_migrations(
+    data: Path,
+) -> None:
     connect(data).close()
     with FileLock(data / "sar-tui.lock"):
         with closing(connect(data)) as database:
@@ -97,16 +127,22 @@ def test_a_current_database_that_lost_its_write_ahead_log_mode_gets_it_back(data
 
 
 @posix
-def test_the_folder_and_every_file_in_it_are_its_owners_alone(database: sqlite3.Connection, data: Path) -> None:
+def test_the_folder_and_every_file_in_it_are_its_owners_alone(
+    database: sqlite3.Connection, data: Path
+) -> None:
     Database(database)["notes"].insert({"session": "s", "text": "x"})
     assert mode(data) == 0o700
-    assert {path.name: oct(mode(path)) for path in data.iterdir()} == {path.name: oct(0o600) for path in data.iterdir()}
+    assert {path.name: oct(mode(path)) for path in data.iterdir()} == {
+        path.name: oct(0o600) for path in data.iterdir()
+    }
     assert (data / FILE).exists()
     assert (data / f"{FILE}-wal").exists()
 
 
 @posix
-def test_a_database_that_others_could_read_is_made_private(database: sqlite3.Connection, data: Path) -> None:
+def test_a_database_that_others_could_read_is_made_private(
+    database: sqlite3.Connection, data: Path
+) -> None:
     (data / FILE).chmod(0o644)
     connect(data)
     assert mode(data / FILE) == 0o600
@@ -128,9 +164,12 @@ def test_a_database_of_a_newer_version_is_refused_and_left_alone(data: Path) -> 
 
 
 @pytest.mark.parametrize(
-    "content", [b"hello", b"a diary, not a database\n" * 500, b"SQLite format 2\x00" + b"\x00" * 5000]
+    "content",
+    [b"hello", b"a diary, not a database\n" * 500, b"SQLite format 2\x00" + b"\x00" * 5000],
 )
-def test_a_file_that_is_not_a_database_is_refused_and_left_unchanged(data: Path, content: bytes) -> None:
+def test_a_file_that_is_not_a_database_is_refused_and_left_unchanged(
+    data: Path, content: bytes
+) -> None:
     data.mkdir()
     (data / FILE).write_bytes(content)
     error = refusal(data)
@@ -150,7 +189,8 @@ def test_a_schema_that_is_not_even_text_is_reported_as_damage(data: Path) -> Non
     with closing(connect(data)) as database:
         database.execute("PRAGMA writable_schema=ON")
         database.execute(
-            "UPDATE sqlite_schema SET sql=CAST('CREATE TABLE ' || x'ff' || '(' AS TEXT) WHERE name='trials'"
+            "UPDATE sqlite_schema SET sql=CAST('CREATE TABLE ' || x'ff' || '(' AS TEXT) WHERE "
+            "name='trials'"
         )
     assert "sar-tui.db is damaged. Restore a backup" in str(refusal(data))
 
@@ -187,13 +227,19 @@ def test_the_folders_above_are_private_too_whatever_the_umask(tmp_path: Path) ->
         connect(tmp_path / "clinic" / "ward" / "data").close()
     finally:
         os.umask(before)
-    folders = [tmp_path / "clinic", tmp_path / "clinic" / "ward", tmp_path / "clinic" / "ward" / "data"]
+    folders = [
+        tmp_path / "clinic",
+        tmp_path / "clinic" / "ward",
+        tmp_path / "clinic" / "ward" / "data",
+    ]
     assert [mode(folder) for folder in folders] == [0o700] * 3
 
 
 @pytest.fixture
 def older(data: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A database of this version, opened by a program of the next version, whose migration adds a table."""
+    """A database of this version, opened by a program of the next version, whose migration adds a
+    table.
+    """
     opened = Database(connect(data))
     opened["participants"].insert({"code": "P01", "created_at": "now"})
     opened.close()
@@ -224,7 +270,9 @@ def test_an_older_database_is_brought_up_to_date_after_a_backup(older: Path) -> 
     assert [row["code"] for row in kept["participants"].rows] == ["P01"]
 
 
-def test_a_database_of_the_first_version_keeps_its_attempts_and_can_store_a_sensors_samples(data: Path) -> None:
+def test_a_database_of_the_first_version_keeps_its_attempts_and_can_store_a_sensors_samples(
+    data: Path,
+) -> None:
     data.mkdir()
     first = Database(sqlite3.connect(data / FILE))
     migrations.apply(first, stop_before="version_2")
@@ -245,7 +293,9 @@ def test_a_database_of_the_second_version_keeps_its_attempts_and_can_store_feedb
     data.mkdir()
     second = Database(sqlite3.connect(data / FILE))
     migrations.apply(second, stop_before="version_3")
-    second["attempts"].insert({"session": "s", "attempt": 1, "seat": "A", "feedback": "positive", "qualities": "{}"})
+    second["attempts"].insert(
+        {"session": "s", "attempt": 1, "seat": "A", "feedback": "positive", "qualities": "{}"}
+    )
     second.execute("PRAGMA user_version=2")
     second.conn.close()
     opened = Database(connect(data))
@@ -254,12 +304,20 @@ def test_a_database_of_the_second_version_keeps_its_attempts_and_can_store_feedb
     assert (attempt["feedback"], attempt["qualities"], attempt["choice"]) == ("positive", {}, None)
 
 
-def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_store_an_operators(data: Path) -> None:
+def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_store_an_operators(
+    data: Path,
+) -> None:
     data.mkdir()
     third = Database(sqlite3.connect(data / FILE))
     migrations.apply(third, stop_before="version_4")
     third["actions"].insert(
-        {"session": "s", "id": "a1", "kind": "feedback", "final": '{"text": "Fine."}', "decision": "accepted"}
+        {
+            "session": "s",
+            "id": "a1",
+            "kind": "feedback",
+            "final": '{"text": "Fine."}',
+            "decision": "accepted",
+        }
     )
     third["notes"].insert({"session": "s", "at_ns": 5, "author": "Ana", "text": "tired"})
     third.execute("PRAGMA user_version=3")
@@ -268,7 +326,9 @@ def test_a_database_of_the_third_version_keeps_its_actions_and_notes_and_can_sto
     assert pragma(opened, "user_version") == VERSION
     (action,) = sessions.rows(opened, "actions", "s")
     assert (action["final"], action["decision"]) == ({"text": "Fine."}, "accepted")
-    assert [action[name] for name in ("mode", "ground", "reason", "shown_ns", "deadline_ns")] == [None] * 5
+    assert [action[name] for name in ("mode", "ground", "reason", "shown_ns", "deadline_ns")] == [
+        None
+    ] * 5
     (note,) = sessions.rows(opened, "notes", "s")
     assert (note["text"], note["label"]) == ("tired", None)
 
@@ -300,11 +360,14 @@ def test_it_is_migrated_and_backed_up_once(older: Path) -> None:
 
 def test_programs_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:
     opens = (
-        "import sys; from pathlib import Path; from sar_tui.store.database import connect; connect(Path(sys.argv[1]))"
+        "import sys; from pathlib import Path; from sar_tui.store.database import connect; "
+        "connect(Path(sys.argv[1]))"
     )
 
     def program(_: int) -> str:
-        run = subprocess.run([sys.executable, "-c", opens, str(data)], capture_output=True, text=True, check=False)
+        run = subprocess.run(
+            [sys.executable, "-c", opens, str(data)], capture_output=True, text=True, check=False
+        )
         return run.stderr
 
     with ThreadPoolExecutor(3) as pool:
@@ -313,7 +376,9 @@ def test_programs_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) 
 
 def test_threads_that_open_a_new_folder_at_the_same_moment_all_can(data: Path) -> None:
     with ThreadPoolExecutor(8) as pool:
-        assert [pragma(db, "user_version") for db in pool.map(lambda _: connect(data), range(8))] == [VERSION] * 8
+        assert [
+            pragma(db, "user_version") for db in pool.map(lambda _: connect(data), range(8))
+        ] == [VERSION] * 8
 
 
 _A_PROGRAM = """
@@ -330,16 +395,25 @@ for line in sys.stdin:
 
 def test_committed_data_survive_kill_9_and_are_visible_to_other_programs(data: Path) -> None:
     """As a session does, the program has the database open twice."""
-    look = "import sqlite3, sys; c = sqlite3.connect(sys.argv[1]); print(*c.execute('SELECT code FROM participants'))"
+    look = (
+        "import sqlite3, sys; c = sqlite3.connect(sys.argv[1]); print(*c.execute('SELECT code "
+        "FROM participants'))"
+    )
 
     def seen_by_another() -> str:
         done = subprocess.run(
-            [sys.executable, "-c", look, str(data / FILE)], capture_output=True, text=True, check=True
+            [sys.executable, "-c", look, str(data / FILE)],
+            capture_output=True,
+            text=True,
+            check=True,
         )
         return done.stdout.strip()
 
     program = subprocess.Popen(
-        [sys.executable, "-c", _A_PROGRAM, str(data)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", _A_PROGRAM, str(data)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
     )
     with program:
         assert program.stdin
@@ -368,7 +442,9 @@ def test_a_transaction_is_all_or_nothing(database: sqlite3.Connection) -> None:
     assert [row["code"] for row in Database(database)["participants"].rows] == ["P02"]
 
 
-def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(database: sqlite3.Connection) -> None:
+def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(
+    database: sqlite3.Connection,
+) -> None:
     def too_much() -> None:
         with transaction(database) as connection:
             connection.execute("INSERT INTO participants (code, created_at) VALUES ('P01', 'now')")
@@ -386,10 +462,14 @@ def test_a_transaction_that_the_disk_refuses_changes_nothing_and_says_why(databa
 def test_a_file_beside_the_database_that_may_not_be_written_to_is_named() -> None:
     error = sqlite3.OperationalError("attempt to write a readonly database")
     error.sqlite_errorcode = sqlite3.SQLITE_READONLY
-    assert "sar-tui.db-wal and sar-tui.db-shm, which another user may have left" in str(explain(error))
+    assert "sar-tui.db-wal and sar-tui.db-shm, which another user may have left" in str(
+        explain(error)
+    )
 
 
-def test_the_data_folder_can_be_set_by_an_environment_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_data_folder_can_be_set_by_an_environment_variable(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setenv("SAR_TUI_DATA", str(tmp_path))
     assert default_folder() == tmp_path
     monkeypatch.delenv("SAR_TUI_DATA")
@@ -397,7 +477,10 @@ def test_the_data_folder_can_be_set_by_an_environment_variable(monkeypatch: pyte
 
 
 def test_an_unforeseen_error_is_reported_in_sqlites_own_words() -> None:
-    assert str(explain(sqlite3.OperationalError("no such thing"), Path("x.db"))) == "x.db: no such thing."
+    assert (
+        str(explain(sqlite3.OperationalError("no such thing"), Path("x.db")))
+        == "x.db: no such thing."
+    )
 
 
 @pytest.mark.parametrize(
@@ -414,14 +497,18 @@ def test_an_unforeseen_error_is_reported_in_sqlites_own_words() -> None:
         (None, False),
     ],
 )
-def test_temporary_and_permanent_errors_are_reported_apart(code: int | None, temporary: bool) -> None:
+def test_temporary_and_permanent_errors_are_reported_apart(
+    code: int | None, temporary: bool
+) -> None:
     error = sqlite3.OperationalError("refused")
     if code is not None:
         error.sqlite_errorcode = code
     assert explain(error).temporary is temporary
 
 
-def test_a_copy_of_the_database_is_a_whole_database(database: sqlite3.Connection, data: Path, tmp_path: Path) -> None:
+def test_a_copy_of_the_database_is_a_whole_database(
+    database: sqlite3.Connection, data: Path, tmp_path: Path
+) -> None:
     Database(database)["participants"].insert({"code": "P01", "created_at": "now"})
     shutil.copytree(data, tmp_path / "copy")
     copy = connect(tmp_path / "copy")

@@ -1,8 +1,9 @@
-"""A database written by an earlier program stays readable, and its interrupted session can be resumed.
+"""A database written by an earlier program stays readable, and its interrupted session can be
+resumed.
 
-``earlier.db.gz`` holds, at schema version 4: a simulated keyboard session with an operator, a completed and an
-interrupted live keyboard session of P01 and P02 (killed after the third trial), a simulated session of pairs, and one
-of reaching in Spanish. P01 has saved settings.
+``earlier.db.gz`` holds, at schema version 4: a simulated keyboard session with an operator, a
+completed and an interrupted live keyboard session of P01 and P02 (killed after the third trial), a
+simulated session of pairs, and one of reaching in Spanish. P01 has saved settings.
 """
 
 import gzip
@@ -70,7 +71,9 @@ def test_an_operators_work_is_reported(call: Call, data: Path) -> None:
 
 
 @pytest.mark.parametrize("session", ALL)
-def test_a_session_comes_out_the_same_when_replayed(data: Path, catalogue: Catalogue, session: str) -> None:
+def test_a_session_comes_out_the_same_when_replayed(
+    data: Path, catalogue: Catalogue, session: str
+) -> None:
     database = connect(data)
     row = sessions.find(database, data, session)
     kind = catalogue.task(row["task"])
@@ -114,7 +117,9 @@ def test_saved_settings_make_a_plan(data: Path, catalogue: Catalogue) -> None:
     assert (plan.parameters.attempts, plan.theme) == (2, "calm")
 
 
-def test_its_messages_are_read_as_they_were_after_it_is_brought_up_to_date(call: Call, data: Path) -> None:
+def test_its_messages_are_read_as_they_were_after_it_is_brought_up_to_date(
+    call: Call, data: Path
+) -> None:
     before = events(data)
     assert call("sessions").code == 0
     assert events(data) == before
@@ -123,16 +128,25 @@ def test_its_messages_are_read_as_they_were_after_it_is_brought_up_to_date(call:
 def test_an_earlier_program_whose_session_is_under_way_goes_on_storing_it(data: Path) -> None:
     under_way = sqlite3.connect(data / "sar-tui.db")
     connect(data).close()
-    (seq,) = under_way.execute("SELECT max(seq) FROM events WHERE session=?", (INTERRUPTED,)).fetchone()
+    (seq,) = under_way.execute(
+        "SELECT max(seq) FROM events WHERE session=?", (INTERRUPTED,)
+    ).fetchone()
     row = (INTERRUPTED, seq + 1, 1, 7, "input/key", '{"key":"f","at":7}')
-    under_way.execute("INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)", row)
+    under_way.execute(
+        "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)", row
+    )
     under_way.commit()
     under_way.close()
     assert events(data)[-1] == row
     database = connect(data)
     last = list(sessions.history(database, INTERRUPTED))[-1]
     database.close()
-    assert (last.seq, last.at, last.topic, last.message) == (seq + 1, 7, KEY, KeyPressed(key="f", at=7))
+    assert (last.seq, last.at, last.topic, last.message) == (
+        seq + 1,
+        7,
+        KEY,
+        KeyPressed(key="f", at=7),
+    )
 
 
 def test_opening_it_again_changes_nothing(call: Call, data: Path) -> None:
@@ -146,7 +160,10 @@ def test_opening_it_again_changes_nothing(call: Call, data: Path) -> None:
 def events(data: Path) -> list[tuple[object, ...]]:
     """Return all messages, those of the interrupted session last."""
     with closing(sqlite3.connect(data / "sar-tui.db")) as database:
-        query = "SELECT session, seq, run, at_ns, topic, message FROM events ORDER BY session=?, session, seq"
+        query = (
+            "SELECT session, seq, run, at_ns, topic, message FROM events ORDER BY session=?, "
+            "session, seq"
+        )
         return database.execute(query, (INTERRUPTED,)).fetchall()
 
 
@@ -160,7 +177,9 @@ def test_an_earlier_session_keeps_its_rules(call: Call, data: Path, catalogue: C
     row = sessions.find(database, data, INTERRUPTED)
     kind = catalogue.task(row["task"])
     parameters = build(kind.Parameters, row["parameters"])
-    session = Session(kind(parameters), catalogue.theme(row["theme"]), VirtualClock(10**15), row["seed"])
+    session = Session(
+        kind(parameters), catalogue.theme(row["theme"]), VirtualClock(10**15), row["seed"]
+    )
     session.replay(sessions.history(database, INTERRUPTED))
     database.close()
     started: list[SessionStarted] = []

@@ -15,7 +15,17 @@ from sqlite_utils import Database
 from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.session import Session
-from sar_tui.loop.topics import IMU, KEY, REACH, SENSOR, STORAGE, STORED, TRIAL, TRUNK_IMU, TRUNK_SENSOR
+from sar_tui.loop.topics import (
+    IMU,
+    KEY,
+    REACH,
+    SENSOR,
+    STORAGE,
+    STORED,
+    TRIAL,
+    TRUNK_IMU,
+    TRUNK_SENSOR,
+)
 from sar_tui.model.messages import ImuBlock, KeyPressed, SensorChanged
 from sar_tui.model.units import MS
 from sar_tui.motion.samples import SAMPLE, Samples, pack, unpack
@@ -25,10 +35,22 @@ from sar_tui.store.recorder import Recorder
 from tests.examples import examples
 from tests.tasks.reaching.reaching_driver import ReachingDriver, merged
 
-NAMES = ("session", "stream", "seq", "n", "t0_ns", "t1_ns", "before_event", "at_ns", "crc32", "data")
+NAMES = (
+    "session",
+    "stream",
+    "seq",
+    "n",
+    "t0_ns",
+    "t1_ns",
+    "before_event",
+    "at_ns",
+    "crc32",
+    "data",
+)
 
 
-# --- rows of messages -----------------------------------------------------------------------------------------
+# --- rows of messages
+# -----------------------------------------------------------------------------------------
 
 
 def block(before: int, *stamps: int, at: int = 0) -> Record:
@@ -61,17 +83,28 @@ def test_samples_without_a_message_between_them_are_one_chunk() -> None:
 
 def test_a_message_between_samples_divides_them() -> None:
     first, second = chunks(attached(1), block(2, 10), key(2), block(3, 20), block(3, 30))
-    assert [(c["stream"], c["seq"], c["before_event"], c["n"]) for c in (first, second)] == [(1, 1, 2, 1), (1, 2, 3, 2)]
+    assert [(c["stream"], c["seq"], c["before_event"], c["n"]) for c in (first, second)] == [
+        (1, 1, 2, 1),
+        (1, 2, 3, 2),
+    ]
 
 
 def test_samples_precede_the_message_derived_from_them() -> None:
-    """A block has no number of its own: it carries the number of the message that is derived from it."""
+    """A block has no number of its own: it carries the number of the message that is derived from
+    it.
+    """
     first, second = chunks(attached(1), block(2, 10), block(2, 20), key(2), key(3), block(4, 30))
     assert [(c["before_event"], c["t1_ns"]) for c in (first, second)] == [(2, 20), (4, 30)]
 
 
 def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_from_one() -> None:
-    facts = {"source": "test", "model": "By hand", "serial": "7", "rate_hz": 250.0, "rate_range_rad_s": 5.0}
+    facts = {
+        "source": "test",
+        "model": "By hand",
+        "serial": "7",
+        "rate_hz": 250.0,
+        "rate_range_rad_s": 5.0,
+    }
     records = [attached(1), block(2, 10), key(2), block(3, 20), attached(3, **facts), block(4, 30)]
     streams, rows, _ = imu.StreamRows("s", 4).rows(records)
     assert [(row[1], row[2]) for row in rows] == [(1, 1), (1, 2), (2, 1)]
@@ -79,7 +112,9 @@ def test_each_attachment_of_a_sensor_begins_a_stream_whose_chunks_are_counted_fr
     assert streams[1][4:] == ("test", "By hand", "7", 250.0, 5.0, 0.0, imu.layout(), 3, "hand")
 
 
-def test_sensors_on_hand_and_trunk_have_streams_of_their_own_and_a_replay_gets_the_trunk_first(data: Path) -> None:
+def test_sensors_on_hand_and_trunk_have_streams_of_their_own_and_a_replay_gets_the_trunk_first(
+    data: Path,
+) -> None:
     trunk = Record(1, 1, TRUNK_SENSOR, SensorChanged(state="attached", at=1))
     leaning = Record(5, 40, TRUNK_IMU, block(5, 10, 20).message)
     with closing(connect(data)) as database:
@@ -88,17 +123,24 @@ def test_sensors_on_hand_and_trunk_have_streams_of_their_own_and_a_replay_gets_t
         )
         database.executemany(imu.INSERT_STREAM, streams)
         database.executemany(imu.INSERT_CHUNK, rows)
-        found = [(record.topic, len(unpack(record.message.samples))) for record in imu.blocks(database, "s")]
+        found = [
+            (record.topic, len(unpack(record.message.samples)))
+            for record in imu.blocks(database, "s")
+        ]
         assert found == [(TRUNK_IMU, 2), (IMU, 2)]
         assert [len(imu.samples(database, "s", part=part)) for part in ("hand", "trunk")] == [2, 2]
         resumed = imu.resume_streams(database, "s", 2)
     assert [row[1:3] for row in resumed.rows([leaning, block(5, 60)])[1]] == [(2, 2), (1, 2)]
 
 
-@pytest.mark.parametrize("state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"])
+@pytest.mark.parametrize(
+    "state", ["detached", "gap", "saturated", "stalled", "flowing", "error", "ended"]
+)
 def test_other_statuses_of_a_sensor_do_not_begin_a_stream(state: Any) -> None:
     other = Record(3, 3, SENSOR, SensorChanged(state=state, at=3))
-    streams, rows, _ = imu.StreamRows("s", 1).rows([attached(1), block(2, 10), key(2), other, block(4, 20)])
+    streams, rows, _ = imu.StreamRows("s", 1).rows(
+        [attached(1), block(2, 10), key(2), other, block(4, 20)]
+    )
     assert (len(streams), [(row[1], row[2]) for row in rows]) == (1, [(1, 1), (1, 2)])
 
 
@@ -116,21 +158,33 @@ def test_the_layout_says_how_to_read_the_bytes_without_this_program() -> None:
     assert np.dtype(layout) == SAMPLE
 
 
-# --- a session in the database --------------------------------------------------------------------------------
+# --- a session in the database
+# --------------------------------------------------------------------------------
 
 
 class StoredSession:
     """A recorded reaching session; the recorder works inline, or on calls of ``write``."""
 
     def __init__(
-        self, data: Path, *, inline: bool = True, of: "StoredSession | None" = None, **parameters: Any
+        self,
+        data: Path,
+        *,
+        inline: bool = True,
+        of: "StoredSession | None" = None,
+        **parameters: Any,
     ) -> None:
         self.data = data
         self.database = connect(data)
         history = None
         if of is None:
             self.id = sessions.new_id()
-            made = {"task": "reaching", "theme": "calm", "participant": "P01", "seed": 1, "mode": "live"}
+            made = {
+                "task": "reaching",
+                "theme": "calm",
+                "participant": "P01",
+                "seed": 1,
+                "mode": "live",
+            }
             sessions.create(self.database, self.id, parameters={}, software={}, machine={}, **made)  # type: ignore[arg-type]
         else:
             self.id = of.id
@@ -138,7 +192,9 @@ class StoredSession:
         run = sessions.begin_run(self.database, self.id, software={}, machine={})
         self.driver = ReachingDriver(begin=False, history=history, **parameters)
         self.driver.screen.stores = False
-        self.recorder = Recorder(self.database, self.id, run, self.driver.session.bus, inline=inline)
+        self.recorder = Recorder(
+            self.database, self.id, run, self.driver.session.bus, inline=inline
+        )
         self.driver.session.begin(run)
         self.reader = connect(data)
 
@@ -163,7 +219,9 @@ class StoredSession:
 
     def chunks(self) -> list[dict[str, Any]]:
         return list(
-            Database(self.reader).query("SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id])
+            Database(self.reader).query(
+                "SELECT * FROM imu_chunks WHERE session=? ORDER BY stream, seq", [self.id]
+            )
         )
 
     def samples(self, from_ns: int = 0, to_ns: int = 2**62, run: int | None = None) -> Samples:
@@ -176,12 +234,19 @@ def test_every_sample_of_a_session_is_stored_as_it_was_measured(data: Path) -> N
     assert len(stored.driver.samples) > 1500
     assert stored.samples().tobytes() == stored.driver.samples.tobytes()
     (stream,) = sessions.rows(stored.reader, "imu_streams", stored.id)
-    assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (1, 1, "simulated", 250.0)
+    assert (stream["stream"], stream["run"], stream["source"], stream["rate_hz"]) == (
+        1,
+        1,
+        "simulated",
+        250.0,
+    )
     assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
     assert sum(chunk["n"] for chunk in stored.chunks()) == len(stored.driver.samples)
 
 
-def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passed(data: Path) -> None:
+def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passed(
+    data: Path,
+) -> None:
     stored = StoredSession(data).do(2)
     stored.recorder.write()
     assert merged(stored.history) == merged(stored.driver.records)
@@ -190,7 +255,9 @@ def test_the_history_holds_messages_and_samples_in_the_order_in_which_they_passe
     )
 
 
-def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(data: Path) -> None:
+def test_a_trial_is_not_acknowledged_before_the_samples_it_was_made_of_are_there(
+    data: Path,
+) -> None:
     stored = StoredSession(data, inline=False).do(1)
     assert STORED not in {record.topic for record in stored.driver.records}
     stored.write()
@@ -226,7 +293,9 @@ def test_samples_are_found_by_when_they_were_measured(data: Path) -> None:
 
 
 @pytest.mark.parametrize("change", ["a byte", "cut short", "another block's"])
-def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(data: Path, change: str) -> None:
+def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(
+    data: Path, change: str
+) -> None:
     stored = StoredSession(data).do(1)
     stored.recorder.write()
     number = len(stored.chunks()) // 2
@@ -237,7 +306,9 @@ def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(d
         "another block's": stored.chunks()[number]["data"],
     }[change]
     with stored.reader:
-        stored.reader.execute("UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number))
+        stored.reader.execute(
+            "UPDATE imu_chunks SET data=? WHERE session=? AND seq=?", (damaged, stored.id, number)
+        )
     words = f"Block {number} of sensor stream 1 of session {stored.id} is damaged"
     with pytest.raises(StoreError, match=words):
         stored.samples()
@@ -247,7 +318,8 @@ def test_a_damaged_block_is_reported_by_its_number_and_never_taken_for_samples(d
     assert len(stored.samples(0, before)), "what is not damaged can still be read"
 
 
-# --- resumed --------------------------------------------------------------------------------------------------
+# --- resumed
+# --------------------------------------------------------------------------------------------------
 
 
 def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
@@ -261,13 +333,23 @@ def replayed(history: list[Record], driver: ReachingDriver) -> list[Record]:
 
 @pytest.mark.parametrize(
     "parameters",
-    [{}, {"go_signal": True}, {"sensor": "patient"}, {"detector": "fixed-threshold"}, {"detector": "thesis"}],
+    [
+        {},
+        {"go_signal": True},
+        {"sensor": "patient"},
+        {"detector": "fixed-threshold"},
+        {"detector": "thesis"},
+    ],
 )
-def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, parameters: dict[str, Any]) -> None:
+def test_a_session_with_a_sensor_is_derived_again_from_the_database(
+    data: Path, parameters: dict[str, Any]
+) -> None:
     stored = StoredSession(data, **parameters).do(2)
     stored.recorder.write()
     assert len(stored.driver.all(REACH)) >= 2
-    assert replayed(stored.history, stored.driver) == [r for r in stored.driver.records if r.topic is not IMU]
+    assert replayed(stored.history, stored.driver) == [
+        r for r in stored.driver.records if r.topic is not IMU
+    ]
 
 
 @examples(15)
@@ -275,9 +357,14 @@ def test_a_session_with_a_sensor_is_derived_again_from_the_database(data: Path, 
 def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
-    """Samples that were written together are read as one block, including a long wait for a go signal."""
+    """Samples that were written together are read as one block, including a long wait for a go
+    signal.
+    """
     stored = StoredSession(
-        tmp_path_factory.mktemp("stored"), inline=False, go_signal=data.draw(st.booleans()), attempts=1
+        tmp_path_factory.mktemp("stored"),
+        inline=False,
+        go_signal=data.draw(st.booleans()),
+        attempts=1,
     )
     driver, pauses = stored.driver, st.integers(20, 900)
     driver.start_session(rest_ms=1000)
@@ -293,7 +380,9 @@ def test_a_session_cut_off_anywhere_and_written_in_any_batches_can_be_replayed(
         stored.write()
     events = [record for record in stored.history if record.topic is not IMU]
     assert replayed(stored.history, driver) == events
-    resumed = StoredSession(stored.data, of=stored, go_signal=driver.session.task.has_foreperiod, attempts=1)
+    resumed = StoredSession(
+        stored.data, of=stored, go_signal=driver.session.task.has_foreperiod, attempts=1
+    )
     assert resumed.driver.session.faults == []
 
 
@@ -325,13 +414,18 @@ def test_a_second_run_has_its_own_stream_with_the_next_number(data: Path) -> Non
     seqs = [record.seq for record in second.history if record.topic is not IMU]
     assert seqs == list(range(1, len(seqs) + 1))
     assert merged(second.history) == merged([*cut, *second.driver.records])
-    assert replayed(second.history, second.driver) == [r for r in second.history if r.topic is not IMU]
+    assert replayed(second.history, second.driver) == [
+        r for r in second.history if r.topic is not IMU
+    ]
 
 
-# --- a full disk ----------------------------------------------------------------------------------------------
+# --- a full disk
+# ----------------------------------------------------------------------------------------------
 
 
-def test_samples_wait_in_order_while_the_disk_is_full_and_none_is_lost_or_doubled(data: Path) -> None:
+def test_samples_wait_in_order_while_the_disk_is_full_and_none_is_lost_or_doubled(
+    data: Path,
+) -> None:
     stored = StoredSession(data, inline=False)
     stored.driver.start_session(rest_ms=500)
     stored.write()
@@ -360,7 +454,9 @@ def test_samples_wait_in_order_while_the_disk_is_full_and_none_is_lost_or_double
     assert stored.samples().tobytes() == stored.driver.samples.tobytes()
     assert merged(stored.history) == merged(stored.driver.records)
     assert [chunk["seq"] for chunk in stored.chunks()] == list(range(1, len(stored.chunks()) + 1))
-    assert replayed(stored.history, stored.driver) == [r for r in stored.driver.records if r.topic is not IMU]
+    assert replayed(stored.history, stored.driver) == [
+        r for r in stored.driver.records if r.topic is not IMU
+    ]
 
 
 def test_a_sensor_detached_and_attached_again_has_two_streams_in_one_run(data: Path) -> None:
@@ -368,7 +464,9 @@ def test_a_sensor_detached_and_attached_again_has_two_streams_in_one_run(data: P
     driver = stored.driver
     for state in ("detached", "attached"):
         driver.wait(100)
-        driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0))  # type: ignore[arg-type]
+        driver.session.bus.publish(
+            SENSOR, SensorChanged(state=state, at=driver.clock.now(), rate_hz=250.0)
+        )  # type: ignore[arg-type]
     driver.wait(500)
     stored.recorder.write()
     streams = sessions.rows(stored.reader, "imu_streams", stored.id)

@@ -23,20 +23,26 @@ def test_a_score_is_kept_with_who_entered_it(database: sqlite3.Connection) -> No
     assert database.execute("SELECT recorded_by FROM instrument_scores").fetchone() == ("ana",)
 
 
-def test_the_last_entry_for_a_day_counts_and_the_first_is_kept(database: sqlite3.Connection) -> None:
+def test_the_last_entry_for_a_day_counts_and_the_first_is_kept(
+    database: sqlite3.Connection,
+) -> None:
     for score in (30, 31):
         add(database, "P01", Score("ARAT", "2026-03-01", score), author="ana")
     assert [each.score for each in scores_of(database, "P01")] == [31]
     assert database.execute("SELECT count(*) FROM instrument_scores").fetchone() == (2,)
 
 
-def test_a_score_entered_by_mistake_is_removed_kept_and_can_be_entered_anew(database: sqlite3.Connection) -> None:
+def test_a_score_entered_by_mistake_is_removed_kept_and_can_be_entered_anew(
+    database: sqlite3.Connection,
+) -> None:
     for day in ("2026-03-01", "2026-04-01"):
         add(database, "P01", Score("ARAT", day, 30), author="ana")
     removed = remove(database, "P01", "arat", "2026-03-01", author="ben")
     assert removed == Score("ARAT", "2026-03-01", 30.0)
     assert [each.date for each in scores_of(database, "P01")] == ["2026-04-01"]
-    log = database.execute("SELECT recorded_by, removed FROM instrument_scores WHERE date='2026-03-01'").fetchall()
+    log = database.execute(
+        "SELECT recorded_by, removed FROM instrument_scores WHERE date='2026-03-01'"
+    ).fetchall()
     assert log == [("ana", 0), ("ben", 1)]
     with pytest.raises(StoreError, match="P01 has no score of ARAT on 2026-03-01") as refused:
         remove(database, "P01", "ARAT", "2026-03-01", author="ben")
@@ -53,7 +59,10 @@ def test_a_score_entered_by_mistake_is_removed_kept_and_can_be_entered_anew(data
         (Score("GAS", "2026-03-01", float("nan")), "lies between -2 and 2"),
         (Score("ARAT", "1 March", 5), "The date must be one such as 2026-03-01, not '1 March'."),
         (Score("ARAT", "9999-01-01", 5), "The date 9999-01-01 is in the future."),
-        (Score("ARAT", "2026-03-01", 5, "x" * 2001), "The note is too long: at most 2000 characters."),
+        (
+            Score("ARAT", "2026-03-01", 5, "x" * 2001),
+            "The note is too long: at most 2000 characters.",
+        ),
         (Score("ARAT", "2026-03-01", 5, "\x1b[2J"), "The note has control characters"),
     ],
 )

@@ -18,10 +18,16 @@ from sar_tui.store.integrity import Flaw, flaws
 @pytest.fixture
 def recorded(data: Path, catalogue: Catalogue) -> Iterator[sqlite3.Connection]:
     """A database with a session of each task."""
-    few = {"keyboard": {"prompts_per_attempt": 3}, "pairs": {"prompts_per_attempt": 3}, "reaching": {}}
+    few = {
+        "keyboard": {"prompts_per_attempt": 3},
+        "pairs": {"prompts_per_attempt": 3},
+        "reaching": {},
+    }
     for task, settings in few.items():
         codes = ["P01", "P02"][: 2 if task == "pairs" else 1]
-        plan = make_plan(catalogue, task, codes, {"attempts": 2, **settings}, seed=3, mode="simulated")
+        plan = make_plan(
+            catalogue, task, codes, {"attempts": 2, **settings}, seed=3, mode="simulated"
+        )
         simulate(plan, PEOPLE["average"], data, catalogue)
     with closing(connect(data)) as database:
         yield database
@@ -45,30 +51,61 @@ def test_a_new_database_is_whole(data: Path) -> None:
     [
         ("DELETE FROM messages WHERE seq=7", ("gap", "events, 1 are missing.")),
         ("DELETE FROM messages WHERE seq=1", ("gap", "events, 1 are missing.")),
-        ("DELETE FROM trials WHERE attempt=2 AND trial=1", ("gap", "trials of attempt 2, 1 are missing.")),
+        (
+            "DELETE FROM trials WHERE attempt=2 AND trial=1",
+            ("gap", "trials of attempt 2, 1 are missing."),
+        ),
         ("DELETE FROM attempts WHERE attempt=1", ("gap", "attempts, 1 are missing.")),
-        ("DELETE FROM sessions WHERE task='keyboard'", ("orphan", "There are trials without a session.")),
+        (
+            "DELETE FROM sessions WHERE task='keyboard'",
+            ("orphan", "There are trials without a session."),
+        ),
         ("DELETE FROM seats", ("orphan", "There are sessions without a seat.")),
-        ("DELETE FROM session_numbers", ("orphan", "There are events without a number of their session.")),
+        (
+            "DELETE FROM session_numbers",
+            ("orphan", "There are events without a number of their session."),
+        ),
         ("DELETE FROM topics WHERE id=5", ("orphan", "There are events without a topic.")),
         ("DELETE FROM imu_streams", ("orphan", "There are samples without their stream.")),
         ("UPDATE sessions SET mode='live'", ("orphan", "There are seats without a participant.")),
-        ("UPDATE imu_chunks SET data=zeroblob(length(data)) WHERE seq=1", ("samples", "stream 1 is damaged.")),
+        (
+            "UPDATE imu_chunks SET data=zeroblob(length(data)) WHERE seq=1",
+            ("samples", "stream 1 is damaged."),
+        ),
         ("UPDATE imu_chunks SET n=n+1 WHERE seq=1", ("samples", "stream 1 is damaged.")),
-        ("UPDATE trials SET timing='{' WHERE trial=1", ("text", "of the texts trials.timing cannot be read.")),
-        ("UPDATE imu_streams SET layout='[[]]'", ("samples", "The layout of sensor stream 1 cannot be read.")),
+        (
+            "UPDATE trials SET timing='{' WHERE trial=1",
+            ("text", "of the texts trials.timing cannot be read."),
+        ),
+        (
+            "UPDATE imu_streams SET layout='[[]]'",
+            ("samples", "The layout of sensor stream 1 cannot be read."),
+        ),
         (
             "UPDATE trials SET stimulus=CAST(x'ff' AS TEXT) WHERE trial=1",
             ("text", "rows of trials have characters that"),
         ),
-        ("UPDATE sessions SET id=CAST(x'ff' AS TEXT) WHERE task='pairs'", ("text", "rows of sessions have characters")),
-        ("DELETE FROM attempts WHERE attempt=1 AND seat='B'", ("gap", "trials of seat B, but not its result.")),
-        ("DELETE FROM trials WHERE attempt=2 AND seat='B'", ("gap", "the result of seat B, but no trial.")),
         (
-            "INSERT INTO adverse_events VALUES ('e', 1, 'P99', NULL, '', '', '', '', '', '', '', '')",
+            "UPDATE sessions SET id=CAST(x'ff' AS TEXT) WHERE task='pairs'",
+            ("text", "rows of sessions have characters"),
+        ),
+        (
+            "DELETE FROM attempts WHERE attempt=1 AND seat='B'",
+            ("gap", "trials of seat B, but not its result."),
+        ),
+        (
+            "DELETE FROM trials WHERE attempt=2 AND seat='B'",
+            ("gap", "the result of seat B, but no trial."),
+        ),
+        (
+            "INSERT INTO adverse_events VALUES ('e', 1, 'P99', NULL, '', '', '', '', '', '', '', "
+            "'')",
             ("orphan", "There are adverse_events without a participant."),
         ),
-        ("UPDATE messages SET message=substr(message, 2) WHERE seq=3", ("text", "texts messages.message cannot be")),
+        (
+            "UPDATE messages SET message=substr(message, 2) WHERE seq=3",
+            ("text", "texts messages.message cannot be"),
+        ),
     ],
 )
 def test_damage_is_found(recorded: sqlite3.Connection, damage: str, flaw: tuple[str, str]) -> None:
@@ -77,7 +114,9 @@ def test_damage_is_found(recorded: sqlite3.Connection, damage: str, flaw: tuple[
     assert any(each == kind and words in what for each, what in found(recorded)), found(recorded)
 
 
-def test_damaged_pages_are_found_and_nothing_else_is_looked_for(recorded: sqlite3.Connection, data: Path) -> None:
+def test_damaged_pages_are_found_and_nothing_else_is_looked_for(
+    recorded: sqlite3.Connection, data: Path
+) -> None:
     recorded.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     (root,) = recorded.execute("SELECT rootpage FROM sqlite_master WHERE name='trials'").fetchone()
     (size,) = recorded.execute("PRAGMA page_size").fetchone()
@@ -89,8 +128,13 @@ def test_damaged_pages_are_found_and_nothing_else_is_looked_for(recorded: sqlite
         assert {flaw.kind for flaw in flaws(database)} == {"file"}
 
 
-def test_the_last_attempt_of_an_interrupted_session_lacks_its_result(recorded: sqlite3.Connection) -> None:
-    recorded.execute("DELETE FROM attempts WHERE attempt=2 AND session=(SELECT id FROM sessions WHERE task='pairs')")
+def test_the_last_attempt_of_an_interrupted_session_lacks_its_result(
+    recorded: sqlite3.Connection,
+) -> None:
+    recorded.execute(
+        "DELETE FROM attempts WHERE attempt=2 AND session=(SELECT id FROM sessions WHERE "
+        "task='pairs')"
+    )
     assert [kind for kind, _ in found(recorded)] == ["rows"], "deleted by hand, and no gap"
 
 

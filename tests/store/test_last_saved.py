@@ -55,16 +55,27 @@ def cut_short(log: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "damage", [flip_the_last_byte, flip_a_byte_of_the_header, flip_a_byte_in_the_middle, cut_short, Path.unlink]
+    "damage",
+    [
+        flip_the_last_byte,
+        flip_a_byte_of_the_header,
+        flip_a_byte_in_the_middle,
+        cut_short,
+        Path.unlink,
+    ],
 )
-def test_a_damaged_or_deleted_log_is_reported(crashed: Path, damage: Callable[[Path], None]) -> None:
+def test_a_damaged_or_deleted_log_is_reported(
+    crashed: Path, damage: Callable[[Path], None]
+) -> None:
     damage(crashed / f"{FILE}-wal")
     with closing(connect(crashed)) as database:
         (loss,) = losses(database, crashed)
         assert (loss.saved.attempt, loss.saved.trial) == (2, 1)
         assert loss.kept is None or loss.kept.seq < loss.saved.seq
         (text,) = troubles(database, crashed)
-        assert text.startswith(f"Data was lost: session {loss.session} was saved up to attempt 2, trial 1, but ")
+        assert text.startswith(
+            f"Data was lost: session {loss.session} was saved up to attempt 2, trial 1, but "
+        )
         assert losses(database, crashed) == [loss], "it is told until somebody accepts it"
 
 

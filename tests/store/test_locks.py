@@ -70,7 +70,9 @@ def another_program(data: Path) -> Iterator[Program]:
         program.communicate()
 
 
-def test_a_lock_held_by_another_program_cannot_be_taken(data: Path, another_program: Program) -> None:
+def test_a_lock_held_by_another_program_cannot_be_taken(
+    data: Path, another_program: Program
+) -> None:
     another_program("participant", "P01")
     assert is_held(data, "participant", "P01")
     with pytest.raises(Held, match="The participant P01 is in a live session already"):
@@ -116,7 +118,8 @@ def test_a_folder_that_cannot_be_written_to_is_reported(tmp_path: Path) -> None:
         hold(tmp_path / "data", "session", "abc")
 
 
-# --- through whole sessions -----------------------------------------------------------------------------------
+# --- through whole sessions
+# -----------------------------------------------------------------------------------
 
 
 def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
@@ -128,7 +131,9 @@ def begin(plan: Plan, data: Path, catalogue: Catalogue) -> str:
     return run.id
 
 
-def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+def test_a_participant_cannot_be_in_two_live_sessions(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
     run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     with pytest.raises(Held):
         start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
@@ -137,14 +142,18 @@ def test_a_participant_cannot_be_in_two_live_sessions(plan: Plan, data: Path, ca
     start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
 
 
-def test_two_participants_can_be_in_live_sessions(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+def test_two_participants_can_be_in_live_sessions(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
     run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     other = make_plan(catalogue, "keyboard", ["P02"], seed=1)
     start(other, data, catalogue, VirtualClock(), lambda task, theme, seed: []).close()
     run.close()
 
 
-def test_a_session_that_is_live_cannot_be_resumed_elsewhere(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+def test_a_session_that_is_live_cannot_be_resumed_elsewhere(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
     run = start(plan, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
     with pytest.raises(StoreError, match=f"The session {run.id} is running"):
         resume(run.id, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
@@ -168,10 +177,16 @@ def test_a_new_session_that_is_not_locked_is_not_visible(
 
 
 @pytest.mark.parametrize(
-    ("meanwhile", "state"), [("UPDATE sessions SET status='aborted'", "aborted"), ("DELETE FROM sessions", "gone")]
+    ("meanwhile", "state"),
+    [("UPDATE sessions SET status='aborted'", "aborted"), ("DELETE FROM sessions", "gone")],
 )
 def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_resumed(
-    meanwhile: str, state: str, plan: Plan, data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+    meanwhile: str,
+    state: str,
+    plan: Plan,
+    data: Path,
+    catalogue: Catalogue,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     session = begin(plan, data, catalogue)
 
@@ -188,8 +203,12 @@ def test_a_session_that_ends_elsewhere_just_before_it_is_held_is_not_resumed(
     assert not is_held(data, "participant", "P01")
 
 
-def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_resumed(data: Path, catalogue: Catalogue) -> None:
-    killed = subprocess.run([sys.executable, "-c", KILLED, str(data)], capture_output=True, text=True, check=False)
+def test_a_session_whose_program_was_killed_is_interrupted_and_can_be_resumed(
+    data: Path, catalogue: Catalogue
+) -> None:
+    killed = subprocess.run(
+        [sys.executable, "-c", KILLED, str(data)], capture_output=True, text=True, check=False
+    )
     assert killed.returncode == 9, killed.stderr
     session = killed.stdout.strip()
     database = connect(data)
@@ -226,10 +245,16 @@ def test_a_session_whose_parameters_the_task_no_longer_takes_is_reported(
         resume(session, data, catalogue, VirtualClock(), lambda task, theme, seed: [])
 
 
-def test_a_theme_that_is_not_there_leaves_no_session_and_no_lock(plan: Plan, data: Path, catalogue: Catalogue) -> None:
+def test_a_theme_that_is_not_there_leaves_no_session_and_no_lock(
+    plan: Plan, data: Path, catalogue: Catalogue
+) -> None:
     with pytest.raises(PluginError):
         start(
-            msgspec.structs.replace(plan, theme="loud"), data, catalogue, VirtualClock(), lambda task, theme, seed: []
+            msgspec.structs.replace(plan, theme="loud"),
+            data,
+            catalogue,
+            VirtualClock(),
+            lambda task, theme, seed: [],
         )
     assert not locks.is_held(data, "participant", "P01")
     assert sessions.listing(connect(data), data) == []

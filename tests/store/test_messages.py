@@ -1,4 +1,6 @@
-"""A message is stored in a short form, and read as it was, by the program and in the view ``events``."""
+"""A message is stored in a short form, and read as it was, by the program and in the view
+``events``.
+"""
 
 import json
 import sqlite3
@@ -42,11 +44,18 @@ def read(database: sqlite3.Connection) -> list[m.Message]:
         (KEY, m.KeyPressed(seat="B", key='"\n\\é☺', at=5, loop_lag=3)),
         (WAITING, m.Waiting(what="enter", stage="attempt")),
         (WAITING, m.Waiting(what="enter", stage="attempt", level=3, ask="tab")),
-        (PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True, peers={"ana": "operator"})),
+        (
+            PRESENCE,
+            m.OperatorChanged(
+                actor="operator.ana", state="joined", operated=True, peers={"ana": "operator"}
+            ),
+        ),
         (SENSOR, m.SensorChanged(state="gap", at=5, duration_ms=0.1 + 0.2)),
     ],
 )
-def test_a_message_is_read_as_it_was(database: sqlite3.Connection, topic: Topic[Any], message: m.Message) -> None:
+def test_a_message_is_read_as_it_was(
+    database: sqlite3.Connection, topic: Topic[Any], message: m.Message
+) -> None:
     sessions_row(database)
     store(database, topic, message)
     assert read(database) == [message]
@@ -70,15 +79,26 @@ def test_messages_after_a_number_can_be_read_alone(database: sqlite3.Connection)
 def test_every_message_of_a_session_is_the_same_in_the_view_and_to_the_program(
     database: sqlite3.Connection, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    plan = make_plan(catalogue, keyboard, ["SIM"], {"attempts": 3, "prompts_per_attempt": 3}, seed=3, mode="simulated")
+    plan = make_plan(
+        catalogue,
+        keyboard,
+        ["SIM"],
+        {"attempts": 3, "prompts_per_attempt": 3},
+        seed=3,
+        mode="simulated",
+    )
     session = simulate(plan, PEOPLE["average"], data, catalogue, operator=PROFILES["careful"])
-    seen = database.execute("SELECT seq, run, at_ns, topic, message FROM events WHERE session=?", (session,))
+    seen = database.execute(
+        "SELECT seq, run, at_ns, topic, message FROM events WHERE session=?", (session,)
+    )
     shown = {seq: (run, at, topic, json.loads(text)) for seq, run, at, topic, text in seen}
     stored = list(messages.read(database, session))
     assert len({one.topic for one in stored}) > 15
     assert [one.seq for one in stored] == sorted(shown)
     for seq, run, at, topic, message in stored:
-        assert shown[seq] == (run, at, topic.name, json.loads(msgspec.json.encode(message))), topic.name
+        assert shown[seq] == (run, at, topic.name, json.loads(msgspec.json.encode(message))), (
+            topic.name
+        )
 
 
 def test_messages_take_half_the_space_of_their_objects(
@@ -87,7 +107,8 @@ def test_messages_take_half_the_space_of_their_objects(
     plan = make_plan(catalogue, keyboard, ["SIM"], {"attempts": 2}, seed=3, mode="simulated")
     simulate(plan, PEOPLE["average"], data, catalogue)
     ((objects, names),) = database.execute(
-        "SELECT sum(length(message)), sum(length(session) + length(topic)) FROM events WHERE topic<>'theme/worn'"
+        "SELECT sum(length(message)), sum(length(session) + length(topic)) FROM events WHERE "
+        "topic<>'theme/worn'"
     ).fetchall()
     ((stored,),) = database.execute(
         "SELECT sum(length(message)) FROM messages JOIN topics ON id=topic WHERE name<>'theme/worn'"

@@ -3,7 +3,15 @@
 from pathlib import Path
 from typing import Any
 
-from sar_tui.loop.topics import COMMAND, DECISION, NOTE_ADDED, PENDING_APPROVAL, PRESENCE, PROPOSAL_SEEN, REMARK
+from sar_tui.loop.topics import (
+    COMMAND,
+    DECISION,
+    NOTE_ADDED,
+    PENDING_APPROVAL,
+    PRESENCE,
+    PROPOSAL_SEEN,
+    REMARK,
+)
 from sar_tui.model import messages as m
 from sar_tui.model.units import MS, SECOND
 from sar_tui.store import sessions
@@ -16,7 +24,8 @@ class Operated(Recorded):
     """A simulated session of three attempts with an operator.
 
     Args:
-        verdicts: the decisions, by the number of the pending approval, from 1; no decision on the others.
+        verdicts: the decisions, by the number of the pending approval, from 1; no decision on the
+            others.
     """
 
     def __init__(self, data: Path, verdicts: dict[int, dict[str, Any]], **parameters: Any) -> None:
@@ -25,7 +34,9 @@ class Operated(Recorded):
         self._verdicts = verdicts
         self._count = 0
         self.session.begin()
-        self.session.bus.publish(PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True))
+        self.session.bus.publish(
+            PRESENCE, m.OperatorChanged(actor=ANA, state="joined", operated=True)
+        )
         self.session.bus.subscribe(PENDING_APPROVAL, self._decide_later)
 
     def _decide_later(self, approval: m.PendingApproval) -> None:
@@ -34,7 +45,10 @@ class Operated(Recorded):
         now, bus, clock = self.clock.now(), self.session.bus, self.clock
         id = approval.proposal.id
         clock.call_at(
-            now + 200 * MS, lambda: bus.publish(PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=ANA, at=clock.now()))
+            now + 200 * MS,
+            lambda: bus.publish(
+                PROPOSAL_SEEN, m.ProposalSeen(action=id, actor=ANA, at=clock.now())
+            ),
         )
         if verdict := self._verdicts.get(self._count):
             reported = m.Decision(action=id, actor=ANA, at=now + 700 * MS, **verdict)
@@ -44,7 +58,9 @@ class Operated(Recorded):
         """Finish the session and return the stored actions of a kind."""
         self.finish()
         self.recorder.write()
-        return [row for row in sessions.rows(self.reader, "actions", self.id) if row["kind"] == kind]
+        return [
+            row for row in sessions.rows(self.reader, "actions", self.id) if row["kind"] == kind
+        ]
 
 
 def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> None:
@@ -55,23 +71,38 @@ def test_approved_edited_and_vetoed_actions_can_be_told_apart(data: Path) -> Non
         operator_ms_per_word=0,
     )
     rows = operated.rows("feedback")
-    assert [(row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in rows] == [
+    assert [
+        (row["decision"], row["actor"], row["mode"], row["ground"], row["reason"]) for row in rows
+    ] == [
         ("accepted", ANA, "approve", "operator", None),
         ("edited", ANA, "approve", "operator", None),
         ("rejected", ANA, "approve", "operator", "vetoed"),
     ]
-    assert [row["final"] and row["final"]["text"] for row in rows] == [rows[0]["proposed"]["text"], "Fine.", None]
+    assert [row["final"] and row["final"]["text"] for row in rows] == [
+        rows[0]["proposed"]["text"],
+        "Fine.",
+        None,
+    ]
     assert rows[1]["proposed"]["text"] != "Fine."
     for row in rows:
         assert row["shown_ns"] - row["proposed_ns"] == 200 * MS
         assert row["decided_ns"] - row["proposed_ns"] == 700 * MS
         assert row["deadline_ns"] - row["proposed_ns"] == 4 * SECOND
-    assert [row["started_ns"] for row in rows] == [rows[0]["decided_ns"], rows[1]["decided_ns"], None]
+    assert [row["started_ns"] for row in rows] == [
+        rows[0]["decided_ns"],
+        rows[1]["decided_ns"],
+        None,
+    ]
 
 
 def test_a_proposal_that_expired_is_stored_with_its_deadline(data: Path) -> None:
-    for timeout, expected in (("act", ("accepted", "deadline", None)), ("drop", ("dropped", "deadline", "expired"))):
-        operated = Operated(data / timeout, {}, operator_feedback="approve", operator_timeout=timeout)
+    for timeout, expected in (
+        ("act", ("accepted", "deadline", None)),
+        ("drop", ("dropped", "deadline", "expired")),
+    ):
+        operated = Operated(
+            data / timeout, {}, operator_feedback="approve", operator_timeout=timeout
+        )
         first = operated.rows("feedback")[0]
         assert (first["decision"], first["ground"], first["reason"]) == expected
         assert (first["actor"], first["decided_ns"]) == ("agent", first["deadline_ns"])
@@ -80,7 +111,9 @@ def test_a_proposal_that_expired_is_stored_with_its_deadline(data: Path) -> None
 def test_a_decision_without_an_operator_is_stored_as_such(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve")
     gone = m.OperatorChanged(actor=ANA, state="lost", operated=False)
-    operated.session.bus.subscribe(PENDING_APPROVAL, lambda _: operated.session.bus.publish(PRESENCE, gone))
+    operated.session.bus.subscribe(
+        PENDING_APPROVAL, lambda _: operated.session.bus.publish(PRESENCE, gone)
+    )
     rows = operated.rows("feedback")
     assert [(row["decision"], row["actor"], row["ground"]) for row in rows] == [
         ("accepted", "agent", "no operator")
@@ -98,7 +131,9 @@ def test_an_operators_own_words_and_notes_are_stored_with_their_times(data: Path
     assert (own["decision"], own["actor"], own["mode"]) == ("initiated", ANA, "manual")
     assert own["final"]["text"] == "Well held."
     assert own["decided_ns"] <= own["started_ns"] <= own["ended_ns"]
-    notes = operated.reader.execute("SELECT at_ns, author, text, label FROM notes ORDER BY at_ns").fetchall()
+    notes = operated.reader.execute(
+        "SELECT at_ns, author, text, label FROM notes ORDER BY at_ns"
+    ).fetchall()
     assert notes == [(12 * MS, ANA, "coughs", ""), (13 * MS, ANA, "", "pain")]
 
 
@@ -125,12 +160,19 @@ def test_level_changes_that_needed_approval_are_rows_too(data: Path) -> None:
 
 def test_a_level_change_dropped_without_an_operator_is_a_row_too(data: Path) -> None:
     operated = Operated(
-        data, {}, operator_difficulty="approve", operator_lost="silent", threshold=60_000, min_accuracy=0
+        data,
+        {},
+        operator_difficulty="approve",
+        operator_lost="silent",
+        threshold=60_000,
+        min_accuracy=0,
     )
     gone = m.OperatorChanged(actor=ANA, state="left", operated=False)
     operated.session.bus.publish(PRESENCE, gone)
     rows = operated.rows("difficulty")
-    assert [(row["id"], row["final"], row["decision"], row["actor"], row["ground"]) for row in rows] == [
+    assert [
+        (row["id"], row["final"], row["decision"], row["actor"], row["ground"]) for row in rows
+    ] == [
         ("l1", None, "rejected", "agent", "no operator"),
         ("l2", None, "rejected", "agent", "no operator"),
     ]
@@ -141,7 +183,9 @@ def test_the_first_time_a_proposal_was_seen_is_stored(data: Path) -> None:
     bus, clock = operated.session.bus, operated.clock
 
     def see_again(approval: m.PendingApproval) -> None:
-        late = m.ProposalSeen(action=approval.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS)
+        late = m.ProposalSeen(
+            action=approval.proposal.id, actor="observer.ben", at=clock.now() + 900 * MS
+        )
         clock.call_at(clock.now() + 300 * MS, lambda: bus.publish(PROPOSAL_SEEN, late))
 
     bus.subscribe(PENDING_APPROVAL, see_again)
@@ -153,7 +197,10 @@ def test_an_operators_stop_differs_from_the_participants(data: Path) -> None:
     operated = Operated(data, {}, operator_feedback="approve", operator_time_ms=60_000)
     stop = m.SessionCommand(command="stop", actor=ANA)
     bus, clock = operated.session.bus, operated.clock
-    bus.subscribe(PENDING_APPROVAL, lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(COMMAND, stop)))
+    bus.subscribe(
+        PENDING_APPROVAL,
+        lambda _: clock.call_at(clock.now() + 1, lambda: bus.publish(COMMAND, stop)),
+    )
     rows = operated.rows("feedback")
     reported = [(row["decision"], row["actor"], row["reason"], row["ground"]) for row in rows]
     assert reported == [("dropped", ANA, "stopped", "operator")] * 3
@@ -164,7 +211,11 @@ def test_stored_rows_do_not_depend_on_how_writes_are_batched(data: Path) -> None
     for folder, is_apart in (("apart", True), ("together", False)):
         operated = Operated(
             data / folder,
-            {1: {"verdict": "edit", "text": "Fine."}, 2: {"verdict": "edit", "level": 3}, 4: {"verdict": "veto"}},
+            {
+                1: {"verdict": "edit", "text": "Fine."},
+                2: {"verdict": "edit", "level": 3},
+                4: {"verdict": "veto"},
+            },
             operator_feedback="approve",
             operator_difficulty="approve",
             operator_time_ms=2000,
@@ -176,7 +227,10 @@ def test_stored_rows_do_not_depend_on_how_writes_are_batched(data: Path) -> None
             bus.tap(lambda _, recorder=operated.recorder: recorder.write())
         bus.publish(REMARK, m.Remark(text="Well held.", actor=ANA, at=operated.clock.now()))
         operated.rows("feedback")
-        tables = [sessions.rows(operated.reader, name, operated.id) for name in ("actions", "trials", "attempts")]
+        tables = [
+            sessions.rows(operated.reader, name, operated.id)
+            for name in ("actions", "trials", "attempts")
+        ]
         stored.append([sorted(str({**row, "session": ""}) for row in rows) for rows in tables])
     apart, together = stored
     assert len(apart[0]) > 8

@@ -17,14 +17,31 @@ from tests.store.test_sessions import enter
 
 
 @pytest.mark.parametrize(
-    ("typed", "kept"), [("P01", "P01"), ("p01", "P01"), (" p-1_x ", "P-1_X"), ("7", "7"), ("a" * 32, "A" * 32)]
+    ("typed", "kept"),
+    [("P01", "P01"), ("p01", "P01"), (" p-1_x ", "P-1_X"), ("7", "7"), ("a" * 32, "A" * 32)],
 )
 def test_a_code_is_stored_in_capitals(typed: str, kept: str) -> None:
     assert check_code(typed) == kept
 
 
 @pytest.mark.parametrize(
-    "code", ["", " ", "Anna Berg", "-1", "_x", "a" * 33, "p/1", "../p", "P01\n2", "é1", "P.1", "ß1", "ı1", "ﬁ"]
+    "code",
+    [
+        "",
+        " ",
+        "Anna Berg",
+        "-1",
+        "_x",
+        "a" * 33,
+        "p/1",
+        "../p",
+        "P01\n2",
+        "é1",
+        "P.1",
+        "ß1",
+        "ı1",
+        "ﬁ",
+    ],
 )
 def test_an_invalid_code_is_refused_with_a_warning_against_names(code: str) -> None:
     with pytest.raises(StoreError, match="Never use a name") as caught:
@@ -54,12 +71,16 @@ def test_a_disk_that_refuses_someone_is_reported(database: sqlite3.Connection) -
     assert codes(database) == []
 
 
-def test_someone_entered_is_there_for_the_next_program(database: sqlite3.Connection, data: Path) -> None:
+def test_someone_entered_is_there_for_the_next_program(
+    database: sqlite3.Connection, data: Path
+) -> None:
     add(database, "P01")
     assert codes(connect(data)) == ["P01"]
 
 
-def test_the_participant_used_last_is_that_of_the_last_live_run(database: sqlite3.Connection) -> None:
+def test_the_participant_used_last_is_that_of_the_last_live_run(
+    database: sqlite3.Connection,
+) -> None:
     assert last_used(database) is None
     first, second = enter(database, "P01"), enter(database, "P02", partner="P09")
     simulated = enter(database, "P03", mode="simulated")
@@ -87,10 +108,16 @@ def test_a_participant_waits_with_an_interrupted_session_that_is_not_long_past(
 ) -> None:
     for code in ("P01", "P02", "P03", "P04"):
         add(database, code)
-    left, running, _simulated = enter(database, "P01"), enter(database, "P02"), enter(database, "P03", mode="simulated")
+    left, running, _simulated = (
+        enter(database, "P01"),
+        enter(database, "P02"),
+        enter(database, "P03", mode="simulated"),
+    )
     enter(database, "P04")
     for _ in range(5):
-        database.execute("UPDATE sessions SET status='completed' WHERE id=?", (enter(database, "P04"),))
+        database.execute(
+            "UPDATE sessions SET status='completed' WHERE id=?", (enter(database, "P04"),)
+        )
     lock = hold(data, "session", running)
     assert {each.code for each in newest_first(database, data) if each.is_interrupted} == {"P01"}
     lock.release()
@@ -98,7 +125,9 @@ def test_a_participant_waits_with_an_interrupted_session_that_is_not_long_past(
     assert {each.code for each in newest_first(database, data) if each.is_interrupted} == {"P02"}
 
 
-def test_the_last_task_is_that_of_the_newest_live_session_or_programme(database: sqlite3.Connection) -> None:
+def test_the_last_task_is_that_of_the_newest_live_session_or_programme(
+    database: sqlite3.Connection,
+) -> None:
     add(database, "P01")
     assert last_task(database, "P01") is None
     programmes.save(database, "P01", "reaching", Programme(), after=0)

@@ -23,7 +23,8 @@ class _Clock:
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
-    monkeypatch.setattr(passphrase, "_COST", 16)  # the real cost takes a tenth of a second each time
+    # the real cost takes a tenth of a second each time
+    monkeypatch.setattr(passphrase, "_COST", 16)
     return _Clock()
 
 
@@ -65,7 +66,9 @@ def test_a_short_one_is_refused_and_the_earlier_one_stays(data: Path, clock: _Cl
     assert stored.check(RIGHT)
 
 
-def test_wrong_ones_in_a_row_are_followed_by_longer_and_longer_waits(data: Path, clock: _Clock) -> None:
+def test_wrong_ones_in_a_row_are_followed_by_longer_and_longer_waits(
+    data: Path, clock: _Clock
+) -> None:
     stored = Passphrase(data, clock)
     stored.set(RIGHT)
     waits = []
@@ -78,7 +81,9 @@ def test_wrong_ones_in_a_row_are_followed_by_longer_and_longer_waits(data: Path,
     assert stored.wait_s == 0
 
 
-def test_during_the_wait_not_even_the_right_one_is_taken_and_nothing_is_logged(data: Path, clock: _Clock) -> None:
+def test_during_the_wait_not_even_the_right_one_is_taken_and_nothing_is_logged(
+    data: Path, clock: _Clock
+) -> None:
     stored = Passphrase(data, clock)
     stored.set(RIGHT)
     for _ in range(FREE_TRIES):
@@ -95,7 +100,9 @@ def test_a_restart_of_the_program_does_not_shorten_the_wait(data: Path, clock: _
     assert Passphrase(data, clock).wait_s == stored.wait_s == 5
 
 
-def test_a_clock_that_is_set_back_does_not_lock_the_therapist_out(data: Path, clock: _Clock) -> None:
+def test_a_clock_that_is_set_back_does_not_lock_the_therapist_out(
+    data: Path, clock: _Clock
+) -> None:
     stored = Passphrase(data, clock)
     stored.set(RIGHT)
     for _ in range(FREE_TRIES):
@@ -126,7 +133,9 @@ def test_without_a_log_the_waits_are_kept_by_the_program(data: Path, clock: _Clo
     assert stored.check(RIGHT)
 
 
-@pytest.mark.parametrize("lines", [b"\x00\xff\n{", b'{"at":"no date","result":"wrong"}\n' * 5, b"[]\n"])
+@pytest.mark.parametrize(
+    "lines", [b"\x00\xff\n{", b'{"at":"no date","result":"wrong"}\n' * 5, b"[]\n"]
+)
 def test_a_damaged_log_locks_nobody_out(lines: bytes, data: Path, clock: _Clock) -> None:
     stored = Passphrase(data, clock)
     stored.set(RIGHT)
@@ -135,7 +144,9 @@ def test_a_damaged_log_locks_nobody_out(lines: bytes, data: Path, clock: _Clock)
 
 
 @pytest.mark.parametrize("content", [b"", b"{}", b'{"salt":"","key":"","cost":1000000000}'])
-def test_a_damaged_passphrase_is_never_right_and_says_what_to_do(content: bytes, data: Path, clock: _Clock) -> None:
+def test_a_damaged_passphrase_is_never_right_and_says_what_to_do(
+    content: bytes, data: Path, clock: _Clock
+) -> None:
     data.mkdir(exist_ok=True)
     (data / passphrase.FILE).write_bytes(content)
     stored = Passphrase(data, clock)

@@ -16,7 +16,9 @@ from sar_tui.store.programmes import Programme, Superseded, find, newest, save, 
 EARLIER = Path(__file__).with_name("earlier.db.gz")
 
 
-def saved(database: sqlite3.Connection, after: int, author: str = "", reason: str = "", **parameters: Any) -> Programme:
+def saved(
+    database: sqlite3.Connection, after: int, author: str = "", reason: str = "", **parameters: Any
+) -> Programme:
     changed = Programme(parameters)
     return save(database, "P07", "keyboard", changed, after=after, author=author, reason=reason)
 
@@ -27,7 +29,9 @@ def test_a_participant_without_a_programme_has_the_defaults(database: sqlite3.Co
     assert tasks(database, "P07") == []
 
 
-def test_each_version_keeps_who_changed_it_when_and_why(database: sqlite3.Connection, data: Path) -> None:
+def test_each_version_keeps_who_changed_it_when_and_why(
+    database: sqlite3.Connection, data: Path
+) -> None:
     first = saved(database, 0, "ana", "Start", attempts=5, levels=["fj", "dfjk"], threshold=850.5)
     second = saved(database, 1, "ben", "Goal reached four times", attempts=5, threshold=800.0)
     with closing(connect(data)) as again:
@@ -51,7 +55,9 @@ def test_a_programme_that_did_not_change_has_no_new_version(database: sqlite3.Co
     assert versions(database, "P07", "keyboard") == [first]
 
 
-def test_the_second_of_two_therapists_is_told_and_overwrites_nothing(database: sqlite3.Connection, data: Path) -> None:
+def test_the_second_of_two_therapists_is_told_and_overwrites_nothing(
+    database: sqlite3.Connection, data: Path
+) -> None:
     saved(database, 0, attempts=5)
     with closing(connect(data)) as other:
         theirs = saved(other, 1, "ben", "Tired", attempts=3)
@@ -82,7 +88,9 @@ for version in range(1_000_000):
 
 @pytest.mark.parametrize("seen", [1, 7])
 def test_a_kill_while_saving_loses_no_version_that_was_saved(data: Path, seen: int) -> None:
-    with subprocess.Popen([sys.executable, "-c", SAVER, str(data)], stdout=subprocess.PIPE, text=True) as saver:
+    with subprocess.Popen(
+        [sys.executable, "-c", SAVER, str(data)], stdout=subprocess.PIPE, text=True
+    ) as saver:
         assert saver.stdout
         for _ in range(seen):
             saver.stdout.readline()
@@ -92,7 +100,9 @@ def test_a_kill_while_saving_loses_no_version_that_was_saved(data: Path, seen: i
         assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         kept = versions(database, "P07", "keyboard")
     assert [each.version for each in kept] == list(range(1, len(kept) + 1))
-    assert all(each.parameters == {"attempts": each.version} and each.reason == "more" for each in kept)
+    assert all(
+        each.parameters == {"attempts": each.version} and each.reason == "more" for each in kept
+    )
     assert told <= len(kept) <= told + 1
 
 
@@ -106,12 +116,14 @@ def earlier(data: Path) -> Path:
 
 def test_settings_saved_before_become_the_first_version(earlier: Path) -> None:
     with closing(sqlite3.connect(earlier / "sar-tui.db")) as before:
-        ((parameters, theme, saved_at),) = before.execute("SELECT parameters, theme, updated_at FROM settings")
+        ((parameters, theme, saved_at),) = before.execute(
+            "SELECT parameters, theme, updated_at FROM settings"
+        )
     with closing(connect(earlier)) as database:
         (first,) = versions(database, "P01", "keyboard")
-        assert database.execute("SELECT parameters, theme, updated_at FROM settings").fetchall() == [
-            (parameters, theme, saved_at)
-        ]
+        assert database.execute(
+            "SELECT parameters, theme, updated_at FROM settings"
+        ).fetchall() == [(parameters, theme, saved_at)]
         assert database.execute("SELECT DISTINCT programme FROM sessions").fetchall() == [(None,)]
     assert (first.version, first.theme, first.created_at) == (1, theme, saved_at)
     assert first.reason == "Saved before programmes had versions."

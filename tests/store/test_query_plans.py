@@ -1,4 +1,6 @@
-"""Lists of sessions and views of one look at their own rows only, however many other sessions there are."""
+"""Lists of sessions and views of one look at their own rows only, however many other sessions there
+are.
+"""
 
 import re
 import sqlite3
@@ -17,7 +19,17 @@ from sar_tui.simulation.participant_model import PEOPLE
 from sar_tui.store import imu, participants, results, sessions, wellbeing
 from sar_tui.store.database import connect
 
-LARGE = {"messages", "earlier_events", "events", "trials", "attempts", "actions", "imu_chunks", "notes", "wellbeing"}
+LARGE = {
+    "messages",
+    "earlier_events",
+    "events",
+    "trials",
+    "attempts",
+    "actions",
+    "imu_chunks",
+    "notes",
+    "wellbeing",
+}
 """Tables that grow with each trial."""
 
 Look = Callable[[sqlite3.Connection, Path, str], object]
@@ -44,8 +56,13 @@ def look_at_home(database: sqlite3.Connection, folder: Path) -> None:
 
 LOOKS: dict[str, Look] = {
     "home": lambda database, folder, _: look_at_home(database, folder),
-    "sessions": lambda database, folder, _: (sessions.operators(database), sessions.listing(database, folder)),
-    "sessions of one": lambda database, folder, _: sessions.listing(database, folder, participant="SIM"),
+    "sessions": lambda database, folder, _: (
+        sessions.operators(database),
+        sessions.listing(database, folder),
+    ),
+    "sessions of one": lambda database, folder, _: sessions.listing(
+        database, folder, participant="SIM"
+    ),
     "progress": lambda database, *_: list(results.sessions_of(database, "SIM")),
     "show": show,
     "show last": lambda database, folder, _: sessions.find(database, folder, "last"),
@@ -60,7 +77,14 @@ LOOKS: dict[str, Look] = {
 def test_no_large_table_is_scanned(
     name: str, database: sqlite3.Connection, data: Path, catalogue: Catalogue, keyboard: type[Task]
 ) -> None:
-    plan = make_plan(catalogue, keyboard, ["SIM"], {"attempts": 1, "prompts_per_attempt": 2}, seed=3, mode="simulated")
+    plan = make_plan(
+        catalogue,
+        keyboard,
+        ["SIM"],
+        {"attempts": 1, "prompts_per_attempt": 2},
+        seed=3,
+        mode="simulated",
+    )
     session = simulate(plan, PEOPLE["average"], data, catalogue)
     asked: list[str] = []
     database.set_trace_callback(asked.append)
@@ -73,8 +97,14 @@ def test_no_large_table_is_scanned(
 def scans(database: sqlite3.Connection, query: str) -> set[str]:
     """Return the large tables that a query reads from beginning to end."""
     steps = [step for *_, step in database.execute(f"EXPLAIN QUERY PLAN {query}")]
-    read = [found[1] for step in steps if (found := re.fullmatch(r"SCAN (\w+)(?! USING INDEX idx_).*", step))]
-    tables = {name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type='table'")}
+    read = [
+        found[1]
+        for step in steps
+        if (found := re.fullmatch(r"SCAN (\w+)(?! USING INDEX idx_).*", step))
+    ]
+    tables = {
+        name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type='table'")
+    }
     return LARGE & tables & set(read)
 
 
@@ -88,13 +118,17 @@ def steps(database: sqlite3.Connection, look: Callable[[], object]) -> list[str]
 
 
 @pytest.mark.parametrize("session", [None, "5e55100001"])
-def test_presence_is_looked_up_in_its_indexes(database: sqlite3.Connection, session: str | None) -> None:
+def test_presence_is_looked_up_in_its_indexes(
+    database: sqlite3.Connection, session: str | None
+) -> None:
     planned = steps(database, lambda: sessions.operators(database, session))
     for index in ("idx_earlier_events_presence", "idx_messages_presence"):
         assert [step for step in planned if index in step], index
 
 
-def test_the_newest_sessions_are_found_without_sorting_all(database: sqlite3.Connection, data: Path) -> None:
+def test_the_newest_sessions_are_found_without_sorting_all(
+    database: sqlite3.Connection, data: Path
+) -> None:
     planned = steps(database, lambda: sessions.listing(database, data, limit=30))
     assert planned[0] == "SCAN sessions"
     assert [step for step in planned if "TEMP B-TREE" in step] == []
@@ -109,6 +143,8 @@ def test_the_newest_sessions_of_a_participant_are_found_without_sorting_all(
 
 def test_the_view_of_messages_looks_at_a_sessions_own(data: Path) -> None:
     database = connect(data)
-    query = "SELECT message FROM events WHERE session='5e55100001' AND topic='input/key' ORDER BY seq"
+    query = (
+        "SELECT message FROM events WHERE session='5e55100001' AND topic='input/key' ORDER BY seq"
+    )
     assert scans(database, query) == set()
     database.close()

@@ -13,7 +13,9 @@ from sar_tui.store import sessions
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read
 
 REFUSED = "cannot be written to|is read-only|may you write to it"
-"""Pattern of the messages: the system refuses the owner of the files and anybody else at different calls."""
+"""Pattern of the messages: the system refuses the owner of the files and anybody else at different
+calls.
+"""
 NOBODY = 65534
 """User id of ``nobody``, who owns no files: the superuser can write anywhere."""
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="permissions are those of POSIX")
@@ -32,13 +34,22 @@ def as_owner() -> Iterator[None]:
 
 @pytest.fixture
 def archive() -> Iterator[Path]:
-    """A data folder with a session that nobody may write to, as this user or, for the superuser, as another."""
+    """A data folder with a session that nobody may write to, as this user or, for the superuser, as
+    another.
+    """
     user = os.geteuid()
     with tempfile.TemporaryDirectory() as name:
         top = Path(name)
         folder = top / "data"
         database = connect(folder)
-        facts: Any = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}, "mode": "live"}
+        facts: Any = {
+            "theme": "calm",
+            "seed": 1,
+            "parameters": {},
+            "software": {},
+            "machine": {},
+            "mode": "live",
+        }
         sessions.create(database, "s1", task="keyboard", participant="P01", **facts)
         database.close()
         (folder / "locks").mkdir(mode=0o700)
@@ -57,7 +68,9 @@ def archive() -> Iterator[Path]:
 
 def test_the_sessions_of_a_folder_that_is_read_only_are_listed(archive: Path) -> None:
     with closing(connect_to_read(archive)) as database:
-        assert [(row["id"], row["status"]) for row in sessions.listing(database, archive)] == [("s1", "interrupted")]
+        assert [(row["id"], row["status"]) for row in sessions.listing(database, archive)] == [
+            ("s1", "interrupted")
+        ]
     with pytest.raises(StoreError, match=REFUSED):
         connect(archive)
 

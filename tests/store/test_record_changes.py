@@ -1,4 +1,6 @@
-"""A change of a session after its end is in its log, stored with the change of its row; a replay leaves it out."""
+"""A change of a session after its end is in its log, stored with the change of its row; a replay
+leaves it out.
+"""
 
 import sqlite3
 from contextlib import closing
@@ -27,7 +29,11 @@ def status(database: sqlite3.Connection, session: str) -> str | None:
 
 
 def changed(database: sqlite3.Connection, session: str) -> list[RecordChanged]:
-    return [one.message for one in messages.read(database, session) if isinstance(one.message, RecordChanged)]
+    return [
+        one.message
+        for one in messages.read(database, session)
+        if isinstance(one.message, RecordChanged)
+    ]
 
 
 @pytest.mark.parametrize("stored", ["running", "interrupted"])
@@ -38,7 +44,9 @@ def test_an_interrupted_session_is_dismissed_and_restored(
     database.execute("UPDATE sessions SET status=?", (stored,))
     assert change_status(database, data, session, "dismissed", actor="ana", reason="moved away")
     assert [row["status"] for row in sessions.listing(database, data)] == ["dismissed"]
-    with pytest.raises(StoreError, match="is dismissed; only a live one that was interrupted can be resumed"):
+    with pytest.raises(
+        StoreError, match="is dismissed; only a live one that was interrupted can be resumed"
+    ):
         find_resumable(database, data, session)
     assert change_status(database, data, session, "restored", actor="ben")
     assert find_resumable(database, data, session)["id"] == session
@@ -47,7 +55,9 @@ def test_an_interrupted_session_is_dismissed_and_restored(
 
 
 @pytest.mark.parametrize("stored", ["completed", "aborted"])
-def test_a_session_that_has_ended_is_not_dismissed(stored: str, database: sqlite3.Connection, data: Path) -> None:
+def test_a_session_that_has_ended_is_not_dismissed(
+    stored: str, database: sqlite3.Connection, data: Path
+) -> None:
     session = enter(database)
     database.execute("UPDATE sessions SET status=?", (stored,))
     assert not change_status(database, data, session, "dismissed", actor="ana")
@@ -56,7 +66,9 @@ def test_a_session_that_has_ended_is_not_dismissed(stored: str, database: sqlite
     assert changed(database, session) == []
 
 
-def test_a_session_that_is_open_in_a_program_is_not_changed(database: sqlite3.Connection, data: Path) -> None:
+def test_a_session_that_is_open_in_a_program_is_not_changed(
+    database: sqlite3.Connection, data: Path
+) -> None:
     session = enter(database)
     lock = hold(data, "session", session)
     with pytest.raises(Held):
@@ -89,7 +101,9 @@ def test_a_discarded_session_is_restored_to_what_it_was(
         assert change_status(database, data, session, "discarded", actor="ana", reason="by mistake")
         assert status(database, session) == "discarded"
         assert change_status(database, data, session, "restored", actor="ana")
-        assert sessions.find(database, data, session) | {"log_hash": ""} == before | {"log_hash": ""}
+        assert sessions.find(database, data, session) | {"log_hash": ""} == before | {
+            "log_hash": ""
+        }
         assert list(flaws(database)) == []
         stored = list(messages.read(database, session))
         assert [one.seq for one in stored] == list(range(1, count + 3))
@@ -98,7 +112,9 @@ def test_a_discarded_session_is_restored_to_what_it_was(
         assert replay(database, data, catalogue, before).identical
 
 
-def test_a_restored_session_is_resumed_and_its_numbers_go_on(data: Path, catalogue: Catalogue, plan: Plan) -> None:
+def test_a_restored_session_is_resumed_and_its_numbers_go_on(
+    data: Path, catalogue: Catalogue, plan: Plan
+) -> None:
     session = play(data, catalogue, plan, "interrupted").id
     with closing(connect(data)) as database:
         change_status(database, data, session, "dismissed", actor="ana")
@@ -118,7 +134,9 @@ def test_a_restored_session_is_resumed_and_its_numbers_go_on(data: Path, catalog
         assert replay(database, data, catalogue, row).identical
 
 
-def test_a_dismissed_session_is_listed_by_the_program_and_not_resumed(call: Call, tmp_path: Path) -> None:
+def test_a_dismissed_session_is_listed_by_the_program_and_not_resumed(
+    call: Call, tmp_path: Path
+) -> None:
     with closing(connect(tmp_path / "data")) as database:
         session = enter(database)
         change_status(database, tmp_path / "data", session, "dismissed", actor="ana")

@@ -16,7 +16,14 @@ from sar_tui.loop.node import Node
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
 from sar_tui.loop.topics import ACTION, ATTEMPT_ENDED, COMMAND, STORAGE, STORED, TRIAL, WAITING
-from sar_tui.model.messages import KeyPressed, SessionCommand, StorageChanged, Stored, Timing, TrialEnded
+from sar_tui.model.messages import (
+    KeyPressed,
+    SessionCommand,
+    StorageChanged,
+    Stored,
+    Timing,
+    TrialEnded,
+)
 from sar_tui.model.units import SECOND
 from sar_tui.outputs.node import OutputNode
 from sar_tui.outputs.output import Output, Report
@@ -46,7 +53,9 @@ A_TRIAL = TrialEnded(
 
 
 class Recorded:
-    """A simulated session with a recorder that works inline, or on calls of ``write_on_a_thread``."""
+    """A simulated session with a recorder that works inline, or on calls of
+    ``write_on_a_thread``.
+    """
 
     def __init__(
         self,
@@ -60,7 +69,9 @@ class Recorded:
     ) -> None:
         catalogue = Catalogue()
         kind = catalogue.task("keyboard")
-        task: Task = kind(build(kind.Parameters, {"attempts": 2, "prompts_per_attempt": 3, **parameters}))
+        task: Task = kind(
+            build(kind.Parameters, {"attempts": 2, "prompts_per_attempt": 3, **parameters})
+        )
         extra: list[Node] = [SimulatedParticipant(PEOPLE["average"], task, seed)]
         theme = catalogue.theme("calm")
         extra += [OutputNode(output, output.name, theme) for output in (speech, robot) if output]
@@ -107,7 +118,9 @@ class Recorded:
     def take_first_number(self) -> None:
         """Store a message with the number of the first."""
         here = numbers(self.reader, self.id)
-        self.reader.execute("INSERT INTO messages VALUES (?,1,1,0,?,'[]')", (here.session, here.topics["input/key"]))
+        self.reader.execute(
+            "INSERT INTO messages VALUES (?,1,1,0,?,'[]')", (here.session, here.topics["input/key"])
+        )
 
     def all(self, topic: Any) -> list[Any]:
         return [record.message for record in self.records if record.topic is topic]
@@ -115,7 +128,11 @@ class Recorded:
     def stored(self, table: str) -> list[Any]:
         """Return what another program sees in the database."""
         order = "seq" if table == "events" else "rowid"
-        return list(Database(self.reader).query(f"SELECT * FROM {table} WHERE session=? ORDER BY {order}", [self.id]))
+        return list(
+            Database(self.reader).query(
+                f"SELECT * FROM {table} WHERE session=? ORDER BY {order}", [self.id]
+            )
+        )
 
     @property
     def history(self) -> list[Record]:
@@ -129,7 +146,9 @@ def test_a_whole_session_is_in_the_tables_as_it_was_on_the_bus(data: Path) -> No
     recorded.recorder.write()
     assert recorded.history == recorded.records
     assert recorded.recorder.pending == 0
-    assert {row["run"] for table in ("events", "trials", "attempts") for row in recorded.stored(table)} == {1}
+    assert {
+        row["run"] for table in ("events", "trials", "attempts") for row in recorded.stored(table)
+    } == {1}
 
 
 def test_a_trials_row_is_its_message(data: Path) -> None:
@@ -141,10 +160,16 @@ def test_a_trials_row_is_its_message(data: Path) -> None:
     assert len(rows) == len(trials) == 6
     for row, trial in zip(rows, trials, strict=True):
         assert (row["attempt"], row["trial"], row["seat"]) == (trial.attempt, trial.trial, "A")
-        assert (row["stimulus"], row["response"], row["correct"]) == (trial.stimulus, trial.response, trial.correct)
+        assert (row["stimulus"], row["response"], row["correct"]) == (
+            trial.stimulus,
+            trial.response,
+            trial.correct,
+        )
         assert (row["onset_ns"], row["response_ns"]) == (trial.onset, trial.response_at)
         assert row["reaction_time_ms"] == trial.reaction_time_ms
-        assert row["timing"] == msgspec.to_builtins(trial.timing) | {"flags": list(trial.timing.flags)}
+        assert row["timing"] == msgspec.to_builtins(trial.timing) | {
+            "flags": list(trial.timing.flags)
+        }
         assert row["details"] == trial.details
 
 
@@ -156,7 +181,10 @@ def test_an_attempts_row_is_its_message(data: Path) -> None:
     for row, attempt in zip(rows, recorded.all(ATTEMPT_ENDED), strict=True):
         expected = msgspec.to_builtins(attempt)
         assert expected.pop("spreads"), "of the trials, which have rows of their own"
-        expected["started_ns"], expected["ended_ns"] = expected.pop("started"), expected.pop("ended")
+        expected["started_ns"], expected["ended_ns"] = (
+            expected.pop("started"),
+            expected.pop("ended"),
+        )
         assert {name: row[name] for name in expected} == expected
 
 
@@ -186,8 +214,16 @@ def test_a_dropped_action_is_stored_with_who_dropped_it(data: Path) -> None:
     recorded.recorder.write()
     rows = {row["kind"]: row for row in sessions.rows(recorded.reader, "actions", recorded.id)}
     greeting, instruction = rows["greeting"], rows["instruction"]
-    assert (greeting["decision"], greeting["started_ns"], greeting["ended_ns"]) == ("accepted", 0, stopped_at)
-    assert (instruction["decision"], instruction["actor"], instruction["final"]) == ("dropped", "stop", None)
+    assert (greeting["decision"], greeting["started_ns"], greeting["ended_ns"]) == (
+        "accepted",
+        0,
+        stopped_at,
+    )
+    assert (instruction["decision"], instruction["actor"], instruction["final"]) == (
+        "dropped",
+        "stop",
+        None,
+    )
     assert (instruction["decided_ns"], instruction["started_ns"]) == (stopped_at, None)
     assert instruction["proposed"]["spoken"] == recorded.session.task.instructions()
 
@@ -201,7 +237,9 @@ def test_an_utterance_that_is_too_late_is_dropped_by_the_agent(data: Path) -> No
     assert (rows["instruction"]["decision"], rows["instruction"]["actor"]) == ("dropped", "agent")
 
 
-def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_any_order_of_the_reports(data: Path) -> None:
+def test_an_action_begins_with_its_first_part_and_ends_with_its_last_in_any_order_of_the_reports(
+    data: Path,
+) -> None:
     robot = FakeOutput("robot", frozenset({"say"}))
     recorded = Recorded(data, speech=Speaker(2000), robot=robot)
     recorded.session.begin()
@@ -224,9 +262,12 @@ def test_the_last_trial_closes_the_session(data: Path) -> None:
     assert row["ended_at"] is not None
 
 
-def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_transaction(data: Path) -> None:
+def test_on_a_virtual_clock_each_trial_is_acknowledged_at_once_and_many_are_one_transaction(
+    data: Path,
+) -> None:
     recorded = Recorded(data, attempts=12, prompts_per_attempt=20)
-    numbers(recorded.database, recorded.id)  # stored before the first message, in a transaction of their own
+    # stored before the first message, in a transaction of their own
+    numbers(recorded.database, recorded.id)
     statements: list[str] = []
     recorded.database.set_trace_callback(statements.append)
     recorded.session.begin()
@@ -253,7 +294,9 @@ def test_the_messages_do_not_depend_on_how_many_are_written_at_a_time(
     assert histories[0] == histories[1] == histories[2]
 
 
-def test_on_a_thread_nothing_is_written_until_it_runs_and_then_the_trial_is_acknowledged(data: Path) -> None:
+def test_on_a_thread_nothing_is_written_until_it_runs_and_then_the_trial_is_acknowledged(
+    data: Path,
+) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
     recorded.until(lambda: recorded.all(TRIAL))
@@ -299,7 +342,9 @@ def test_on_a_full_disk_only_stored_trials_are_acknowledged_and_later_all(data: 
 
     def check(stored: Stored) -> None:
         acknowledged.append((stored.attempt, stored.trial))
-        assert acknowledged[-1] in {(row["attempt"], row["trial"]) for row in recorded.stored("trials")}
+        assert acknowledged[-1] in {
+            (row["attempt"], row["trial"]) for row in recorded.stored("trials")
+        }
 
     recorded.session.bus.subscribe(STORED, check)
     recorded.session.begin()
@@ -380,7 +425,9 @@ def test_a_second_error_of_another_kind_is_reported_too(data: Path) -> None:
 
 
 @pytest.mark.parametrize(("value", "why"), [(object(), "TypeError"), (2**70, "OverflowError")])
-def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(data: Path, value: Any, why: str) -> None:
+def test_a_message_that_cannot_be_written_down_does_not_end_the_thread(
+    data: Path, value: Any, why: str
+) -> None:
     recorded = Recorded(data, inline=False)
     recorded.session.begin()
     trial = msgspec.structs.replace(
@@ -439,7 +486,9 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
         recorded.session.begin()
     while not all(recorded.session.ended for recorded in pair):
         for recorded in pair:
-            recorded.until(lambda r=recorded: r.session.ended or r.all(WAITING)[-1].what == "storage")
+            recorded.until(
+                lambda r=recorded: r.session.ended or r.all(WAITING)[-1].what == "storage"
+            )
         threads = [threading.Thread(target=recorded.recorder.try_write) for recorded in pair]
         for thread in threads:
             thread.start()
@@ -456,6 +505,8 @@ def test_two_threads_on_one_database_are_both_whole(data: Path) -> None:
 def test_streams_are_not_written_as_events(database: sqlite3.Connection) -> None:
     bus = Bus(VirtualClock())
     recorder = Recorder(database, "s", 1, bus, inline=True)
-    bus.publish(Topic("imu/sample", KeyPressed, origin="input", stream=True), KeyPressed(key="x", at=0))
+    bus.publish(
+        Topic("imu/sample", KeyPressed, origin="input", stream=True), KeyPressed(key="x", at=0)
+    )
     recorder.write()
     assert list(Database(database)["events"].rows) == []

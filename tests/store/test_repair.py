@@ -1,4 +1,6 @@
-"""A repair moves what is damaged aside: each row stays in at least one file, and what is left is whole."""
+"""A repair moves what is damaged aside: each row stays in at least one file, and what is left is
+whole.
+"""
 
 import signal
 import sqlite3
@@ -23,7 +25,9 @@ from sar_tui.store.repair import Moved, repair
 def recorded(data: Path, catalogue: Catalogue) -> Path:
     """The data folder, with two sessions."""
     for task, settings in {"keyboard": {"prompts_per_attempt": 60}, "reaching": {}}.items():
-        plan = make_plan(catalogue, task, ["P01"], {"attempts": 2, **settings}, seed=3, mode="simulated")
+        plan = make_plan(
+            catalogue, task, ["P01"], {"attempts": 2, **settings}, seed=3, mode="simulated"
+        )
         simulate(plan, PEOPLE["average"], data, catalogue)
     return data
 
@@ -46,7 +50,9 @@ def damage_page(folder: Path, table: str, leaf: bool) -> None:
     with closing(connect(folder)) as database:
         database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         (size,) = database.execute("PRAGMA page_size").fetchone()
-        (root,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name=?", (table,)).fetchone()
+        (root,) = database.execute(
+            "SELECT rootpage FROM sqlite_master WHERE name=?", (table,)
+        ).fetchone()
     with (folder / FILE).open("rb+") as file:
         page = root
         if leaf:  # the first cell of an interior page begins with the number of its child
@@ -63,7 +69,13 @@ def test_whole_data_is_not_changed(recorded: Path) -> None:
     before = (recorded / FILE).read_bytes()
     names = {path.name for path in recorded.iterdir()}
     done = repair(recorded)
-    assert (done.backup, done.kept, done.aside, done.moved, done.flaws) == (None, None, None, [], [])
+    assert (done.backup, done.kept, done.aside, done.moved, done.flaws) == (
+        None,
+        None,
+        None,
+        [],
+        [],
+    )
     assert (recorded / FILE).read_bytes() == before
     assert {path.name for path in recorded.iterdir()} - {"locks"} == names - {"locks"}
 
@@ -74,15 +86,21 @@ def test_a_damaged_block_of_samples_moves_aside_as_it_is(recorded: Path) -> None
     assert done.moved == [Moved("imu_chunks", 1, "a damaged block of samples")]
     assert done.aside
     assert done.backup
-    assert rows(done.aside, "imu_chunks", "seq, data, why") == [(2, b"\0", "a damaged block of samples")]
+    assert rows(done.aside, "imu_chunks", "seq, data, why") == [
+        (2, b"\0", "a damaged block of samples")
+    ]
     assert len(rows(recorded / FILE, "imu_chunks")) == before["imu_chunks"] - 1
     assert len(rows(done.backup, "imu_chunks")) == before["imu_chunks"]
-    assert {flaw.kind for flaw in done.flaws} == {"gap", "log"}, "it is missing now, and that is said"
+    assert {flaw.kind for flaw in done.flaws} == {"gap", "log"}, (
+        "it is missing now, and that is said"
+    )
     if sys.platform != "win32":
         assert stat.S_IMODE(done.aside.stat().st_mode) == 0o600
 
 
-def test_a_session_whose_settings_cannot_be_read_moves_aside_with_all_its_rows(recorded: Path) -> None:
+def test_a_session_whose_settings_cannot_be_read_moves_aside_with_all_its_rows(
+    recorded: Path,
+) -> None:
     before = change(recorded, "UPDATE sessions SET parameters='{' WHERE task='keyboard'")
     done = repair(recorded)
     assert done.flaws == []
@@ -96,7 +114,11 @@ def test_a_session_whose_settings_cannot_be_read_moves_aside_with_all_its_rows(r
 
 
 def test_damaged_characters_move_aside(recorded: Path) -> None:
-    change(recorded, "UPDATE notes SET text=''", "UPDATE trials SET stimulus=CAST(x'61ff' AS TEXT) WHERE trial=60")
+    change(
+        recorded,
+        "UPDATE notes SET text=''",
+        "UPDATE trials SET stimulus=CAST(x'61ff' AS TEXT) WHERE trial=60",
+    )
     done = repair(recorded)
     assert done.aside
     assert rows(done.aside, "trials", "CAST(stimulus AS BLOB)")[0] == (b"a\xff",)
@@ -107,7 +129,14 @@ def test_rows_without_their_session_move_aside_and_the_rest_is_whole(recorded: P
     change(recorded, "DELETE FROM sessions WHERE task='reaching'")
     done = repair(recorded)
     assert done.flaws == []
-    assert {each.table for each in done.moved} >= {"seats", "runs", "attempts", "trials", "messages", "imu_chunks"}
+    assert {each.table for each in done.moved} >= {
+        "seats",
+        "runs",
+        "attempts",
+        "trials",
+        "messages",
+        "imu_chunks",
+    }
 
 
 def test_an_open_database_is_not_repaired(recorded: Path) -> None:
@@ -117,9 +146,16 @@ def test_an_open_database_is_not_repaired(recorded: Path) -> None:
 
 
 def _in_another_process(folder: Path) -> None:
-    code = "import sys; from pathlib import Path; from sar_tui.store.repair import repair; repair(Path(sys.argv[1]))"
+    code = (
+        "import sys; from pathlib import Path; from sar_tui.store.repair import repair; "
+        "repair(Path(sys.argv[1]))"
+    )
     run = subprocess.run(
-        [sys.executable, "-c", code, str(folder)], timeout=60, check=False, capture_output=True, text=True
+        [sys.executable, "-c", code, str(folder)],
+        timeout=60,
+        check=False,
+        capture_output=True,
+        text=True,
     )
     assert run.returncode == 1
     raise StoreError(run.stderr)
@@ -128,14 +164,19 @@ def _in_another_process(folder: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="ends a program with a signal")
 @pytest.mark.parametrize("step", range(3))
 def test_a_killed_repair_loses_no_row_and_can_be_run_again(recorded: Path, step: int) -> None:
-    before = change(recorded, "UPDATE trials SET timing='{' WHERE trial<3", "UPDATE attempts SET qualities='['")
+    before = change(
+        recorded, "UPDATE trials SET timing='{' WHERE trial<3", "UPDATE attempts SET qualities='['"
+    )
     code = (
         "import os, signal, sys; from pathlib import Path; from sar_tui.store import repair as r;"
-        "real = r._transaction; steps = iter(range(99)); kill = lambda: os.kill(os.getpid(), signal.SIGKILL);"
+        "real = r._transaction; steps = iter(range(99)); kill = lambda: os.kill(os.getpid(), "
+        "signal.SIGKILL);"
         "r._transaction = lambda d: kill() if next(steps) == int(sys.argv[2]) else real(d);"
         "r.repair(Path(sys.argv[1]))"
     )
-    run = subprocess.run([sys.executable, "-c", code, str(recorded), str(step)], timeout=60, check=False)
+    run = subprocess.run(
+        [sys.executable, "-c", code, str(recorded), str(step)], timeout=60, check=False
+    )
     assert run.returncode == -signal.SIGKILL
     repair(recorded)
     for table, count in before.items():
@@ -148,8 +189,12 @@ def test_a_killed_repair_loses_no_row_and_can_be_run_again(recorded: Path, step:
         assert len(kept) >= count, table  # some were damaged, and made again from the log
 
 
-@pytest.mark.parametrize(("table", "leaf"), [("trials", True), ("trials", False), ("messages", True), ("notes", False)])
-def test_what_can_be_read_of_damaged_pages_is_saved_into_a_new_file(recorded: Path, table: str, leaf: bool) -> None:
+@pytest.mark.parametrize(
+    ("table", "leaf"), [("trials", True), ("trials", False), ("messages", True), ("notes", False)]
+)
+def test_what_can_be_read_of_damaged_pages_is_saved_into_a_new_file(
+    recorded: Path, table: str, leaf: bool
+) -> None:
     before = change(recorded)
     damage_page(recorded, table, leaf)
     damaged = (recorded / FILE).read_bytes()

@@ -1,4 +1,6 @@
-"""A session whose database is removed, replaced or locked goes on in a rescue file, which can be brought back."""
+"""A session whose database is removed, replaced or locked goes on in a rescue file, which can be
+brought back.
+"""
 
 import os
 import shutil
@@ -13,14 +15,24 @@ import pytest
 
 from sar_tui.loop.topics import STORAGE, STORED, TRIAL, WAITING
 from sar_tui.store import participants, programmes, sessions
-from sar_tui.store.database import FILE, Moved, StoreConnection, StoreError, connect, open_file, transaction
+from sar_tui.store.database import (
+    FILE,
+    Moved,
+    StoreConnection,
+    StoreError,
+    connect,
+    open_file,
+    transaction,
+)
 from sar_tui.store.integrity import flaws
 from sar_tui.store.programmes import Programme
 from sar_tui.store.rescue import bring_back, rescue_files
 from sar_tui.store.safeguard import Safeguard
 from tests.store.test_recorder import Recorded
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="Windows does not remove a file that is open")
+pytestmark = pytest.mark.skipif(
+    os.name != "posix", reason="Windows does not remove a file that is open"
+)
 
 
 def delete(data: Path) -> None:
@@ -49,7 +61,9 @@ def empty(data: Path) -> None:
 
 
 class Safe(Recorded):
-    """A session whose recorder has a safeguard, as in a live session; its thread is called by the test."""
+    """A session whose recorder has a safeguard, as in a live session; its thread is called by the
+    test.
+    """
 
     def __init__(self, data: Path, **parameters: Any) -> None:
         super().__init__(data, inline=False, attempts=2, prompts_per_attempt=3, **parameters)
@@ -100,7 +114,10 @@ def test_the_experimenter_is_told_and_the_trial_is_repeated(data: Path) -> None:
     (changed,) = recorded.all(STORAGE)
     (path,) = rescue_files(data)
     assert changed.working
-    assert changed.reason == f"{data / FILE} was removed while it was in use. The session goes on in {path}."
+    assert (
+        changed.reason
+        == f"{data / FILE} was removed while it was in use. The session goes on in {path}."
+    )
     waiting = recorded.all(WAITING)[-1]
     assert (waiting.stage, waiting.reason, waiting.detail) == ("paused", "restored", changed.reason)
 
@@ -117,14 +134,19 @@ def test_a_database_that_is_damaged_is_left_and_what_could_not_be_read_is_said(d
     recorded.database.execute("PRAGMA shrink_memory")
     recorded.to_trial(4)
     recorded.recorder.write()
-    assert "is damaged." in recorded.safeguard.text or "is not a SQLite database." in recorded.safeguard.text
+    assert (
+        "is damaged." in recorded.safeguard.text
+        or "is not a SQLite database." in recorded.safeguard.text
+    )
     assert recorded.safeguard.text.endswith(" What was done before that is not in it.")
     with closing(recorded.rescue) as rescue:
         assert list(sessions.history(rescue, recorded.id)) == recorded.records[saved:]
         assert len(sessions.rows(rescue, "trials", recorded.id)) == 2
 
 
-def test_what_followed_is_added_to_what_the_database_has(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_followed_is_added_to_what_the_database_has(
+    data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """As when a disk is taken away during a session, and comes back."""
     recorded = Safe(data)
     recorded.to_trial(2)
@@ -155,7 +177,9 @@ def test_what_followed_is_added_to_what_the_database_has(data: Path, monkeypatch
         assert [flaw for flaw in flaws(database) if flaw.kind in ("log", "rows")] == []
 
 
-def test_a_file_system_whose_file_numbers_change_does_not_fill_up(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_system_whose_file_numbers_change_does_not_fill_up(
+    data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def changed(_: StoreConnection) -> None:
         raise Moved("It was replaced.")
 
@@ -228,12 +252,15 @@ def test_a_write_to_a_database_that_was_removed_is_refused(data: Path) -> None:
         participants.add(database, "P02")
 
 
-# --- a database that is locked at the end -----------------------------------------------------------------------
+# --- a database that is locked at the end
+# -----------------------------------------------------------------------
 
 
 @pytest.fixture
 def locked(data: Path) -> Safe:
-    """A session whose database another program keeps locked, with messages that were not written."""
+    """A session whose database another program keeps locked, with messages that were not
+    written.
+    """
     recorded = Safe(data)
     recorded.to_trial(2)
     recorded.database.execute("PRAGMA busy_timeout=0")
@@ -242,7 +269,9 @@ def locked(data: Path) -> Safe:
     return recorded
 
 
-def test_what_a_locked_database_refuses_at_the_end_is_in_a_rescue_file(data: Path, locked: Safe) -> None:
+def test_what_a_locked_database_refuses_at_the_end_is_in_a_rescue_file(
+    data: Path, locked: Safe
+) -> None:
     locked.recorder.run(lambda: True)
     assert locked.recorder.pending == 0
     assert "keeps sar-tui.db locked" in locked.safeguard.text
@@ -261,7 +290,9 @@ def test_a_short_lock_is_waited_for_without_a_word_and_a_long_one_is_reported(lo
     assert [changed.working for changed in locked.all(STORAGE)] == [False]
 
 
-def test_without_room_for_a_rescue_file_none_is_left(data: Path, locked: Safe, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_room_for_a_rescue_file_none_is_left(
+    data: Path, locked: Safe, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def refuse(*_: object) -> None:
         raise StoreError("The disk is full.", temporary=True)
 
@@ -292,7 +323,8 @@ def test_a_rescue_file_that_cannot_be_written_to_either_is_removed_and_the_one_b
     assert recorded.recorder.pending > 0
 
 
-# --- bringing it back ------------------------------------------------------------------------------------------------
+# --- bringing it back
+# ------------------------------------------------------------------------------------------------
 
 
 def rescued(data: Path, happens: Callable[[Path], None] = delete) -> Safe:
@@ -309,7 +341,9 @@ def rescued(data: Path, happens: Callable[[Path], None] = delete) -> Safe:
 
 
 @pytest.mark.parametrize("happens", [delete, replace, delete_the_log])
-def test_a_session_in_a_rescue_file_is_brought_back_once(data: Path, happens: Callable[[Path], None]) -> None:
+def test_a_session_in_a_rescue_file_is_brought_back_once(
+    data: Path, happens: Callable[[Path], None]
+) -> None:
     recorded = rescued(data, happens)
     (path,) = rescue_files(data)
     (brought,) = bring_back(data)
@@ -343,7 +377,9 @@ def test_files_that_were_brought_back_are_all_kept(data: Path) -> None:
     assert len(list(data.glob("sar-tui-rescued-*.db"))) == 3
 
 
-def test_a_session_that_went_on_differently_since_is_not_overwritten(data: Path, locked: Safe) -> None:
+def test_a_session_that_went_on_differently_since_is_not_overwritten(
+    data: Path, locked: Safe
+) -> None:
     locked.recorder.run(lambda: True)
     locked.reader.execute("ROLLBACK")
     with closing(connect(data)) as database:
@@ -358,20 +394,34 @@ def test_a_session_that_went_on_differently_since_is_not_overwritten(data: Path,
 def test_participants_and_programmes_that_the_database_lacks_are_brought_back(data: Path) -> None:
     with closing(connect(data)) as database:
         participants.add(database, "P09")
-        programmes.save(database, "P09", "keyboard", Programme({"attempts": 3}), after=0, author="Ana", reason="Tired")
+        programmes.save(
+            database,
+            "P09",
+            "keyboard",
+            Programme({"attempts": 3}),
+            after=0,
+            author="Ana",
+            reason="Tired",
+        )
     rescued(data)
     bring_back(data)
     with closing(connect(data)) as database:
         assert participants.codes(database) == ["P09"]
         (programme,) = programmes.versions(database, "P09", "keyboard")
-        assert (programme.parameters, programme.author, programme.reason) == ({"attempts": 3}, "Ana", "Tired")
+        assert (programme.parameters, programme.author, programme.reason) == (
+            {"attempts": 3},
+            "Ana",
+            "Tired",
+        )
 
 
 def test_a_transaction_in_a_database_that_stays_is_not_refused(data: Path) -> None:
     database = connect(data)
     for code in ("P01", "P02"):
         with transaction(database) as connection:
-            connection.execute("INSERT INTO participants (code, created_at) VALUES (?, 'now')", (code,))
+            connection.execute(
+                "INSERT INTO participants (code, created_at) VALUES (?, 'now')", (code,)
+            )
         with closing(connect(data)) as other:
             other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     assert participants.codes(database) == ["P01", "P02"]

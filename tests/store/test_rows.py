@@ -9,7 +9,9 @@ from sar_tui.store.rows import rows_of
 NUMBERS = Numbers(1, dict.fromkeys(ALL, 2))
 
 
-def record(seq: int, topic: Topic[m.TrialMarked] | Topic[m.TrialEnded], message: m.Message) -> Record:
+def record(
+    seq: int, topic: Topic[m.TrialMarked] | Topic[m.TrialEnded], message: m.Message
+) -> Record:
     return Record(seq, seq, topic, message)
 
 
@@ -17,7 +19,9 @@ def marked(seat: str = "A", mark: str = "leaned") -> m.TrialMarked:
     return m.TrialMarked(seat=seat, attempt=1, trial=2, mark=mark, correct=True)
 
 
-def test_a_mark_that_came_before_its_trials_row_is_in_it_already_and_one_that_came_after_is_not() -> None:
+def test_a_mark_that_came_before_its_trials_row_is_in_it_already_and_one_that_came_after_is_not() -> (
+    None
+):
     timing = m.Timing(
         onset_source="flush",
         handler_delay_ms=None,

@@ -26,7 +26,13 @@ VERSION = Catalogue().task("keyboard").version
 
 
 def enter(database: sqlite3.Connection, participant: str = "P01", **more: Any) -> str:
-    facts = {"task": "keyboard", "theme": "calm", "seed": 5, "mode": "live", "parameters": {"attempts": 3}}
+    facts = {
+        "task": "keyboard",
+        "theme": "calm",
+        "seed": 5,
+        "mode": "live",
+        "parameters": {"attempts": 3},
+    }
     facts |= {"software": {"task": {"version": VERSION}}}
     session = sessions.new_id()
     sessions.create(database, session, participant=participant, machine={}, **(facts | more))
@@ -36,7 +42,13 @@ def enter(database: sqlite3.Connection, participant: str = "P01", **more: Any) -
 def test_a_new_session_is_a_row_with_its_facts(database: sqlite3.Connection, data: Path) -> None:
     session = enter(database)
     row = sessions.find(database, data, session)
-    assert (row["id"], row["task"], row["theme"], row["seed"], row["mode"]) == (session, "keyboard", "calm", 5, "live")
+    assert (row["id"], row["task"], row["theme"], row["seed"], row["mode"]) == (
+        session,
+        "keyboard",
+        "calm",
+        5,
+        "live",
+    )
     assert (row["participant"], row["parameters"], row["attempts"]) == ("P01", {"attempts": 3}, 0)
     assert row["started_at"].endswith("+00:00")
     assert row["ended_at"] is None
@@ -48,7 +60,9 @@ def test_ids_are_random_text(database: sqlite3.Connection) -> None:
     assert all(len(session) == 10 and session.isalnum() for session in ids)
 
 
-def test_a_running_session_nobody_holds_was_interrupted(database: sqlite3.Connection, data: Path) -> None:
+def test_a_running_session_nobody_holds_was_interrupted(
+    database: sqlite3.Connection, data: Path
+) -> None:
     session = enter(database)
     lock = hold(data, "session", session)
     assert [row["status"] for row in sessions.listing(database, data)] == ["running"]
@@ -66,7 +80,9 @@ def test_a_clock_that_was_set_back_does_not_change_which_session_is_the_last(
     database: sqlite3.Connection, data: Path
 ) -> None:
     earlier, last = enter(database, "P01"), enter(database, "P02")
-    database.execute("UPDATE sessions SET started_at='2031-01-01T00:00:00+00:00' WHERE id=?", (earlier,))
+    database.execute(
+        "UPDATE sessions SET started_at='2031-01-01T00:00:00+00:00' WHERE id=?", (earlier,)
+    )
     assert sessions.find(database, data, "last")["id"] == last
     assert [row["id"] for row in sessions.listing(database, data)] == [last, earlier]
 
@@ -81,12 +97,16 @@ def test_an_export_lists_damaged_sessions_too_and_keeps_equal_facts_once(
     assert second["software"] is third["software"], "thousands of sessions would fill the memory"
 
 
-def test_the_sessions_of_one_participant_are_theirs_alone(database: sqlite3.Connection, data: Path) -> None:
+def test_the_sessions_of_one_participant_are_theirs_alone(
+    database: sqlite3.Connection, data: Path
+) -> None:
     mine, _ = enter(database, "P01"), enter(database, "P02")
     assert [row["id"] for row in sessions.listing(database, data, participant="P01")] == [mine]
 
 
-def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sqlite3.Connection, data: Path) -> None:
+def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(
+    database: sqlite3.Connection, data: Path
+) -> None:
     session = enter(database)
     last = enter(database)
     database.execute("UPDATE sessions SET id='aab0000001' WHERE id=?", (session,))
@@ -107,7 +127,9 @@ def test_a_session_is_found_by_its_id_its_beginning_or_as_the_last(database: sql
 
 
 @pytest.mark.parametrize("name", ["last", "abc", "%", "_", "' OR 1=1 --"])
-def test_a_session_that_does_not_exist_is_not_found(database: sqlite3.Connection, data: Path, name: str) -> None:
+def test_a_session_that_does_not_exist_is_not_found(
+    database: sqlite3.Connection, data: Path, name: str
+) -> None:
     with pytest.raises(StoreError, match="There is no session"):
         sessions.find(database, data, name)
 
@@ -125,7 +147,9 @@ def test_each_run_has_its_number_its_anchor_and_its_program(database: sqlite3.Co
     assert run["pid"] > 0
 
 
-def test_only_a_running_session_is_marked_as_interrupted(database: sqlite3.Connection, data: Path) -> None:
+def test_only_a_running_session_is_marked_as_interrupted(
+    database: sqlite3.Connection, data: Path
+) -> None:
     done = enter(database)
     database.execute("UPDATE sessions SET status='completed'")
     cut = enter(database)
@@ -152,16 +176,20 @@ def test_correct_is_a_count_in_attempts_and_a_bool_in_trials(database: sqlite3.C
 
 
 @pytest.mark.parametrize(
-    ("topic", "message"), [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")]
+    ("topic", "message"),
+    [("input/none", "{}"), ("input/key", "{}"), ("input/key", "not json"), ("input/key", "[1]")],
 )
-def test_a_message_that_cannot_be_read_is_reported(database: sqlite3.Connection, topic: str, message: str) -> None:
+def test_a_message_that_cannot_be_read_is_reported(
+    database: sqlite3.Connection, topic: str, message: str
+) -> None:
     session = enter(database)
     database.execute("INSERT INTO events VALUES (?,1,1,0,?,?)", (session, topic, message))
     with pytest.raises(StoreError, match=f"Message 1 of session {session} cannot be read"):
         list(sessions.history(database, session))
 
 
-# --- earlier best results ------------------------------------------------------------------------------------
+# --- earlier best results
+# ------------------------------------------------------------------------------------
 
 TIME, TAPS = Metric("time", "ms", "lower"), Metric("taps", "taps/s", "higher")
 ROWS = st.lists(
@@ -211,13 +239,19 @@ def test_the_best_result_is_from_live_sessions_by_level_without_practice(
                 mine = whose == ("P01", "keyboard", "live", metric.unit)
                 if mine and not row["practice"] and value is not None and session != without:
                     known = best.get(level)
-                    best[level] = value if known is None or metric.is_better(value, known) else known
+                    best[level] = (
+                        value if known is None or metric.is_better(value, known) else known
+                    )
             return best
 
-        task: Any = SimpleNamespace(name="keyboard", version=VERSION, metric=metric, parameters=TaskParameters())
+        task: Any = SimpleNamespace(
+            name="keyboard", version=VERSION, metric=metric, parameters=TaskParameters()
+        )
         assert sessions.best(database, "P01", task) == expected()
         for session in entered:
-            assert sessions.best(database, "P01", task, without=session) == expected(without=session)
+            assert sessions.best(database, "P01", task, without=session) == expected(
+                without=session
+            )
         database.close()
 
 
@@ -226,9 +260,21 @@ def test_the_best_result_excludes_other_keys_and_low_accuracy(
 ) -> None:
     done = [("both hands", 1.0, 900.0), ("left hand", 1.0, 500.0), ("both hands", 0.4, 300.0)]
     for keys, accuracy, metric in done:
-        parameters = build(keyboard.Parameters, {"choice_set": keys, "feedback_form": "qualitative"})
-        row = {"session": enter(database, parameters=msgspec.to_builtins(parameters)), "attempt": 1, "seat": "A"}
-        row |= {"practice": 0, "level": 1, "metric": metric, "metric_unit": "ms", "accuracy": accuracy}
+        parameters = build(
+            keyboard.Parameters, {"choice_set": keys, "feedback_form": "qualitative"}
+        )
+        row = {
+            "session": enter(database, parameters=msgspec.to_builtins(parameters)),
+            "attempt": 1,
+            "seat": "A",
+        }
+        row |= {
+            "practice": 0,
+            "level": 1,
+            "metric": metric,
+            "metric_unit": "ms",
+            "accuracy": accuracy,
+        }
         Database(database)["attempts"].insert(row)
     for keys, best in (("both hands", 900.0), ("left hand", 500.0)):
         task = keyboard(build(keyboard.Parameters, {"choice_set": keys}))
@@ -240,9 +286,20 @@ def test_the_best_result_excludes_earlier_versions_of_the_task_whose_levels_were
 ) -> None:
     task = keyboard(build(keyboard.Parameters, {}))
     for version, metric in (("1", 300.0), (keyboard.version, 700.0)):
-        stored = {"parameters": msgspec.to_builtins(task.parameters), "software": {"task": {"version": version}}}
-        row = {"session": enter(database, **stored), "attempt": 1, "seat": "A", "practice": 0, "level": 1}
-        Database(database)["attempts"].insert(row | {"metric": metric, "metric_unit": "ms", "accuracy": 1.0})
+        stored = {
+            "parameters": msgspec.to_builtins(task.parameters),
+            "software": {"task": {"version": version}},
+        }
+        row = {
+            "session": enter(database, **stored),
+            "attempt": 1,
+            "seat": "A",
+            "practice": 0,
+            "level": 1,
+        }
+        Database(database)["attempts"].insert(
+            row | {"metric": metric, "metric_unit": "ms", "accuracy": 1.0}
+        )
     assert sessions.best(database, "P01", task) == {"1": 700.0}
 
 

@@ -10,7 +10,9 @@ ESCAPES = "terminal_output.py"
 
 
 def test_no_placeholder_is_numbered() -> None:
-    """Python 3.14 takes a number for a name, and refuses the values if they are not a dictionary."""
+    """Python 3.14 takes a number for a name, and refuses the values if they are not a
+    dictionary.
+    """
     for path in Path(sar_tui.__file__).parent.rglob("*.py"):
         found = re.search(r"[=(, <>]\?[1-9]", path.read_text(encoding="utf-8"))
         assert path.name == ESCAPES or not found, f"{path}: {found}"

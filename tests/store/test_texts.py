@@ -1,4 +1,6 @@
-"""Typed texts pass one rule wherever they are stored: of a bounded length, and nothing that a terminal obeys."""
+"""Typed texts pass one rule wherever they are stored: of a bounded length, and nothing that a
+terminal obeys.
+"""
 
 import sqlite3
 from collections.abc import Callable, Iterator
@@ -17,7 +19,9 @@ from sar_tui.store.texts import check_text
 @pytest.fixture
 def database(data: Path) -> Iterator[sqlite3.Connection]:
     with closing(connect(data)) as opened:
-        instrument_scores.add(opened, "P01", Score("ARAT", "2026-01-01", 5, ""), author="me", is_new=True)
+        instrument_scores.add(
+            opened, "P01", Score("ARAT", "2026-01-01", 5, ""), author="me", is_new=True
+        )
         yield opened
 
 
@@ -38,7 +42,9 @@ def reasoned(database: sqlite3.Connection, text: str) -> object:
 def test_what_a_terminal_would_obey_is_refused_where_it_is_typed(
     database: sqlite3.Connection, store: Callable[[sqlite3.Connection, str], object], text: str
 ) -> None:
-    with pytest.raises(StoreError, match=r"has control characters|bytes that are not UTF-8") as refused:
+    with pytest.raises(
+        StoreError, match=r"has control characters|bytes that are not UTF-8"
+    ) as refused:
         store(database, text)
     assert refused.value.bad_input
 

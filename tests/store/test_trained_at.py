@@ -1,4 +1,6 @@
-"""A session belongs to the day of the place where it was played, wherever its database is looked at."""
+"""A session belongs to the day of the place where it was played, wherever its database is looked
+at.
+"""
 
 import sqlite3
 import time
@@ -52,7 +54,9 @@ def played(data: Path, catalogue: Catalogue) -> Iterator[sqlite3.Connection]:
 def test_progress_and_dose_are_dated_where_the_person_trained(
     played: sqlite3.Connection, data: Path, catalogue: Catalogue
 ) -> None:
-    found = progress("P01", sessions_of(played, "P01"), {"keyboard": catalogue.task("keyboard")}.get)
+    found = progress(
+        "P01", sessions_of(played, "P01"), {"keyboard": catalogue.task("keyboard")}.get
+    )
     assert found.lines[0].sessions[0].began == "2026-03-02T08:30:00+09:00"
     assert [day.date for day in found.days] == ["2026-03-02"]
     (row,) = sessions.listing(played, data)
@@ -74,7 +78,9 @@ def test_a_visit_is_due_from_the_day_where_the_person_trained(played: sqlite3.Co
 @pytest.mark.parametrize(
     "stored", ["json_remove(clock_anchor, '$.utc_offset_s')", "'{'", "'{\"utc_offset_s\": 1e300}'"]
 )
-def test_without_a_known_offset_the_day_is_that_of_this_machine(played: sqlite3.Connection, stored: str) -> None:
+def test_without_a_known_offset_the_day_is_that_of_this_machine(
+    played: sqlite3.Connection, stored: str
+) -> None:
     played.execute(f"UPDATE runs SET clock_anchor={stored}")
     (session,) = sessions_of(played, "P01")
     assert session.began.isoformat() == datetime.fromisoformat(LATE).astimezone().isoformat()

@@ -54,7 +54,9 @@ def test_each_attempt_and_trial_is_a_row_with_what_the_tables_hold(
         shown, stored = common(row, trial)
         assert shown == stored
         assert shown.keys() >= {"session", "trial", "stimulus", "response", "reaction_time_ms"}
-        assert [row[name] for name in ATTEMPT] == [attempts[row["attempt"]][name] for name in ATTEMPT]
+        assert [row[name] for name in ATTEMPT] == [
+            attempts[row["attempt"]][name] for name in ATTEMPT
+        ]
 
 
 def test_times_are_those_of_the_day(database: sqlite3.Connection, keyboard_session: str) -> None:
@@ -68,7 +70,9 @@ def test_times_are_those_of_the_day(database: sqlite3.Connection, keyboard_sessi
         assert abs(datetime.fromisoformat(row["started_at"]) - real) <= timedelta(milliseconds=1)
 
 
-def test_the_site_is_the_rows_own_or_that_of_the_database(database: sqlite3.Connection, keyboard_session: str) -> None:
+def test_the_site_is_the_rows_own_or_that_of_the_database(
+    database: sqlite3.Connection, keyboard_session: str
+) -> None:
     assert database.execute("SELECT DISTINCT site FROM v_trials").fetchall() == [("",)]
     sites.set_own(database, "bern")
     assert database.execute("SELECT DISTINCT site FROM v_attempts").fetchall() == [("BERN",)]
@@ -78,7 +82,9 @@ def test_the_site_is_the_rows_own_or_that_of_the_database(database: sqlite3.Conn
 
 
 @pytest.mark.usefixtures("fewer_blocks")
-def test_each_reach_is_a_row_with_its_measures(database: sqlite3.Connection, data: Path, catalogue: Catalogue) -> None:
+def test_each_reach_is_a_row_with_its_measures(
+    database: sqlite3.Connection, data: Path, catalogue: Catalogue
+) -> None:
     plan = make_plan(
         catalogue, "reaching", ["P01"], {"attempts": 1, "practice_attempts": 0, "reaches_per_attempt": 3}, seed=3,
         mode="simulated",
@@ -91,13 +97,21 @@ def test_each_reach_is_a_row_with_its_measures(database: sqlite3.Connection, dat
     for row, trial in zip(seen, stored, strict=True):
         shown, details = common(row, json.loads(trial["details"]))
         assert shown == details
-        assert shown.keys() >= {"reach_time_ms", "sparc", "excursion_deg", "tremor_action_rad_s", "hand"}
+        assert shown.keys() >= {
+            "reach_time_ms",
+            "sparc",
+            "excursion_deg",
+            "tremor_action_rad_s",
+            "hand",
+        }
 
 
 def test_the_data_dictionary_names_every_column(database: sqlite3.Connection) -> None:
     named = set(re.findall(r"`(\w+)`", PAGE.partition("## Views")[2].partition("\n## ")[0]))
     for view in ("v_attempts", "v_trials", "v_reaches"):
-        assert {name for _, name, *_ in database.execute(f"PRAGMA table_info({view})")} - named == set()
+        assert {
+            name for _, name, *_ in database.execute(f"PRAGMA table_info({view})")
+        } - named == set()
 
 
 def test_old_versions_of_sqlite_can_read_them() -> None:

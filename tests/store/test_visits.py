@@ -1,4 +1,6 @@
-"""A visit is due so many days after the last live session of the task, or after its programme was saved."""
+"""A visit is due so many days after the last live session of the task, or after its programme was
+saved.
+"""
 
 import sqlite3
 from collections.abc import Iterator
@@ -26,11 +28,16 @@ def database(data: Path) -> Iterator[sqlite3.Connection]:
         yield opened
 
 
-def trained(database: sqlite3.Connection, days_later: int, mode: str = "live", task: str = "keyboard") -> None:
+def trained(
+    database: sqlite3.Connection, days_later: int, mode: str = "live", task: str = "keyboard"
+) -> None:
     """Store a session of P01."""
     began = SAVED + timedelta(days=days_later)
     row = (f"{mode}{task}{days_later}", task, began.isoformat(), mode)
-    database.execute("INSERT INTO sessions (id, task, started_at, mode, status) VALUES (?,?,?,?,'completed')", row)
+    database.execute(
+        "INSERT INTO sessions (id, task, started_at, mode, status) VALUES (?,?,?,?,'completed')",
+        row,
+    )
     database.execute("INSERT INTO seats VALUES (?, 'A', 'P01')", (row[0],))
 
 

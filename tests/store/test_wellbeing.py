@@ -23,9 +23,19 @@ from sar_tui.store.session_copy import copy_session
 FACTS = {"theme": "calm", "seed": 1, "parameters": {}, "software": {}, "machine": {}}
 
 
-def new_session(database: sqlite3.Connection, name: str, participant: str = "P01", partner: str = "") -> None:
+def new_session(
+    database: sqlite3.Connection, name: str, participant: str = "P01", partner: str = ""
+) -> None:
     participants.add(database, participant)
-    sessions.create(database, name, task="keyboard", participant=participant, partner=partner, mode="live", **FACTS)  # type: ignore[arg-type]
+    sessions.create(
+        database,
+        name,
+        task="keyboard",
+        participant=participant,
+        partner=partner,
+        mode="live",
+        **FACTS,
+    )  # type: ignore[arg-type]
 
 
 def test_answers_before_a_session_belong_to_it_once_it_begins(database: sqlite3.Connection) -> None:
@@ -59,7 +69,9 @@ def test_sessions_without_an_answer_are_known_without_ratings(database: sqlite3.
 
 
 def rated(database: sqlite3.Connection, participant: str, answers: list[tuple[str, str]]) -> None:
-    """Store a session for each pain before and tiredness after it; an empty answer was not asked."""
+    """Store a session for each pain before and tiredness after it; an empty answer was not
+    asked.
+    """
     for number, (pain, tired) in enumerate(answers):
         new_session(database, session := f"{participant}-{number:02}", participant)
         if pain:
@@ -68,11 +80,16 @@ def rated(database: sqlite3.Connection, participant: str, answers: list[tuple[st
             wellbeing.save(database, participant, "after", "fatigue", tired, session=session)
 
 
-def test_the_newest_ratings_tell_the_therapist_what_all_of_them_do(database: sqlite3.Connection) -> None:
+def test_the_newest_ratings_tell_the_therapist_what_all_of_them_do(
+    database: sqlite3.Connection,
+) -> None:
     rng = random.Random(7)
     told = []
     for number in range(20):
-        answers = [(rng.choice(["", "", "0", "1", "2", "7"]), rng.choice(["", "", "6", "8"])) for _ in range(24)]
+        answers = [
+            (rng.choice(["", "", "0", "1", "2", "7"]), rng.choice(["", "", "6", "8"]))
+            for _ in range(24)
+        ]
         rated(database, f"P{number}", answers)
         told.append(tell_therapist(wellbeing.history(database, f"P{number}")))
         assert tell_therapist(wellbeing.newest_ratings(database, f"P{number}")) == told[-1], answers
@@ -90,7 +107,9 @@ def test_pain_over_sessions_far_apart_is_told_in_the_same_words_everywhere(
     ]  # fmt: skip
 
 
-def test_a_copied_session_keeps_the_answers_that_the_target_has(database: sqlite3.Connection, tmp_path: Path) -> None:
+def test_a_copied_session_keeps_the_answers_that_the_target_has(
+    database: sqlite3.Connection, tmp_path: Path
+) -> None:
     with closing(connect(tmp_path / "other")) as other:
         for each in (database, other):
             new_session(each, "abc")
@@ -112,11 +131,20 @@ def test_pauses_of_earlier_sessions_are_found(tmp_path: Path, reason: str, quest
         said = f'{{"command":"pause","reason":"{reason}"}}'
         for number, message in enumerate((said, '{"command":"pause"}', '{"command":"resume"}')):
             row = (session, 10_000 + number, 1, 10**12, "operator/act", message)
-            earlier.execute("INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES (?,?,?,?,?,?)", row)
+            earlier.execute(
+                "INSERT INTO events (session, seq, run, at_ns, topic, message) VALUES "
+                "(?,?,?,?,?,?)",
+                row,
+            )
         earlier.commit()
     with closing(connect(tmp_path)) as database:
         (row,) = wellbeing.of_session(database, session)
-    assert (row["moment"], row["question"], row["answer"], row["seat"]) == ("pause", question, "yes", "A")
+    assert (row["moment"], row["question"], row["answer"], row["seat"]) == (
+        "pause",
+        question,
+        "yes",
+        "A",
+    )
     assert row["at"].endswith("+00:00")
 
 

@@ -1,4 +1,6 @@
-"""The node of docs/write-a-node.md runs from the page's own code: on a bus, simulated, live, and replayed as it was."""
+"""The node of docs/write-a-node.md runs from the page's own code: on a bus, simulated, live, and
+replayed as it was.
+"""
 
 import importlib
 import re
@@ -54,7 +56,9 @@ def recorded(data: Path, session: str) -> list[Record]:
 
 def replay(kind: type[Task], catalogue: Catalogue, history: list[Record], seed: int) -> None:
     """Derive the messages of a session anew; they are the same."""
-    Session(kind(build(kind.Parameters, SETTINGS)), catalogue.theme("calm"), VirtualClock(), seed).replay(history)
+    Session(
+        kind(build(kind.Parameters, SETTINGS)), catalogue.theme("calm"), VirtualClock(), seed
+    ).replay(history)
 
 
 def test_the_documented_test_of_the_node_passes(twists: ModuleType) -> None:
@@ -83,10 +87,14 @@ def test_samples_in_one_block_or_in_many_are_the_same_turn(twists: ModuleType) -
     assert len({each.details["peak_rad_s"] for each in found}) == 1
 
 
-def test_simulated_people_turn_their_hand_and_the_session_replays(folder: Path, tmp_path: Path) -> None:
+def test_simulated_people_turn_their_hand_and_the_session_replays(
+    folder: Path, tmp_path: Path
+) -> None:
     catalogue = Catalogue(tasks=(folder,))
     plan = make_plan(catalogue, "twist", ["P01"], SETTINGS, theme="calm", seed=5, mode="simulated")
-    history = recorded(tmp_path / "data", simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue))
+    history = recorded(
+        tmp_path / "data", simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
+    )
     trials = [record.message for record in history if record.topic is TRIAL]
     answered = [trial for trial in trials if trial.response]
     assert len(answered) > 5
@@ -121,20 +129,31 @@ async def test_a_live_session_with_a_simulated_hand_replays(folder: Path, data: 
 
 def test_a_movement_can_stand_for_a_key(folder: Path, tmp_path: Path) -> None:
     node = folder / "twist" / "twists.py"
-    source = node.read_text().replace("messages import ReachPerceived", "messages import KeyPerceived")
+    source = node.read_text().replace(
+        "messages import ReachPerceived", "messages import KeyPerceived"
+    )
     source = source.replace("REACH", "PERCEIVED")
     head, _, _ = source.partition("    def timer")
-    emits = '    def timer(self, name, late):\n        self.emit(PERCEIVED, KeyPerceived(key="tap", at=self.began))\n'
+    emits = (
+        "    def timer(self, name, late):\n        self.emit(PERCEIVED, "
+        'KeyPerceived(key="tap", at=self.began))\n'
+    )
     node.write_text(head + emits)
     task = folder / "twist" / "task.py"
-    text = task.read_text().replace("not isinstance(percept, ReachPerceived)", 'percept.key != "tap"')
+    text = task.read_text().replace(
+        "not isinstance(percept, ReachPerceived)", 'percept.key != "tap"'
+    )
     task.write_text(text.replace("            details=percept.details,\n", ""))
     catalogue = Catalogue(tasks=(folder,))
     plan = make_plan(catalogue, "twist", ["P01"], SETTINGS, theme="calm", seed=5, mode="simulated")
-    history = recorded(tmp_path / "data", simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue))
+    history = recorded(
+        tmp_path / "data", simulate(plan, PEOPLE["average"], tmp_path / "data", catalogue)
+    )
     trials = [record.message for record in history if record.topic is TRIAL]
     assert len([trial for trial in trials if trial.response]) > 5
-    taps = [each.message for each in history if each.topic is PERCEIVED and each.message.key == "tap"]
+    taps = [
+        each.message for each in history if each.topic is PERCEIVED and each.message.key == "tap"
+    ]
     assert {trial.response_at for trial in trials if trial.response} <= {tap.at for tap in taps}
     replay(catalogue.task("twist"), catalogue, history, 5)
 
@@ -142,7 +161,11 @@ def test_a_movement_can_stand_for_a_key(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('name = "twists"', 'name = "perception"', "its node Twists has the name perception, as another node has."),
+        (
+            'name = "twists"',
+            'name = "perception"',
+            "its node Twists has the name perception, as another node has.",
+        ),
         ('name = "twists"', "pass", "its node Twists has no name."),
         (
             "return (Twists(),)",

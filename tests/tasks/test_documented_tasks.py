@@ -1,4 +1,6 @@
-"""The tasks of docs/write-your-own-task.md run from the page's own code: simulated, and replayed as they were."""
+"""The tasks of docs/write-your-own-task.md run from the page's own code: simulated, and replayed as
+they were.
+"""
 
 import textwrap
 from collections.abc import Mapping
@@ -17,7 +19,15 @@ from sar_tui.loop.bus import Record
 from sar_tui.loop.clock import VirtualClock
 from sar_tui.loop.session import Session
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import KEY, PROMPT, STEP_ENDED, TRIAL, TRIAL_FEEDBACK, TRIAL_FEEDBACK_SHOWN, TYPED
+from sar_tui.loop.topics import (
+    KEY,
+    PROMPT,
+    STEP_ENDED,
+    TRIAL,
+    TRIAL_FEEDBACK,
+    TRIAL_FEEDBACK_SHOWN,
+    TYPED,
+)
 from sar_tui.model import trial_types
 from sar_tui.plugins import Catalogue
 from sar_tui.rules.parameters import ParameterError, build
@@ -61,11 +71,21 @@ def play(tmp_path: Path, name: str, parameters: Mapping[str, object] = {}) -> Pl
     database = connect(tmp_path / "data")
     try:
         history = list(sessions.history(database, session))
-        attempts, trials = (sessions.rows(database, table, session) for table in ("attempts", "trials"))
+        attempts, trials = (
+            sessions.rows(database, table, session) for table in ("attempts", "trials")
+        )
     finally:
         database.close()
-    Session(kind(build(kind.Parameters, values)), catalogue.theme("calm"), VirtualClock(), SEED).replay(history)
-    return Played(kind, [record.message for record in history if record.topic is PROMPT], history, attempts, trials)
+    Session(
+        kind(build(kind.Parameters, values)), catalogue.theme("calm"), VirtualClock(), SEED
+    ).replay(history)
+    return Played(
+        kind,
+        [record.message for record in history if record.topic is PROMPT],
+        history,
+        attempts,
+        trials,
+    )
 
 
 def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
@@ -81,12 +101,20 @@ def test_a_staircase_within_an_attempt(tmp_path: Path) -> None:
 def test_points_after_each_choice_of_a_tree_that_reverses(tmp_path: Path) -> None:
     played = play(tmp_path, "harvest")
     shown = [record.message for record in played.history if record.topic is TRIAL_FEEDBACK]
-    answered = [record.message for record in played.history if record.topic is TRIAL and record.message.response]
+    answered = [
+        record.message
+        for record in played.history
+        if record.topic is TRIAL and record.message.response
+    ]
     assert {each.text for each in shown} == {"+10", "0"}
-    assert [int(each.text) for each in shown if each.text != "0"] == [trial.value for trial in answered if trial.value]
+    assert [int(each.text) for each in shown if each.text != "0"] == [
+        trial.value for trial in answered if trial.value
+    ]
     good = [trial["stimulus"] for trial in played.trials if trial["attempt"] == 1]
     assert set(good) == {"left", "right"}
-    seen = [record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN]
+    seen = [
+        record.message.trial for record in played.history if record.topic is TRIAL_FEEDBACK_SHOWN
+    ]
     assert len(seen) == len(shown)
 
 
@@ -106,7 +134,11 @@ def test_digits_are_typed_and_timed_from_their_first_key(tmp_path: Path) -> None
     right = [trial for trial in played.trials if trial["correct"]]
     assert right
     assert all(trial["response"] == trial["stimulus"] for trial in right)
-    assert all(len(trial["response"]) < len(trial["stimulus"]) for trial in played.trials if trial not in right)
+    assert all(
+        len(trial["response"]) < len(trial["stimulus"])
+        for trial in played.trials
+        if trial not in right
+    )
     typing_ms = (right[0]["response_ns"] - right[0]["onset_ns"]) / 1e6
     assert typing_ms == 250 * len(right[0]["response"])
     echoed = [record.message.text for record in played.history if record.topic is TYPED]
@@ -118,14 +150,21 @@ def test_flankers_keep_their_congruency_with_each_trial(tmp_path: Path) -> None:
     kept = [trial["data"]["congruent"] for trial in played.trials]
     assert kept == [prompt.data["congruent"] for prompt in played.prompts]
     assert kept == [trial["stimulus"][0] == trial["stimulus"][2] for trial in played.trials]
-    orders = [[trial["stimulus"] for trial in played.trials if trial["attempt"] == attempt] for attempt in (1, 2)]
-    assert [{row: order.count(row) for row in order} for order in orders] == [dict.fromkeys(set(orders[0]), 5)] * 2
+    orders = [
+        [trial["stimulus"] for trial in played.trials if trial["attempt"] == attempt]
+        for attempt in (1, 2)
+    ]
+    assert [{row: order.count(row) for row in order} for order in orders] == [
+        dict.fromkeys(set(orders[0]), 5)
+    ] * 2
     assert orders[0] != orders[1]
     with closing(connect(tmp_path / "data")) as database:
         session = played.trials[0]["session"]
         table = trials(database, [session], {}, Damage(database, lambda _: None))
         rows = list(table.rows(database, session))
-    (place,) = (number for number, column in enumerate(table.columns) if column.name == "data_congruent")
+    (place,) = (
+        number for number, column in enumerate(table.columns) if column.name == "data_congruent"
+    )
     assert [row[place] for row in rows] == kept
     assert table.columns[place].treatment == "open"
 
@@ -134,7 +173,9 @@ def test_two_back_in_one_stream(tmp_path: Path) -> None:
     played = play(tmp_path, "twoback")
     letters = [prompt.stimulus for prompt in played.prompts if prompt.attempt == 2]
     targets = [bool(prompt.expected) for prompt in played.prompts if prompt.attempt == 2]
-    assert targets == [place > 1 and letter == letters[place - 2] for place, letter in enumerate(letters)]
+    assert targets == [
+        place > 1 and letter == letters[place - 2] for place, letter in enumerate(letters)
+    ]
     assert any(targets)
     assert [attempt["trials"] for attempt in played.attempts] == [20, 20, 20]
     keys = [record.message.key for record in played.history if record.topic is KEY]
@@ -152,7 +193,8 @@ def test_hands_that_take_turns_are_conditions(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in TASKS if name != "naming"])  # its pictures are not on the page
+# its pictures are not on the page
+@pytest.mark.parametrize("name", [name for name in TASKS if name != "naming"])
 def test_each_task_of_the_page_passes_the_check(tmp_path: Path, name: str) -> None:
     task = write_documented(tmp_path, name, *NODES.get(name, ()))
     if (name, "words.es.toml") in FILES:
@@ -160,7 +202,9 @@ def test_each_task_of_the_page_passes_the_check(tmp_path: Path, name: str) -> No
     assert [each.problems for each in check(task) if each.problems] == []
 
 
-@pytest.mark.parametrize("name", ["choice", "glance", "masked", "more", "ownpace", "speed", "stroop", "taps", "wait"])
+@pytest.mark.parametrize(
+    "name", ["choice", "glance", "masked", "more", "ownpace", "speed", "stroop", "taps", "wait"]
+)
 def test_a_task_of_one_need_runs(tmp_path: Path, name: str) -> None:
     played = play(tmp_path, name, {"attempts": 2})
     assert fmean(trial["correct"] for trial in played.trials) > 0.7
@@ -170,21 +214,29 @@ def test_a_task_of_one_need_runs(tmp_path: Path, name: str) -> None:
 def test_a_sign_on_its_own_side_is_answered_sooner(tmp_path: Path) -> None:
     played = play(tmp_path, "simon", {"attempts": 4})
     for trial in played.trials:
-        assert trial["details"]["agrees"] == (trial["stimulus"].split()[0] == trial["stimulus"].split()[-1])
+        assert trial["details"]["agrees"] == (
+            trial["stimulus"].split()[0] == trial["stimulus"].split()[-1]
+        )
     assert fmean(attempt["qualities"]["simon_ms"] for attempt in played.attempts) > 0
 
 
 def test_two_people_answer_each_their_own_sign(tmp_path: Path) -> None:
     played = play(tmp_path, "joint", {"attempts": 2})
     assert {trial["seat"] for trial in played.trials} == {"A", "B"}
-    assert all(trial["stimulus"][0] == {"A": "●", "B": "■"}[trial["seat"]] for trial in played.trials)
+    assert all(
+        trial["stimulus"][0] == {"A": "●", "B": "■"}[trial["seat"]] for trial in played.trials
+    )
 
 
 MISTAKES = [
     ('name = "arrows"', 'name = "arows"', "has the name arows; the two must be the same."),
     ("def instructions", "def instruction", "The task arrows does not define instructions."),
     ("import Task", "import Tasks", "cannot import name 'Tasks' from 'sar_tui.loop.task'."),
-    ("percept.key,", "percept.ky,", "'KeyPerceived' object has no attribute 'ky', line 23 of task.py"),
+    (
+        "percept.key,",
+        "percept.ky,",
+        "'KeyPerceived' object has no attribute 'ky', line 23 of task.py",
+    ),
     (
         "situation.streams.choice(",
         "(lambda keys, name: __import__('random').choice(keys))(",
@@ -193,7 +245,11 @@ MISTAKES = [
     ("response_at=", "details={'x': 1}, response_at=", "Its Details do not declare x."),
     ("return Result(", "return None and Result(", "no trial in them was right and had a value."),
     ("return Result(", "return None and Result(", "Is the goal (1000) within reach?"),
-    ("Press: {key}", f"Press{'.' * 80}{{key}}", "These plain lines are wider than a terminal of 80 columns"),
+    (
+        "Press: {key}",
+        f"Press{'.' * 80}{{key}}",
+        "These plain lines are wider than a terminal of 80 columns",
+    ),
 ]
 
 
@@ -202,7 +258,9 @@ def test_a_mistake_is_told_as_the_page_says(tmp_path: Path, mistake: tuple[str, 
     old, new, says = mistake
     file = write_documented(tmp_path, "arrows") / "task.py"
     file.write_text(file.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
-    assert says in " ".join(text for each in check(file.parent) for text in (*each.problems, each.warning))
+    assert says in " ".join(
+        text for each in check(file.parent) for text in (*each.problems, each.warning)
+    )
     assert says in PAGES[0]
 
 

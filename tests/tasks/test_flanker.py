@@ -21,9 +21,16 @@ def result(congruent: bool, value: float | None, correct: bool = True) -> Result
     return Result(correct=correct, response="left", value=value, details={"congruent": congruent})
 
 
-def test_the_conflict_is_the_difference_of_the_mean_times_of_correct_responses(flanker: type[Task]) -> None:
+def test_the_conflict_is_the_difference_of_the_mean_times_of_correct_responses(
+    flanker: type[Task],
+) -> None:
     task = flanker(flanker.Parameters())
-    results = [result(True, 400), result(True, 500), result(False, 540), result(False, 900, correct=False)]
+    results = [
+        result(True, 400),
+        result(True, 500),
+        result(False, 540),
+        result(False, 900, correct=False),
+    ]
     assert task.measures(results) == {"conflict_ms": 90}
     assert task.measures(results[:2]) == {}
 
@@ -37,7 +44,9 @@ def test_rows_agree_or_disagree_as_their_data_say(flanker: type[Task], calm: The
     assert 0.25 < fmean(trial.data["congruent"] for trial in trials) < 0.75
 
 
-def test_people_show_the_conflict_and_those_without_it_do_not(flanker: type[Task], calm: Theme) -> None:
+def test_people_show_the_conflict_and_those_without_it_do_not(
+    flanker: type[Task], calm: Theme
+) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is flanker)
     for kind, is_shown in ((flanker, True), (effect.without, False)):
         values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 9)]

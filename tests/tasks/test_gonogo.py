@@ -21,11 +21,18 @@ def gonogo() -> type[Task]:
 
 def shape(go: bool, pressed: bool) -> Result:
     value = 400.0 if go and pressed else None
-    return Result(correct=go == pressed, response="space" if pressed else None, value=value, details={"go": go})
+    return Result(
+        correct=go == pressed,
+        response="space" if pressed else None,
+        value=value,
+        details={"go": go},
+    )
 
 
 def test_sensitivity_is_the_distance_between_two_normal_distributions(gonogo: type[Task]) -> None:
-    """An ideal observer whose evidence is d' apart, with a criterion in the middle, presses at Φ(d'/2) and Φ(-d'/2)."""
+    """An ideal observer whose evidence is d' apart, with a criterion in the middle, presses at
+    Φ(d'/2) and Φ(-d'/2).
+    """
     hits = NormalDist().cdf(1.0)
     count = 10_000
     pressed = {True: round(count * hits), False: round(count * (1 - hits))}
@@ -39,7 +46,10 @@ def test_sensitivity_is_finite_without_an_error(gonogo: type[Task]) -> None:
     task = gonogo(gonogo.Parameters())
     results = [shape(True, True)] * 15 + [shape(False, False)] * 5
     z = NormalDist().inv_cdf
-    assert task.measures(results) == {"commissions": 0, "d_prime": pytest.approx(z(15.5 / 16) - z(0.5 / 6))}
+    assert task.measures(results) == {
+        "commissions": 0,
+        "d_prime": pytest.approx(z(15.5 / 16) - z(0.5 / 6)),
+    }
     assert task.measures(results[:15]) == {}
 
 
@@ -63,8 +73,12 @@ def test_a_key_at_a_square_is_wrong_and_waiting_is_right(gonogo: type[Task], cal
     assert len(set(judged)) == 4
 
 
-def test_people_press_at_some_squares_and_sooner_than_at_circles(gonogo: type[Task], calm: Theme) -> None:
-    effect = Effect("", "", 0, 0, "", lambda _: None, gonogo, {"attempts": 6, "prompts_per_attempt": 40})
+def test_people_press_at_some_squares_and_sooner_than_at_circles(
+    gonogo: type[Task], calm: Theme
+) -> None:
+    effect = Effect(
+        "", "", 0, 0, "", lambda _: None, gonogo, {"attempts": 6, "prompts_per_attempt": 40}
+    )
     trials = [trial for seed in range(1, 5) for trial in play(gonogo, effect, calm, seed)]
     squares = [trial for trial in trials if not trial.data["go"]]
     errors = [trial for trial in squares if trial.response is not None]
@@ -75,8 +89,12 @@ def test_people_press_at_some_squares_and_sooner_than_at_circles(gonogo: type[Ta
     assert fmean(times) < usual
 
 
-def test_people_who_never_press_at_squares_are_told_from_those_who_do(gonogo: type[Task], calm: Theme) -> None:
+def test_people_who_never_press_at_squares_are_told_from_those_who_do(
+    gonogo: type[Task], calm: Theme
+) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is gonogo)
     for kind, is_shown in ((gonogo, True), (effect.without, False)):
         values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 7)]
-        assert (effect.low <= fmean(value for value in values if value is not None) <= effect.high) is is_shown
+        assert (
+            effect.low <= fmean(value for value in values if value is not None) <= effect.high
+        ) is is_shown

@@ -1,4 +1,6 @@
-"""The n-back task: its letters and their pace, its score, and the effect of load on its simulated people."""
+"""The n-back task: its letters and their pace, its score, and the effect of load on its simulated
+people.
+"""
 
 from statistics import NormalDist, fmean
 
@@ -45,7 +47,9 @@ def test_d_prime_has_half_a_response_more_in_each_count(nback: type[Task]) -> No
     assert task.measures(results(5, 5, 5, 5))["d_prime"] == pytest.approx(0)
 
 
-def test_letters_keep_their_pace_and_only_the_first_press_counts(nback: type[Task], calm: Theme) -> None:
+def test_letters_keep_their_pace_and_only_the_first_press_counts(
+    nback: type[Task], calm: Theme
+) -> None:
     driver = LoopDriver(nback, calm, attempts=1, letters=10)
     driver.start()
     driver.wait(700)
@@ -57,13 +61,19 @@ def test_letters_keep_their_pace_and_only_the_first_press_counts(nback: type[Tas
     assert driver.all(TRIAL) == []
     driver.wait(1000)
     (first,) = driver.all(TRIAL)
-    assert (first.response, first.correct) == ("space", False)  # nothing comes before the first letter
+    # nothing comes before the first letter
+    assert (first.response, first.correct) == (
+        "space",
+        False,
+    )
     assert first.reaction_time_ms == pytest.approx(700, abs=10)
     driver.wait(2500)
     assert len(driver.all(TRIAL)) == 2
 
 
-def test_an_interrupted_attempt_begins_again_with_other_letters(nback: type[Task], calm: Theme) -> None:
+def test_an_interrupted_attempt_begins_again_with_other_letters(
+    nback: type[Task], calm: Theme
+) -> None:
     driver = LoopDriver(nback, calm, attempts=1, letters=10)
     driver.start()
     driver.wait(7000)

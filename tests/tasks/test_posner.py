@@ -1,4 +1,6 @@
-"""Posner's cueing task: the agent's look before the star, its score, and the effect of its simulated people."""
+"""Posner's cueing task: the agent's look before the star, its score, and the effect of its
+simulated people.
+"""
 
 from statistics import fmean
 
@@ -18,12 +20,21 @@ def posner() -> type[Task]:
 
 
 def result(valid: bool, value: float, correct: bool = True) -> Result:
-    return Result(correct=correct, response="left", value=value, details={"valid": valid, "lead_ms": 300.0})
+    return Result(
+        correct=correct, response="left", value=value, details={"valid": valid, "lead_ms": 300.0}
+    )
 
 
-def test_the_effect_is_the_difference_of_the_mean_times_of_correct_responses(posner: type[Task]) -> None:
+def test_the_effect_is_the_difference_of_the_mean_times_of_correct_responses(
+    posner: type[Task],
+) -> None:
     task = posner(posner.Parameters())
-    results = [result(True, 400), result(True, 440), result(False, 450), result(False, 900, correct=False)]
+    results = [
+        result(True, 400),
+        result(True, 440),
+        result(False, 450),
+        result(False, 900, correct=False),
+    ]
     assert task.measures(results) == {"cueing_ms": 30}
     assert task.measures(results[:2]) == {}
 

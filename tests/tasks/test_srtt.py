@@ -1,4 +1,6 @@
-"""The serial reaction time task: its order of places, what is learnt of it, and the effect of its simulated people."""
+"""The serial reaction time task: its order of places, what is learnt of it, and the effect of its
+simulated people.
+"""
 
 from collections import Counter
 from itertools import pairwise
@@ -34,7 +36,9 @@ def past(condition: str, metric: float | None) -> PastAttempt:
     return PastAttempt(1, False, 1, Score(metric, 1.0, 10, 10), condition=condition)
 
 
-def test_three_attempts_repeat_one_sequence_of_twelve_whose_pairs_come_once(trials: list[TrialEnded]) -> None:
+def test_three_attempts_repeat_one_sequence_of_twelve_whose_pairs_come_once(
+    trials: list[TrialEnded],
+) -> None:
     sequence = keys(trials, 1)[:12]
     for attempt in (1, 2, 3):
         assert keys(trials, attempt) == sequence * 5
@@ -42,7 +46,9 @@ def test_three_attempts_repeat_one_sequence_of_twelve_whose_pairs_come_once(tria
     assert len(set(pairwise([*sequence, sequence[0]]))) == 12
 
 
-def test_the_fourth_attempt_is_in_random_order_without_repetitions(trials: list[TrialEnded]) -> None:
+def test_the_fourth_attempt_is_in_random_order_without_repetitions(
+    trials: list[TrialEnded],
+) -> None:
     found = keys(trials, 4)
     assert found[:12] != found[12:24]
     assert all(one != other for one, other in pairwise(found))
@@ -50,7 +56,9 @@ def test_the_fourth_attempt_is_in_random_order_without_repetitions(trials: list[
     assert {trial.data["order"] for trial in trials if trial.attempt == 4} == {"random"}
 
 
-def test_learning_is_the_difference_from_the_last_attempt_with_the_sequence(srtt: type[Task]) -> None:
+def test_learning_is_the_difference_from_the_last_attempt_with_the_sequence(
+    srtt: type[Task],
+) -> None:
     task = srtt(srtt.Parameters())
     history = [past("sequence", 700), past("sequence", 600), past("random", 650)]
     assert task.learning(past("random", 660), history) == {"learning_ms": 60}
@@ -60,7 +68,9 @@ def test_learning_is_the_difference_from_the_last_attempt_with_the_sequence(srtt
 
 
 @pytest.mark.slow
-def test_people_learn_the_sequence_and_those_without_learning_do_not(srtt: type[Task], calm: Theme) -> None:
+def test_people_learn_the_sequence_and_those_without_learning_do_not(
+    srtt: type[Task], calm: Theme
+) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is srtt)
     for kind, is_shown in ((srtt, True), (effect.without, False)):
         values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 5)]

@@ -1,4 +1,6 @@
-"""The stop-signal task: the time to stop of known races, the delay that follows the participant, simulated people."""
+"""The stop-signal task: the time to stop of known races, the delay that follows the participant,
+simulated people.
+"""
 
 import sys
 from random import Random
@@ -37,7 +39,9 @@ def arrow(value: float | None) -> Result:
 
 def cross(delay: float, pressed: bool) -> Result:
     return Result(
-        correct=not pressed, response="left" if pressed else None, details={"stop": True, "delay_ms": float(delay)}
+        correct=not pressed,
+        response="left" if pressed else None,
+        details={"stop": True, "delay_ms": float(delay)},
     )
 
 
@@ -65,12 +69,16 @@ def test_omissions_count_as_the_slowest_responses(stopping: Any) -> None:
 
 
 @pytest.mark.parametrize("pressed", [0, 1, 9, 10])
-def test_there_is_no_time_to_stop_if_nearly_all_or_nearly_none_were_stopped(stopping: Any, pressed: int) -> None:
+def test_there_is_no_time_to_stop_if_nearly_all_or_nearly_none_were_stopped(
+    stopping: Any, pressed: int
+) -> None:
     crosses = [cross(200, pressed=number < pressed) for number in range(10)]
     assert stopping.stop_signal_rt([arrow(400), arrow(500), *crosses]) is None
 
 
-def test_the_delay_grows_after_a_stop_and_shrinks_after_a_key_within_its_bounds(stopping: Any) -> None:
+def test_the_delay_grows_after_a_stop_and_shrinks_after_a_key_within_its_bounds(
+    stopping: Any,
+) -> None:
     assert stopping.next_delay_ms([arrow(400)]) is None
     assert stopping.next_delay_ms([cross(251.4, pressed=False), arrow(400)]) == 300
     assert stopping.next_delay_ms([cross(249.2, pressed=True)]) == 200
@@ -106,10 +114,19 @@ def test_people_need_the_declared_time_to_stop_and_those_who_stop_at_once_are_to
     for kind, is_shown in ((stop_signal, True), (effect.without, False)):
         sessions = [play(kind, effect, calm, seed) for seed in range(1, 7)]
         values = [effect.measure(trials) for trials in sessions]
-        assert (effect.low <= fmean(value for value in values if value is not None) <= effect.high) is is_shown
+        assert (
+            effect.low <= fmean(value for value in values if value is not None) <= effect.high
+        ) is is_shown
     crosses = [trial for trial in sessions[0] if trial.details["stop"]]
     assert 0.15 < len(crosses) / len(sessions[0]) < 0.35
-    seen = [trial for trial in crosses if trial.timing.frame_onsets_ns and len(trial.timing.frame_onsets_ns) > 1]
+    seen = [
+        trial
+        for trial in crosses
+        if trial.timing.frame_onsets_ns and len(trial.timing.frame_onsets_ns) > 1
+    ]
     assert [trial.details["delay_ms"] for trial in seen] == pytest.approx(
-        [(trial.timing.frame_onsets_ns[1] - trial.timing.frame_onsets_ns[0]) / 1e6 for trial in seen]
+        [
+            (trial.timing.frame_onsets_ns[1] - trial.timing.frame_onsets_ns[0]) / 1e6
+            for trial in seen
+        ]
     )

@@ -54,7 +54,9 @@ def test_a_held_key_is_one_tap(driver: LoopDriver) -> None:
 
 @pytest.mark.parametrize("every_ms", [25, 33, 40, 45, 50])
 @pytest.mark.parametrize("delay_ms", [250, 500, 660])
-def test_a_key_that_its_keyboard_repeats_is_one_tap(driver: LoopDriver, every_ms: int, delay_ms: int) -> None:
+def test_a_key_that_its_keyboard_repeats_is_one_tap(
+    driver: LoopDriver, every_ms: int, delay_ms: int
+) -> None:
     driver.wait(200)
     driver.strike("space")
     driver.wait(delay_ms)
@@ -84,7 +86,9 @@ def test_a_round_without_taps_is_missed(driver: LoopDriver) -> None:
     assert driver.all(PROMPT)
 
 
-def test_people_tap_at_the_published_rate_and_those_without_hurry_do_not(tapping: type[Task], calm: Theme) -> None:
+def test_people_tap_at_the_published_rate_and_those_without_hurry_do_not(
+    tapping: type[Task], calm: Theme
+) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tapping)
     for kind, is_shown in ((tapping, True), (effect.without, False)):
         values = [effect.measure(play(kind, effect, calm, seed)) for seed in range(1, 6)]

@@ -1,4 +1,6 @@
-"""Moving in time with the beat: the turns of a hand whose motion is known, the row's score, and simulated people."""
+"""Moving in time with the beat: the turns of a hand whose motion is known, the row's score, and
+simulated people.
+"""
 
 import sys
 from statistics import fmean
@@ -32,7 +34,9 @@ def beats(tempo: type[Task]) -> Any:
 
 
 def swinging(period_s: float, seed: int, rate_hz: float = 100.0) -> tuple[Samples, list[float]]:
-    """Return samples of a hand that swings about any axis, with noise, bias and tremor, and when it turns, in s."""
+    """Return samples of a hand that swings about any axis, with noise, bias and tremor, and when it
+    turns, in s.
+    """
     random = np.random.default_rng(seed)
     time_s = np.arange(0.0, 12.0, 1 / rate_hz)
     swings = np.where((time_s > 2) & (time_s < 2 + 8 * period_s), np.pi / period_s, 0.0)
@@ -42,13 +46,17 @@ def swinging(period_s: float, seed: int, rate_hz: float = 100.0) -> tuple[Sample
     samples = np.zeros(len(time_s), SAMPLE)
     samples["at"] = np.round(time_s * 1e9)
     samples["device_ms"] = time_s * 1000
-    samples["rate"] = rate[:, None] * axis + random.normal(0, 0.02, (len(time_s), 3)) + [0.01, -0.02, 0.015]
+    samples["rate"] = (
+        rate[:, None] * axis + random.normal(0, 0.02, (len(time_s), 3)) + [0.01, -0.02, 0.015]
+    )
     return samples, [2 + period_s * turn for turn in range(1, 8)]
 
 
 @pytest.mark.parametrize("period_s", [0.5, 0.9, 1.2])
 @pytest.mark.parametrize("seed", [1, 2])
-def test_each_turn_of_a_hand_that_swings_about_any_axis_is_found(turns: Any, period_s: float, seed: int) -> None:
+def test_each_turn_of_a_hand_that_swings_about_any_axis_is_found(
+    turns: Any, period_s: float, seed: int
+) -> None:
     samples, truth = swinging(period_s, seed)
     assert [at / 1e9 for at in turns.turn_times(samples)] == pytest.approx(truth, abs=0.02)
 
@@ -78,16 +86,22 @@ def test_a_row_is_scored_by_the_one_turn_near_each_beat(beats: Any) -> None:
     assert beats.in_time(at, [], 1000.0) == (None, None, 0.0)
 
 
-def test_people_are_ahead_of_the_beat_and_those_who_are_not_are_told_from_them(tempo: type[Task], calm: Theme) -> None:
+def test_people_are_ahead_of_the_beat_and_those_who_are_not_are_told_from_them(
+    tempo: type[Task], calm: Theme
+) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tempo)
     for kind, is_shown in ((tempo, True), (effect.without, False)):
         sessions = [play(kind, effect, calm, seed) for seed in range(1, 7)]
         values = [effect.measure(trials) for trials in sessions]
-        assert (effect.low <= fmean(value for value in values if value is not None) <= effect.high) is is_shown
+        assert (
+            effect.low <= fmean(value for value in values if value is not None) <= effect.high
+        ) is is_shown
     assert {trial.timing.tone_source for trial in sessions[0]} == {"virtual"}
 
 
-def test_those_who_keep_a_tempo_of_their_own_do_not_follow_the_beat(tempo: type[Task], calm: Theme) -> None:
+def test_those_who_keep_a_tempo_of_their_own_do_not_follow_the_beat(
+    tempo: type[Task], calm: Theme
+) -> None:
     (effect,) = (effect for kind, effect in effects(Catalogue()) if kind is tempo)
 
     class Own(tempo):  # type: ignore[valid-type,misc]

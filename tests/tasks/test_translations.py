@@ -51,16 +51,23 @@ def translations(name: str) -> dict[str, str]:
 def test_every_text_of_a_task_is_translated_and_no_translation_is_obsolete(name: str) -> None:
     kind = Catalogue().task(name)
     folder = task_folder(kind)
-    texts = declared(kind).union(*(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py")))
+    texts = declared(kind).union(
+        *(texts_in(path.read_text("utf-8")) for path in folder.glob("*.py"))
+    )
     own = read_words(folder / "words.es.toml")
     needed = texts - set(read_words(Path(module.__file__).parent / "words.es.toml"))
-    of_settings = {text for field in fields(kind.Parameters) for text in (*setting_texts(field), *field.choices)}
+    of_settings = {
+        text
+        for field in fields(kind.Parameters)
+        for text in (*setting_texts(field), *field.choices)
+    }
     assert needed <= set(own) <= needed | of_settings
     assert [problem for text, word in own.items() if (problem := slot_problem(text, word))] == []
     assert problems(kind) == []
 
 
-# --- no number in words ----------------------------------------------------------------------------------------------
+# --- no number in words
+# ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", Catalogue().task_names())
@@ -81,10 +88,14 @@ def test_the_remarks_of_reaching_are_checked_and_none_asks_for_a_trial_that_will
 @pytest.mark.parametrize("code", ["en", "es"])
 @pytest.mark.parametrize("person", first(1, PEOPLE))
 @pytest.mark.parametrize("name", TASKS)
-def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: str, code: str, data: Path) -> None:
+def test_feedback_in_words_contains_no_number_in_a_session(
+    name: str, person: str, code: str, data: Path
+) -> None:
     catalogue = Catalogue()
     wanted = {"language": code, "feedback_form": "qualitative", "feedback_schedule": "every"}
-    plan = make_plan(catalogue, name, ["P1"], {**SETTINGS.get(name, USUAL), **wanted}, seed=3, mode="simulated")
+    plan = make_plan(
+        catalogue, name, ["P1"], {**SETTINGS.get(name, USUAL), **wanted}, seed=3, mode="simulated"
+    )
     session = simulate(plan, PEOPLE[person], data, catalogue)
     database = connect(data)
     try:
@@ -94,10 +105,13 @@ def test_feedback_in_words_contains_no_number_in_a_session(name: str, person: st
     answers = [m for m in messages if isinstance(m, Action) and m.kind == "feedback"]
     remarks = [m.remark for m in messages if isinstance(m, Feedback) and m.remark]
     assert answers
-    assert [text for text in (*remarks, *(m.text for m in answers)) if holds_number(text, code)] == []
+    assert [
+        text for text in (*remarks, *(m.text for m in answers)) if holds_number(text, code)
+    ] == []
 
 
-# --- a session --------------------------------------------------------------------------------------------------------
+# --- a session
+# --------------------------------------------------------------------------------------------------------
 
 
 def reported(data: Path, name: str, person: str, code: str = "es") -> Iterator[str]:
@@ -137,7 +151,8 @@ def test_the_same_session_in_english_contains_the_english_texts(name: str, data:
     assert {"attempt {number} of {total}", "practice {number} of {total}"} <= found
 
 
-# --- what stands on the screen ----------------------------------------------------------------------------------------
+# --- what stands on the screen
+# ----------------------------------------------------------------------------------------
 
 
 def stimulus(task: Task, level: int = 1, trial: int = 1) -> Stimulus:
@@ -168,7 +183,8 @@ def test_a_reach_prompt_fits_in_large_letters(go_signal: bool, glyph: str) -> No
     [
         (
             {},
-            "Su meta: pulsar la tecla correcta en menos de 1 segundo de media, y acertar al menos 16 de 20.",
+            "Su meta: pulsar la tecla correcta en menos de 1 segundo de media, y acertar al menos "
+            "16 de 20.",
         ),
         (
             {"threshold": 850, "min_accuracy": 0},
@@ -176,7 +192,9 @@ def test_a_reach_prompt_fits_in_large_letters(go_signal: bool, glyph: str) -> No
         ),
     ],
 )
-def test_numbers_and_plurals_of_a_goal_follow_spanish_rules(parameters: dict[str, object], goal: str) -> None:
+def test_numbers_and_plurals_of_a_goal_follow_spanish_rules(
+    parameters: dict[str, object], goal: str
+) -> None:
     assert make("keyboard", **parameters).goal(1) == goal
 
 
@@ -188,7 +206,11 @@ def test_the_instructions_use_spanish_plurals(prompts: int, asks: str) -> None:
 def test_the_texts_of_a_reach_are_in_spanish() -> None:
     task = make("reaching")
     assert task.goal(2) == "Hasta el marcador 2 (20 cm) y vuelta.\nSu meta: menos de 1,39 segundos."
-    assert task.start(1) == "Apoye la mano en el punto de salida.\nDespués vaya hasta el marcador 1 (15 cm) y vuelva."
+    assert (
+        task.start(1)
+        == "Apoye la mano en el punto de salida.\nDespués vaya hasta el marcador 1 (15 cm) y "
+        "vuelva."
+    )
     assert task.notice(2, 1) == "Ahora el marcador 2: un poco más lejos"
     assert task.notice(1, 2) == "Ahora el marcador 1: un poco más cerca"
 

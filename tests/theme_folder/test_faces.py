@@ -20,9 +20,15 @@ def test_a_face_that_fits_has_no_problems() -> None:
         (f"{CAT}\nx", "The face happy is larger than 11 columns and 4 lines."),
         ("\n".join(["x" * 12] * 4), "The face happy is larger than 11 columns and 4 lines."),
         ("o o\n===", "The face happy has no line 2, counted from 0, for its mouth (mouth_line)."),
-        ("o o\no o\n😀", r"The face happy is drawn with what does not fill one column: '\U0001f600'."),
+        (
+            "o o\no o\n😀",
+            r"The face happy is drawn with what does not fill one column: '\U0001f600'.",
+        ),
         ("o o\no o\n中", r"The face happy is drawn with what does not fill one column: '\u4e2d'."),
-        ("o o\no o\ne\u0301", r"The face happy is drawn with what does not fill one column: '\u0301'."),
+        (
+            "o o\no o\ne\u0301",
+            r"The face happy is drawn with what does not fill one column: '\u0301'.",
+        ),
         ("o o\no\to\n===", r"The face happy is drawn with what does not fill one column: '\t'."),
     ],
 )

@@ -71,11 +71,21 @@ def applied(folder: Path, language: str = "en") -> Theme:
 def test_a_complete_theme_needs_no_repair(mine: Path) -> None:
     theme = applied(mine)
     assert theme.repairs == ()
-    assert (theme.name, theme.title, theme.language, theme.languages) == ("mine", "Playful", "en", ("en", "es"))
-    assert {path.name for path in files(mine)} >= {"phrases.en.toml", "phrases.es.toml", "theme.toml"}
+    assert (theme.name, theme.title, theme.language, theme.languages) == (
+        "mine",
+        "Playful",
+        "en",
+        ("en", "es"),
+    )
+    assert {path.name for path in files(mine)} >= {
+        "phrases.en.toml",
+        "phrases.es.toml",
+        "theme.toml",
+    }
 
 
-# --- phrases ---------------------------------------------------------------------------------------------------------
+# --- phrases
+# ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Theme) -> None:
@@ -85,7 +95,9 @@ def test_a_missing_phrase_is_taken_from_the_default_theme(mine: Path, calm: Them
     assert theme.repairs == ("There is no wording for goodbye (en).",)
 
 
-def test_a_phrase_missing_only_in_spanish_is_taken_from_english(mine: Path, catalogue: Catalogue) -> None:
+def test_a_phrase_missing_only_in_spanish_is_taken_from_english(
+    mine: Path, catalogue: Catalogue
+) -> None:
     without(mine, "rest", "es")
     theme = applied(mine, "es")
     assert theme.phrases["rest"] == catalogue.theme("playful").phrases["rest"]
@@ -95,13 +107,17 @@ def test_a_phrase_missing_only_in_spanish_is_taken_from_english(mine: Path, cata
     assert applied(mine, "en").repairs == ()
 
 
-def test_a_phrase_missing_in_both_languages_is_the_default_themes_spanish(mine: Path, catalogue: Catalogue) -> None:
+def test_a_phrase_missing_in_both_languages_is_the_default_themes_spanish(
+    mine: Path, catalogue: Catalogue
+) -> None:
     without(mine, "rest", "es")
     without(mine, "rest", "en")
     assert applied(mine, "es").phrases["rest"] == catalogue.theme("calm", "es").phrases["rest"]
 
 
-def test_a_substituted_english_phrase_is_checked_for_english_numbers(mine: Path, change: Change) -> None:
+def test_a_substituted_english_phrase_is_checked_for_english_numbers(
+    mine: Path, change: Change
+) -> None:
     without(mine, "goodbye", "es")
     change("phrases.en.toml", "We are done! I liked", "Par for the course! I liked")
     assert any("Par for" in wording for wording in applied(mine, "es").phrases["goodbye"])
@@ -118,7 +134,9 @@ def test_an_invalid_wording_is_left_out_and_the_others_are_used(mine: Path, chan
 
 
 @pytest.mark.parametrize("value", ['"Hello!"', "3", "[1, 2]", "{ a = 1 }"])
-def test_wordings_that_are_not_a_list_of_texts_are_replaced(mine: Path, calm: Theme, value: str) -> None:
+def test_wordings_that_are_not_a_list_of_texts_are_replaced(
+    mine: Path, calm: Theme, value: str
+) -> None:
     without(mine, "goodbye", "en")
     file = mine / "phrases.en.toml"
     file.write_text(f"goodbye = {value}\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
@@ -153,7 +171,9 @@ def test_the_vocabulary_contains_no_number(mine: Path, change: Change) -> None:
     assert theme.vocabulary["session_mean"] == applied(mine).vocabulary["session_mean"]
 
 
-def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, change: Change, calm: Theme) -> None:
+def test_an_english_vocabulary_entry_with_a_number_is_replaced(
+    mine: Path, change: Change, calm: Theme
+) -> None:
     change("phrases.en.toml", 'goal = "the goal"', 'goal = "half the goal"')
     assert applied(mine).vocabulary["goal"] == calm.vocabulary["goal"]
 
@@ -167,7 +187,9 @@ def test_an_english_vocabulary_entry_with_a_number_is_replaced(mine: Path, chang
         ('kg = "kilogram |"', "kg in units (en) must be one text, or two: singular | plural."),
     ],
 )
-def test_a_unit_that_cannot_be_spoken_is_left_out(mine: Path, change: Change, unit: str, expected: str) -> None:
+def test_a_unit_that_cannot_be_spoken_is_left_out(
+    mine: Path, change: Change, unit: str, expected: str
+) -> None:
     change("phrases.en.toml", "[units]\n", f"[units]\n{unit}\n")
     theme = applied(mine)
     assert theme.repairs == (expected,)
@@ -182,7 +204,8 @@ def test_a_vocabulary_that_is_not_a_table_is_reported(mine: Path, change: Change
     assert set(theme.repairs) == {"units (en) must be a table.", "other is not a situation (en)."}
 
 
-# --- languages -------------------------------------------------------------------------------------------------------
+# --- languages
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_theme_without_a_language_speaks_english(mine: Path) -> None:
@@ -206,12 +229,16 @@ def test_a_theme_without_english_is_reported_and_completed(mine: Path) -> None:
     theme = applied(mine, "es")
     assert theme.language == "es"
     assert theme.repairs == ("There is no phrases.en.toml, which every theme has.",)
-    with pytest.raises(PluginError, match=r"^The theme mine cannot be read: There is no phrases\.en\.toml\.$"):
+    with pytest.raises(
+        PluginError, match=r"^The theme mine cannot be read: There is no phrases\.en\.toml\.$"
+    ):
         load_theme(mine)
 
 
 def test_a_theme_may_replace_screen_texts(mine: Path) -> None:
-    (mine / "words.es.toml").write_text('"Press Enter" = "Pulsa Intro"\nodd = 3\n', encoding="utf-8")
+    (mine / "words.es.toml").write_text(
+        '"Press Enter" = "Pulsa Intro"\nodd = 3\n', encoding="utf-8"
+    )
     (mine / "words.es-mx.toml").write_text('"Press Enter" = "Oprime Enter"\n', encoding="utf-8")
     assert applied(mine, "es").texts == {"Press Enter": "Pulsa Intro"}
     assert applied(mine, "es-mx").texts == {"Press Enter": "Oprime Enter"}
@@ -220,17 +247,22 @@ def test_a_theme_may_replace_screen_texts(mine: Path) -> None:
 
 
 def test_screen_texts_with_other_slots_are_left_out(mine: Path) -> None:
-    (mine / "words.en.toml").write_text('"level {level}" = "step {step}"\n"Help" = "What is this?"\n', encoding="utf-8")
+    (mine / "words.en.toml").write_text(
+        '"level {level}" = "step {step}"\n"Help" = "What is this?"\n', encoding="utf-8"
+    )
     theme = applied(mine)
     assert theme.texts == {"Help": "What is this?"}
     assert theme.repairs == ("The wording of 'level {level}' in words.en.toml lacks {level}.",)
 
 
-# --- theme.toml ------------------------------------------------------------------------------------------------------
+# --- theme.toml
+# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("value", ['"red"', '"#12345"', "3", '""', "[]"])
-def test_an_invalid_colour_is_replaced_by_a_legible_default(mine: Path, change: Change, value: str) -> None:
+def test_an_invalid_colour_is_replaced_by_a_legible_default(
+    mine: Path, change: Change, value: str
+) -> None:
     change("theme.toml", 'accent = "#a33b00"', f"accent = {value}")
     theme = applied(mine)
     assert theme.repairs[0].startswith("accent is not a colour like #a0b1c2: ")
@@ -241,7 +273,9 @@ def test_missing_and_unknown_colours_are_reported(mine: Path, change: Change, ca
     change("theme.toml", "background = ", "backdrop = ")
     theme = applied(mine)
     assert theme.colors.background == calm.colors.background
-    assert theme.repairs[0].startswith("backdrop is not a colour of a theme; these are: background, surface, text")
+    assert theme.repairs[0].startswith(
+        "backdrop is not a colour of a theme; these are: background, surface, text"
+    )
     assert theme.repairs[1] == "background is not a colour like #a0b1c2: nothing."
 
 
@@ -257,7 +291,9 @@ def test_a_text_colour_of_low_contrast_is_replaced_and_reported(mine: Path, chan
 
 @given(st.lists(st.from_regex("#[0-9a-f]{6}", fullmatch=True), min_size=8, max_size=8))
 @examples(30)
-def test_text_has_enough_contrast_with_any_colours(mine: Path, calm: Theme, values: list[str]) -> None:
+def test_text_has_enough_contrast_with_any_colours(
+    mine: Path, calm: Theme, values: list[str]
+) -> None:
     colors = dict(zip(msgspec.structs.asdict(calm.colors), values, strict=True))
     colors["surface"] = colors["background"]
     (mine / "theme.toml").write_text(f"colors = {as_toml(colors)}", encoding="utf-8")
@@ -272,11 +308,21 @@ def test_missing_and_unknown_faces_are_reported(mine: Path, change: Change, calm
     assert theme.repairs[1] == "There is no face for sleeping."
 
 
-@pytest.mark.parametrize("drawing", ["(o_o)", "'''\nx\n'''", "'''\n😀\n😀\n😀\n'''", "'''\n123456789012\n.\n.\n'''"])
-def test_a_face_that_does_not_fit_is_replaced(mine: Path, change: Change, calm: Theme, drawing: str) -> None:
+@pytest.mark.parametrize(
+    "drawing", ["(o_o)", "'''\nx\n'''", "'''\n😀\n😀\n😀\n'''", "'''\n123456789012\n.\n.\n'''"]
+)
+def test_a_face_that_does_not_fit_is_replaced(
+    mine: Path, change: Change, calm: Theme, drawing: str
+) -> None:
     text = (mine / "theme.toml").read_text(encoding="utf-8")
-    cat = text[text.index("sleeping = '''") : text.index("'''", text.index("sleeping = '''") + 15) + 3]
-    change("theme.toml", cat, f"sleeping = {drawing}" if drawing[0] == "'" else f'sleeping = "{drawing}"')
+    cat = text[
+        text.index("sleeping = '''") : text.index("'''", text.index("sleeping = '''") + 15) + 3
+    ]
+    change(
+        "theme.toml",
+        cat,
+        f"sleeping = {drawing}" if drawing[0] == "'" else f'sleeping = "{drawing}"',
+    )
     theme = applied(mine)
     assert theme.faces["sleeping"] == calm.faces["sleeping"]
     assert "face sleeping" in theme.repairs[0]
@@ -292,7 +338,9 @@ def test_trailing_spaces_stripped_by_an_editor_are_restored(mine: Path) -> None:
 
 def test_faces_of_different_height_are_reported(mine: Path, change: Change) -> None:
     change("theme.toml", "│  = ‿ =  │\n ╰───────╯ \n", "│  = ‿ =  │\n")
-    assert applied(mine).repairs == ("The faces have 3 and 4 lines; all must have the same number.",)
+    assert applied(mine).repairs == (
+        "The faces have 3 and 4 lines; all must have the same number.",
+    )
     assert {face.count("\n") for face in applied(mine).faces.values()} == {3}
 
 
@@ -316,12 +364,24 @@ def test_an_invalid_gesture_is_replaced(
     change("theme.toml", old, new)
     theme = applied(mine)
     assert theme.gestures["nod"] == calm.gestures["nod"]
-    assert [expected for expected in theme.repairs if expected.startswith(repair)] == list(theme.repairs) != []
+    assert (
+        [expected for expected in theme.repairs if expected.startswith(repair)]
+        == list(theme.repairs)
+        != []
+    )
 
 
 def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
-    change("theme.toml", "[gestures]\n", "[gestures]\nbow = [{ at_ms = 300, nod = 1 }, { at_ms = 600 }]\n")
-    change("theme.toml", "[manner.positive]\n", '[manner.goodbye]\ngesture = "bow"\n[manner.positive]\n')
+    change(
+        "theme.toml",
+        "[gestures]\n",
+        "[gestures]\nbow = [{ at_ms = 300, nod = 1 }, { at_ms = 600 }]\n",
+    )
+    change(
+        "theme.toml",
+        "[manner.positive]\n",
+        '[manner.goodbye]\ngesture = "bow"\n[manner.positive]\n',
+    )
     theme = applied(mine)
     assert theme.manner("goodbye") == Manner("happy", "bow")
     assert theme.repairs == ()
@@ -335,10 +395,15 @@ def test_a_theme_may_define_gestures(mine: Path, change: Change) -> None:
         ('gaze = "away"', "The manner of positive has the gaze away, which does not exist."),
         ('tone = "boo"', "The manner of positive has the tone boo, which does not exist."),
         ("gesture = 3", "manner.positive in theme.toml cannot be used: Expected `str`, got `int`"),
-        ('smell = "nice"', "manner.positive in theme.toml cannot be used: Object contains unknown field `smell`"),
+        (
+            'smell = "nice"',
+            "manner.positive in theme.toml cannot be used: Object contains unknown field `smell`",
+        ),
     ],
 )
-def test_an_unknown_manner_falls_back_to_the_default(mine: Path, change: Change, manner: str, repair: str) -> None:
+def test_an_unknown_manner_falls_back_to_the_default(
+    mine: Path, change: Change, manner: str, repair: str
+) -> None:
     change("theme.toml", '[manner.positive]\ngesture = "cheer"', f"[manner.positive]\n{manner}")
     theme = applied(mine)
     assert theme.manner("positive") == MANNERS["positive"]
@@ -363,7 +428,9 @@ def test_an_unknown_manner_falls_back_to_the_default(mine: Path, change: Change,
         ("mouth_line = 2", "mouth_line = 'two'", "mouth_line in theme.toml cannot be used: Expected `int`"),
     ],
 )  # fmt: skip
-def test_other_faults_are_reported_and_harmless(mine: Path, change: Change, old: str, new: str, repair: str) -> None:
+def test_other_faults_are_reported_and_harmless(
+    mine: Path, change: Change, old: str, new: str, repair: str
+) -> None:
     change("theme.toml", old, new)
     theme = applied(mine)
     assert theme.repairs[0].startswith(repair)
@@ -377,12 +444,16 @@ def test_an_invalid_voice_is_replaced(mine: Path, change: Change) -> None:
     change("theme.toml", "[voice]\nrate = 'fast'", "[other]")
     change("theme.toml", "dark = false", "dark = false\nvoice = 160")
     assert applied(mine).voice == Voice()
-    assert "voice in theme.toml cannot be used: Expected `object`, got `int`." in applied(mine).repairs
+    assert (
+        "voice in theme.toml cannot be used: Expected `object`, got `int`." in applied(mine).repairs
+    )
 
 
 def test_a_value_in_place_of_a_table_is_reported(mine: Path, calm: Theme) -> None:
     tables = ("colors", "faces", "gestures", "manner", "tones", "images")
-    (mine / "theme.toml").write_text("".join(f"{table} = 3\n" for table in tables), encoding="utf-8")
+    (mine / "theme.toml").write_text(
+        "".join(f"{table} = 3\n" for table in tables), encoding="utf-8"
+    )
     theme = applied(mine)
     assert (theme.colors, theme.faces, theme.gestures) == (calm.colors, calm.faces, calm.gestures)
     assert {f"{table} in theme.toml must be a table." for table in tables} < set(theme.repairs)
@@ -392,7 +463,8 @@ def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None
     (mine / "happy.png").write_bytes(b"\x89PNG")
     (mine.parent / "outside.png").write_bytes(b"\x89PNG")
     images = (
-        'happy = "happy.png"\nneutral = "none.png"\nspeaking = "../outside.png"\nangry = "happy.png"\nsleeping = 3\n'
+        'happy = "happy.png"\nneutral = "none.png"\nspeaking = "../outside.png"\nangry = '
+        '"happy.png"\nsleeping = 3\n'
     )
     change("theme.toml", "[tones]", f"[images]\n{images}[tones]")
     theme = applied(mine)
@@ -406,7 +478,9 @@ def test_images_must_be_in_the_themes_folder(mine: Path, change: Change) -> None
 
 
 @pytest.mark.parametrize("name", ["a\\u0000b.png", "a" * 300 + ".png", "a/" * 3000])
-def test_an_impossible_image_name_is_left_out_and_reported_briefly(mine: Path, change: Change, name: str) -> None:
+def test_an_impossible_image_name_is_left_out_and_reported_briefly(
+    mine: Path, change: Change, name: str
+) -> None:
     change("theme.toml", "[tones]", f'[images]\nhappy = "{name}"\n[tones]')
     theme = applied(mine)
     assert theme.images == {}
@@ -422,7 +496,9 @@ def test_a_symlink_loop_is_not_an_image(mine: Path, change: Change) -> None:
     assert applied(mine).repairs == ("There is no image happy.png for happy.",)
 
 
-@pytest.mark.parametrize("fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")])
+@pytest.mark.parametrize(
+    "fault", [OSError("gone"), ValueError("embedded null byte"), OverflowError("too large")]
+)
 def test_any_error_reading_a_theme_is_one_sentence(
     mine: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
@@ -430,7 +506,9 @@ def test_any_error_reading_a_theme_is_one_sentence(
         raise fault
 
     monkeypatch.setattr("sar_tui.theme_folder.read_look", fail)
-    with pytest.raises(PluginError, match=rf"^The theme mine cannot be read: {type(fault).__name__}: {fault}\.$"):
+    with pytest.raises(
+        PluginError, match=rf"^The theme mine cannot be read: {type(fault).__name__}: {fault}\.$"
+    ):
         load_theme(mine)
 
 
@@ -445,7 +523,9 @@ def test_a_theme_cannot_lower_the_required_contrast(mine: Path, change: Change, 
     assert theme.repairs[0].endswith("; it must be at least 4.5, below which text is hard to read.")
 
 
-def test_the_presence_of_images_is_known_without_reading_the_theme(mine: Path, change: Change) -> None:
+def test_the_presence_of_images_is_known_without_reading_the_theme(
+    mine: Path, change: Change
+) -> None:
     assert not may_have_images(mine)
     change("theme.toml", "[tones]", '[images]\nhappy = "happy.png"\n[tones]')
     assert may_have_images(mine)
@@ -472,7 +552,8 @@ def test_an_empty_theme_equals_the_default_under_its_own_name(tmp_path: Path, ca
     assert len(theme.repairs) > len(PHRASE_KEYS)
 
 
-# --- files that cannot be read ---------------------------------------------------------------------------------------
+# --- files that cannot be read
+# ---------------------------------------------------------------------------------------
 
 
 def test_an_empty_folder_is_not_a_theme(tmp_path: Path) -> None:
@@ -495,7 +576,9 @@ def test_another_encoding_is_reported_with_the_line(mine: Path) -> None:
     (mine / "phrases.es.toml").write_bytes('greeting = [\n"¡Hola!"]\n'.encode("latin-1"))
     with pytest.raises(PluginError) as caught:
         load_theme(mine, "es")
-    assert str(caught.value).endswith("phrases.es.toml is not UTF-8 text from line 2 on; save it as UTF-8.")
+    assert str(caught.value).endswith(
+        "phrases.es.toml is not UTF-8 text from line 2 on; save it as UTF-8."
+    )
     assert applied(mine, "en").repairs == ()
 
 
@@ -515,16 +598,22 @@ def test_a_folder_in_place_of_a_file_is_reported(mine: Path) -> None:
 
 JUNK = st.recursive(
     st.booleans() | st.integers(-5, 5000) | st.floats() | st.text("aé1{} ", max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text("ab_", min_size=1), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text("ab_", min_size=1), inner, max_size=3)
+    ),
     max_leaves=5,
 )
 
 
 @given(data=st.data())
 @examples(60)
-def test_any_theme_that_can_be_read_is_complete(mine: Path, catalogue: Catalogue, data: st.DataObject) -> None:
+def test_any_theme_that_can_be_read_is_complete(
+    mine: Path, catalogue: Catalogue, data: st.DataObject
+) -> None:
     for name in ("theme.toml", "phrases.en.toml"):
-        table = tomllib.loads((catalogue.theme_folder("playful") / name).read_text(encoding="utf-8"))
+        table = tomllib.loads(
+            (catalogue.theme_folder("playful") / name).read_text(encoding="utf-8")
+        )
         for key in data.draw(st.lists(st.sampled_from(sorted(table)), max_size=3, unique=True)):
             inside = table[key]
             if isinstance(inside, dict) and data.draw(st.booleans()):

@@ -35,7 +35,9 @@ def test_too_few_errors_have_no_spread(errors: list[float]) -> None:
 
 
 @given(errors=ERRORS, shift=st.floats(-100, 100))
-def test_a_constant_delay_moves_the_median_and_leaves_the_width(errors: list[float], shift: float) -> None:
+def test_a_constant_delay_moves_the_median_and_leaves_the_width(
+    errors: list[float], shift: float
+) -> None:
     before, after = error_statistics(errors), error_statistics([error + shift for error in errors])
     assert after.median_ms == pytest.approx(before.median_ms + shift, abs=1e-6)
     for width in ("sd_ms", "iqr_ms", "robust_sd_ms"):

@@ -17,7 +17,9 @@ from sar_tui.timing.closed_loop import BASELINE, Block, run_block
 from sar_tui.timing.pty import Terminal, encode, read_together, visible
 from sar_tui.timing.scripted_participant import NoPrompt, ScriptedParticipant, random_answers
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals on Windows")
+pytestmark = pytest.mark.skipif(
+    sys.platform == "win32", reason="there are no pseudo-terminals on Windows"
+)
 
 
 def python(program: str) -> list[str]:
@@ -28,7 +30,9 @@ def python(program: str) -> list[str]:
 def baseline(tmp_path: Path) -> Iterator[Terminal]:
     """Run the baseline program with twelve prompts."""
     options = ["--prompts", "12", "--shortest-ms", "50", "--longest-ms", "60"]
-    with Terminal([sys.executable, "-m", "sar_tui.timing.baseline", str(tmp_path / "trials"), *options]) as terminal:
+    with Terminal(
+        [sys.executable, "-m", "sar_tui.timing.baseline", str(tmp_path / "trials"), *options]
+    ) as terminal:
         yield terminal
 
 
@@ -36,14 +40,19 @@ def rows(folder: Path) -> list[dict[str, object]]:
     return [json.loads(line) for line in (folder / "trials").read_text().splitlines()]
 
 
-# --- the terminal ------------------------------------------------------------------------------------------
+# --- the terminal
+# ------------------------------------------------------------------------------------------
 
 
-def test_a_program_sees_a_terminal_of_the_size_asked_for_and_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_sees_a_terminal_of_the_size_asked_for_and_no_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("TMUX", "somewhere")
     monkeypatch.setenv("SSH_CONNECTION", "far away")
     monkeypatch.setenv("COLUMNS", "3")
-    report = "import os, shutil; print(os.isatty(0), *shutil.get_terminal_size(), os.environ['TERM'],"
+    report = (
+        "import os, shutil; print(os.isatty(0), *shutil.get_terminal_size(), os.environ['TERM'],"
+    )
     report += " os.environ['OWN'], sorted({'TMUX', 'SSH_CONNECTION'} & set(os.environ)), 'over')"
     with Terminal(python(report), columns=100, rows=30, environment={"OWN": "thing"}) as terminal:
         assert terminal.wait() == 0
@@ -51,14 +60,18 @@ def test_a_program_sees_a_terminal_of_the_size_asked_for_and_no_other(monkeypatc
 
 
 def test_keys_reach_the_program_as_a_terminal_sends_them() -> None:
-    program = "import tty, os; tty.setraw(0); print('ready'); print('got', os.read(0, 3).hex(), 'end'); "
+    program = (
+        "import tty, os; tty.setraw(0); print('ready'); print('got', os.read(0, 3).hex(), 'end'); "
+    )
     with Terminal(python(program)) as terminal:
         terminal.wait_for("ready")
         terminal.press("left")
         terminal.wait_for("got 1b5b44 end")
 
 
-@pytest.mark.parametrize(("key", "sent"), [("f", b"f"), ("é", "é".encode()), ("enter", b"\r"), ("ctrl+q", b"\x11")])
+@pytest.mark.parametrize(
+    ("key", "sent"), [("f", b"f"), ("é", "é".encode()), ("enter", b"\r"), ("ctrl+q", b"\x11")]
+)
 def test_a_key_is_encoded(key: str, sent: bytes) -> None:
     assert encode(key) == sent
 
@@ -70,7 +83,9 @@ def test_a_key_that_does_not_exist_is_refused() -> None:
 
 def test_control_c_interrupts_as_in_any_terminal() -> None:
     waits = "import time; print('ready', flush=True); any(time.sleep(0.01) for _ in range(6000))"
-    with Terminal(python(waits)) as terminal:  # one long sleep may begin just after the signal, and last
+    with Terminal(
+        python(waits)
+    ) as terminal:  # one long sleep may begin just after the signal, and last
         terminal.wait_for("ready")
         terminal.press("ctrl+c")
         assert terminal.wait() in (1, -signal.SIGINT)
@@ -102,7 +117,10 @@ def test_a_program_still_running_is_killed_at_the_end() -> None:
 
 def test_programs_that_are_read_together_do_not_block_each_other() -> None:
     talks = "print('x' * 200_000, 'that is all', flush=True)"
-    with Terminal(python("print('begun'); input(); print('over')")) as one, Terminal(python(talks)) as other:
+    with (
+        Terminal(python("print('begun'); input(); print('over')")) as one,
+        Terminal(python(talks)) as other,
+    ):
         read_together(one, other)
         one.wait_for("begun")
         until = time.monotonic() + 60
@@ -115,12 +133,16 @@ def test_programs_that_are_read_together_do_not_block_each_other() -> None:
 
 
 def test_a_time_out_quotes_the_output() -> None:
-    with Terminal(python("print('something else')")) as terminal, pytest.raises(TimeoutError, match="something else"):
+    with (
+        Terminal(python("print('something else')")) as terminal,
+        pytest.raises(TimeoutError, match="something else"),
+    ):
         terminal.wait_for("the thing")
 
 
 def test_a_program_that_does_not_exist_is_an_error_at_once() -> None:
-    with pytest.raises(OSError, match="no-such-program-anywhere"):  # its kind depends on the folders of PATH
+    # its kind depends on the folders of PATH
+    with pytest.raises(OSError, match="no-such-program-anywhere"):
         Terminal(["no-such-program-anywhere"])
 
 
@@ -137,7 +159,8 @@ def test_only_text_is_visible(output: bytes, seen: str) -> None:
     assert visible(output) == seen
 
 
-# --- the participant -----------------------------------------------------------------------------------------
+# --- the participant
+# -----------------------------------------------------------------------------------------
 
 
 def test_every_press_is_a_row_right_or_wrong_as_pressed(baseline: Terminal, tmp_path: Path) -> None:
@@ -146,7 +169,9 @@ def test_every_press_is_a_row_right_or_wrong_as_pressed(baseline: Terminal, tmp_
     recorded = rows(tmp_path)
     assert [row["stimulus"] for row in recorded] == [press.expected for press in presses]
     assert [row["response"] for row in recorded] == [press.key for press in presses]
-    assert [row["correct"] for row in recorded] == [press.key == press.expected for press in presses]
+    assert [row["correct"] for row in recorded] == [
+        press.key == press.expected for press in presses
+    ]
     assert {row["correct"] for row in recorded} == {True, False}
     stimuli = [press.expected for press in presses]
     assert any(first == second for first, second in pairwise(stimuli)), "the same twice in a row"
@@ -157,7 +182,10 @@ def test_a_press_comes_no_sooner_than_planned(baseline: Terminal) -> None:
     for press in participant.run(4):
         assert press.reaction_time_ms >= 5
     delays = [random_answers(3, 5, 40)(number, "f")[0] for number in range(4)]
-    assert all(press.reaction_time_ms >= delay for press, delay in zip(participant.presses, delays, strict=True))
+    assert all(
+        press.reaction_time_ms >= delay
+        for press, delay in zip(participant.presses, delays, strict=True)
+    )
 
 
 def test_a_participant_can_stop_and_go_on(baseline: Terminal, tmp_path: Path) -> None:
@@ -186,7 +214,10 @@ def test_a_participant_leaves_when_the_program_is_killed(baseline: Terminal) -> 
 
 
 def test_a_word_is_a_key_too() -> None:
-    program = "import tty, os; tty.setraw(0); print('Press: left \\r'); print('got', os.read(0, 3).hex(), 'end')"
+    program = (
+        "import tty, os; tty.setraw(0); print('Press: left \\r'); print('got', os.read(0, "
+        "3).hex(), 'end')"
+    )
     with Terminal(python(program)) as terminal:
         (press,) = ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1)
         terminal.wait_for("got 1b5b44 end")
@@ -204,7 +235,10 @@ def test_enter_is_pressed_even_where_something_moves_all_the_time() -> None:
 
 
 def test_a_program_that_asks_for_nothing_is_reported() -> None:
-    with Terminal(python("import time; time.sleep(60)")) as terminal, pytest.raises(NoPrompt, match=r"for 0\.3 s"):
+    with (
+        Terminal(python("import time; time.sleep(60)")) as terminal,
+        pytest.raises(NoPrompt, match=r"for 0\.3 s"),
+    ):
         ScriptedParticipant(terminal, random_answers(1, 1, 2)).run(1, patience_s=0.3)
 
 
@@ -214,7 +248,9 @@ def test_the_closed_loop_joins_each_recorded_trial_with_its_truth(tmp_path: Path
     assert not list(tmp_path.iterdir()), "nothing is left behind"
 
 
-def test_a_companion_starts_before_the_first_prompt_and_ends_with_the_program(tmp_path: Path) -> None:
+def test_a_companion_starts_before_the_first_prompt_and_ends_with_the_program(
+    tmp_path: Path,
+) -> None:
     marks: list[str] = []
 
     @contextmanager
@@ -223,5 +259,7 @@ def test_a_companion_starts_before_the_first_prompt_and_ends_with_the_program(tm
         yield
         marks.append("ends" if folder.is_dir() and terminal.process.poll() == 0 else "early")
 
-    run_block(msgspec.structs.replace(BASELINE, companion=companion), Block(prompts=2, seed=2), tmp_path)
+    run_block(
+        msgspec.structs.replace(BASELINE, companion=companion), Block(prompts=2, seed=2), tmp_path
+    )
     assert marks == ["begins", "ends"]

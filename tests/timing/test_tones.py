@@ -25,7 +25,9 @@ def test_without_a_sound_card_it_says_so() -> None:
 
 @pytest.fixture
 def delays(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = ToneDelays("ALSA", 30.0, error_statistics([31.0, 35.0, 33.0]), error_statistics([0.01, 0.02, 0.03]))
+    found = ToneDelays(
+        "ALSA", 30.0, error_statistics([31.0, 35.0, 33.0]), error_statistics([0.01, 0.02, 0.03])
+    )
     monkeypatch.setattr(timing_of_tones, "measure_tones", lambda count, on_tone: found)
 
 
@@ -35,7 +37,9 @@ def test_the_command_prints_the_delays(call: Call) -> None:
     assert called.code == 0
     assert "requested at once" in called.out
     assert "ALSA: a sample waits 30 ms in its buffer" in called.out
-    assert json.loads(call("timing", "--sound", "--json").out)["sound"]["at_once"]["median_ms"] == 33.0
+    assert (
+        json.loads(call("timing", "--sound", "--json").out)["sound"]["at_once"]["median_ms"] == 33.0
+    )
 
 
 def test_the_command_fails_with_a_sentence(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,4 +49,7 @@ def test_the_command_fails_with_a_sentence(call: Call, monkeypatch: pytest.Monke
     monkeypatch.setattr(timing_of_tones, "measure_tones", fail)
     called = call("timing", "--sound")
     assert (called.code, called.out) == (1, "")
-    assert called.err.splitlines()[-1] == "The delays of tones could not be measured. There is no sound card."
+    assert (
+        called.err.splitlines()[-1]
+        == "The delays of tones could not be measured. There is no sound card."
+    )

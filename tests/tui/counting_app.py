@@ -1,4 +1,6 @@
-"""Small app that counts the key a, and writes down what happens to it: ``python -m tests.tui.counting_app DIARY``."""
+"""Small app that counts the key a, and writes down what happens to it: ``python -m
+tests.tui.counting_app DIARY``.
+"""
 
 import sys
 from pathlib import Path

@@ -15,8 +15,9 @@ FONT = frozenset(
     "‐‑‒–—―‘’‚“”„†‡•…‰‹›€←↑→↓∅∈−∞∩≈≠≡≤≥≪≫─━│┃┄┅┆┇┈┉┊┋┌┍┎┏┐┑┒┓└┕┖┗┘┙┚┛├┝┞┟┠┡┢┣┤┥┦┧┨┩┪┫┬┭┮┯┰┱┲┳┴┵┶┷┸┹┺┻┼"
     "╋╌╍╎╏═║╒╓╔╕╖╗╘╙╚╛╜╝╞╟╠╡╢╣╤╥╦╧╨╩╪╫╬╭╮╯╰╱╲╳╴╵╶╷╸╹╺╻╼╽╾╿█░▒■▮▲▴▶▸▼▾◀◂◈●☐☑☒♦✗✘"
 )
-"""Characters from U+2010 on that all of Lat15-Fixed16, Lat15-Terminus16, Lat15-VGA16, Uni2-Fixed16 and Uni2-VGA16 of
-console-setup 1.221 have, as their files say."""
+"""Characters from U+2010 on that all of Lat15-Fixed16, Lat15-Terminus16, Lat15-VGA16, Uni2-Fixed16
+and Uni2-VGA16 of console-setup 1.221 have, as their files say.
+"""
 
 
 def missing(text: str) -> set[str]:
@@ -26,12 +27,18 @@ def missing(text: str) -> set[str]:
 
 @pytest.mark.parametrize("theme", first(1, THEMES))
 async def test_a_session_is_drawn_with_the_characters_of_a_console(
-    data: Path, catalogue: Catalogue, keyboard: type[Task], theme: str, monkeypatch: pytest.MonkeyPatch
+    data: Path,
+    catalogue: Catalogue,
+    keyboard: type[Task],
+    theme: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("TERM", "linux")
     known(data, "P01", theme)
     seen = []
-    async with open_app(data, catalogue, plan(catalogue, keyboard, theme=theme), size=(100, 37)) as driver:
+    async with open_app(
+        data, catalogue, plan(catalogue, keyboard, theme=theme), size=(100, 37)
+    ) as driver:
         prompt = await driver.to_first_prompt()
         seen.append(driver.text)
         await driver.answer(prompt, 2000)

@@ -15,7 +15,10 @@ from sar_tui.tui.base_app import BaseApp, explain_failure
     ("error", "said"),
     [
         (StoreError("The disk is gone."), "The disk is gone."),
-        (sqlite3.OperationalError("Could not decode to UTF-8 column 'a' with text"), "sar-tui.db is damaged. Restore"),
+        (
+            sqlite3.OperationalError("Could not decode to UTF-8 column 'a' with text"),
+            "sar-tui.db is damaged. Restore",
+        ),
         (ValueError("no"), "sar-tui failed (ValueError: no). Set SAR_TUI_DEBUG=1 to see where."),
     ],
 )
@@ -24,7 +27,9 @@ def test_errors_of_the_database_are_sentences_already(error: Exception, said: st
 
 
 class Deaf(HeadlessDriver):
-    """A driver whose terminal is lost while it is left, so that its input thread is never told to end."""
+    """A driver whose terminal is lost while it is left, so that its input thread is never told to
+    end.
+    """
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)

@@ -34,7 +34,9 @@ async def control(host: Host) -> AsyncIterator[GcControl]:
     control.end_trial()
 
 
-async def test_a_key_that_waited_while_the_program_was_suspended_is_known(host: Host, control: GcControl) -> None:
+async def test_a_key_that_waited_while_the_program_was_suspended_is_known(
+    host: Host, control: GcControl
+) -> None:
     host.wait(2800)
     read = host.now
     host.wait(3)

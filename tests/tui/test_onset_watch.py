@@ -28,7 +28,9 @@ def test_a_text_is_stamped_when_it_is_flushed(text: str, written: str, is_onset:
     assert len(stamps) == is_onset
 
 
-def test_a_frame_that_is_drawn_early_is_flushed_when_it_is_due(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_frame_that_is_drawn_early_is_flushed_when_it_is_due(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     slept: list[float] = []
     monkeypatch.setattr(timestamps, "host_now", lambda: 1000 * MS)
     monkeypatch.setattr("sar_tui.tui.timestamps.time.sleep", slept.append)

@@ -14,7 +14,9 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals of 
 
 
 def wait_for(diary: Path, line: str, terminal: Terminal, *, resizes: bool = False) -> None:
-    """Wait, without reading the terminal, until the app has written a line; meanwhile have it drawn anew."""
+    """Wait, without reading the terminal, until the app has written a line; meanwhile have it drawn
+    anew.
+    """
     deadline, columns = time.monotonic() + 60, 300
     while not diary.exists() or line not in diary.read_text().splitlines():
         assert time.monotonic() < deadline, f"no {line!r}"
@@ -27,7 +29,9 @@ def wait_for(diary: Path, line: str, terminal: Terminal, *, resizes: bool = Fals
 @pytest.mark.slow
 def test_a_terminal_that_goes_on_shows_what_changed_meanwhile(tmp_path: Path) -> None:
     diary = tmp_path / "diary"
-    with Terminal([sys.executable, "-m", "tests.tui.counting_app", str(diary)], columns=300, rows=90) as terminal:
+    with Terminal(
+        [sys.executable, "-m", "tests.tui.counting_app", str(diary)], columns=300, rows=90
+    ) as terminal:
         terminal.wait_for("Counted 0 times.")
         wait_for(diary, "stalled", terminal, resizes=True)
         terminal.press("a")

@@ -39,7 +39,9 @@ from tests.tui.unreadable import UNREADABLE
 
 NOISE = st.lists(
     st.binary(max_size=6)
-    | st.sampled_from([b"\x1b", b"\x1b[", b"\x1b[<", b"\x1bO", b"\x1b[200~", b"\x1b[201~", b"\xc3\xb1", b"j"])
+    | st.sampled_from(
+        [b"\x1b", b"\x1b[", b"\x1b[<", b"\x1bO", b"\x1b[200~", b"\x1b[201~", b"\xc3\xb1", b"j"]
+    )
     | st.from_regex(rb"\A\x1b\[[<?]?[0-9:;]{0,12}[A-Za-z~]\Z")
     | st.sampled_from(list(UNREADABLE.values())),
     max_size=8,
@@ -77,7 +79,9 @@ def dropped(messages: list[Message]) -> list[str]:
 
 
 @pytest.mark.parametrize("data", UNREADABLE.values(), ids=UNREADABLE)
-def test_what_cannot_be_read_is_dropped_and_reported_and_the_keys_around_it_count(data: bytes) -> None:
+def test_what_cannot_be_read_is_dropped_and_reported_and_the_keys_around_it_count(
+    data: bytes,
+) -> None:
     messages = Reader().read(b"f" + data + b"j")
     assert keys(messages) == ["f", "j"]
     assert len(dropped(messages)) == 1
@@ -105,7 +109,9 @@ def test_other_input_is_read_as_by_textual() -> None:
     data = f"{typed}\x1b[<0;5;6M\x1b[I\x1b[200~pasted\x1b[201~\x1b[48;30;90;600;900tq"
     mine, theirs = reader.read(data.encode()), list(plain.feed(data))
     assert [repr(message) for message in mine] == [repr(message) for message in theirs]
-    assert [message.size for message in mine if isinstance(message, events.Resize)] == [Size(90, 30)]
+    assert [message.size for message in mine if isinstance(message, events.Resize)] == [
+        Size(90, 30)
+    ]
 
 
 def test_the_mouse_is_where_it_is_after_something_was_dropped() -> None:
@@ -122,7 +128,9 @@ def test_a_paste_without_an_end_swallows_no_key_after_it() -> None:
     assert reader.read(b"\x1b[200~some text") == []
     assert reader.wait(0.4) == []
     assert reader.read(b" and more") == []
-    assert dropped(reader.wait(0.6)) == [r"\x1b[200~"], "as of every paste, the text is not recorded"
+    assert dropped(reader.wait(0.6)) == [r"\x1b[200~"], (
+        "as of every paste, the text is not recorded"
+    )
     assert keys(reader.read(b"j")) == ["j"]
 
 
@@ -160,7 +168,8 @@ def test_the_drivers_of_terminals_and_browsers_read_so(monkeypatch: pytest.Monke
     assert linux_driver.getincrementaldecoder("utf-8")().decode(b"\xf1j") == "\udcf1j"  # type: ignore[attr-defined]
 
 
-# --- pastes, marked and not -------------------------------------------------------------------------------------------
+# --- pastes, marked and not
+# -------------------------------------------------------------------------------------------
 
 PART = 4096
 """Bytes that a driver reads at once."""
@@ -183,10 +192,14 @@ def flood(reader: Reader, data: bytes, count: int = 0, within: float = 0.02) -> 
 
 
 @pytest.mark.parametrize("unit", FLOODS.values(), ids=FLOODS)
-def test_what_nobody_can_type_is_counted_and_dropped_not_parsed(unit: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_nobody_can_type_is_counted_and_dropped_not_parsed(
+    unit: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
     parsed = []
     parse = XTermParser.feed
-    monkeypatch.setattr(XTermParser, "feed", lambda self, data: (parsed.append(data), parse(self, data))[1])
+    monkeypatch.setattr(
+        XTermParser, "feed", lambda self, data: (parsed.append(data), parse(self, data))[1]
+    )
     reader = Reader()
     size = 300_000 // len(unit) * len(unit)
     messages = flood(reader, unit * (size // len(unit)))
@@ -194,7 +207,10 @@ def test_what_nobody_can_type_is_counted_and_dropped_not_parsed(unit: bytes, mon
     (gone,) = [message for message in messages if isinstance(message, PasteDropped)]
     assert len("".join(parsed)) <= 2 * TYPED_AT_MOST, "the work does not grow with the input"
     assert size - 2 * TYPED_AT_MOST <= gone.length <= size
-    assert len([message for message in messages if isinstance(message, events.Key)]) <= 2 * TYPED_AT_MOST
+    assert (
+        len([message for message in messages if isinstance(message, events.Key)])
+        <= 2 * TYPED_AT_MOST
+    )
     assert keys(reader.read(b"j")) == ["j"]
 
 
@@ -251,7 +267,8 @@ def test_a_mouse_that_moves_and_a_key_that_is_held_are_no_paste() -> None:
     assert len([message for message in messages if isinstance(message, events.MouseMove)]) == 1800
 
 
-# --- the apps --------------------------------------------------------------------------------------------------------
+# --- the apps
+# --------------------------------------------------------------------------------------------------------
 
 
 async def send(app: BaseApp, data: bytes) -> None:
@@ -291,18 +308,25 @@ async def test_a_paste_that_was_dropped_in_a_session_is_recorded_with_its_length
         assert driver.stored("SELECT correct FROM trials") == [(1,)]
     monkeypatch.setattr(BaseApp, "run_async", AsyncMock())
     await asyncio.to_thread(driver.app.run_here)
-    assert "A paste was dropped: too long, or no text (65,537 characters)." in capsys.readouterr().err
+    assert (
+        "A paste was dropped: too long, or no text (65,537 characters)." in capsys.readouterr().err
+    )
 
 
 async def test_it_is_told_when_the_app_has_ended(
-    data: Path, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    data: Path,
+    catalogue: Catalogue,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     async with open_app(data, catalogue) as driver:
         await send(driver.app, b"\x80")
         await send(driver.app, b"\x1b[55296u")
     monkeypatch.setattr(BaseApp, "run_async", AsyncMock())
     await asyncio.to_thread(driver.app.run_here)
-    assert r"cannot be read, 2 times (last: \x1b[55296u). It was dropped." in capsys.readouterr().err
+    assert (
+        r"cannot be read, 2 times (last: \x1b[55296u). It was dropped." in capsys.readouterr().err
+    )
 
 
 @pytest.mark.parametrize("size", first(1, [(9999, 9999), (65535, 1), (1, 65535)]))
@@ -320,7 +344,9 @@ async def test_a_window_larger_than_any_is_drawn_up_to_a_limit(
 
 @examples(30)
 @given(parts=st.lists(NOISE, min_size=1, max_size=6))
-async def test_the_app_survives_any_bytes(parts: list[bytes], tmp_path_factory: Any, catalogue: Catalogue) -> None:
+async def test_the_app_survives_any_bytes(
+    parts: list[bytes], tmp_path_factory: Any, catalogue: Catalogue
+) -> None:
     folder = tmp_path_factory.mktemp("noise")
     known(folder)
     async with open_app(folder, catalogue) as driver:
@@ -329,7 +355,9 @@ async def test_the_app_survives_any_bytes(parts: list[bytes], tmp_path_factory: 
 
 @examples(30)
 @given(parts=st.lists(NOISE, min_size=1, max_size=6))
-async def test_the_panel_survives_any_bytes(parts: list[bytes], tmp_path_factory: Any, catalogue: Catalogue) -> None:
+async def test_the_panel_survives_any_bytes(
+    parts: list[bytes], tmp_path_factory: Any, catalogue: Catalogue
+) -> None:
     async with open_panel(catalogue, tmp_path_factory.mktemp("noise")) as panel:
         await survive(panel.app, parts)
 

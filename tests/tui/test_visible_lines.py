@@ -38,7 +38,9 @@ BEGINNING = "␛]0;owned"
 
 
 def drawn(app: BaseApp) -> str:
-    """Return what the app sends to the terminal, without colours. Fails if a terminal would obey any of it."""
+    """Return what the app sends to the terminal, without colours. Fails if a terminal would obey
+    any of it.
+    """
     lines = [strip.text for strip in app.screen._compositor.render_strips()]
     assert leaks("\n".join(lines)) == []
     assert {len(line) for line in lines if line.isascii()} <= {app.size.width}
@@ -68,7 +70,9 @@ class Hostile(Task):
 
     def perceived(self, trial: Trial, percept: Any) -> Result:
         latency = trial.latency_ms(percept.at)
-        return Result(response=percept.key, correct=True, response_at=percept.at, value=latency, remark=TEXT)
+        return Result(
+            response=percept.key, correct=True, response_at=percept.at, value=latency, remark=TEXT
+        )
 
 
 @pytest.fixture
@@ -79,7 +83,9 @@ def hostile_themes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Catalogue
     return Catalogue(themes=(folder.parent,))
 
 
-async def test_the_first_screen_draws_a_themes_title_visibly(data: Path, hostile_themes: Catalogue) -> None:
+async def test_the_first_screen_draws_a_themes_title_visibly(
+    data: Path, hostile_themes: Catalogue
+) -> None:
     known(data, theme="evening")
     async with open_app(data, hostile_themes, size=(120, 40)) as driver:
         assert BEGINNING in drawn(driver.app)
@@ -118,13 +124,18 @@ async def test_a_notification_quotes_visibly(data: Path, catalogue: Catalogue) -
         assert BEGINNING in drawn(driver.app)
 
 
-async def test_the_panel_draws_what_the_link_brings_visibly(data: Path, catalogue: Catalogue) -> None:
+async def test_the_panel_draws_what_the_link_brings_visibly(
+    data: Path, catalogue: Catalogue
+) -> None:
     async with open_panel(catalogue, data, joins=False, size=(120, 40)) as panel:
         await panel.join(title=TEXT, participants={"A": TEXT}, unit=TEXT)
         await panel.publish(t.NOTE_ADDED, m.NoteAdded(actor=f"operator.{TEXT}", text=TEXT))
         await panel.propose(approval(text=TEXT, spoken=TEXT))
         assert drawn(panel.app).count(BEGINNING) >= 3
-        said_now = msgspec.structs.asdict(proposal(text=TEXT)) | {"decision": "accepted", "actor": TEXT}
+        said_now = msgspec.structs.asdict(proposal(text=TEXT)) | {
+            "decision": "accepted",
+            "actor": TEXT,
+        }
         await panel.receive([frame(t.ACTION, m.Action(**said_now)), frame(t.PROMPT, _prompt())])
         assert BEGINNING in drawn(panel.app)
 
@@ -164,7 +175,8 @@ async def test_a_widget_of_ones_own_is_drawn_visibly(data: Path, catalogue: Cata
         assert BEGINNING in drawn(driver.app)
 
 
-# --- the filter ------------------------------------------------------------------------------------------------------
+# --- the filter
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_a_line_with_signs_keeps_its_width_and_its_colours() -> None:
@@ -176,7 +188,9 @@ def test_a_line_with_signs_keeps_its_width_and_its_colours() -> None:
         Segment(" "),
         Segment("│"),
     ]
-    assert VisibleLines().apply([Segment("a\x1bbc")], Color(0, 0, 0)) == [Segment("a␛b")], "without spaces, it is cut"
+    assert VisibleLines().apply([Segment("a\x1bbc")], Color(0, 0, 0)) == [Segment("a␛b")], (
+        "without spaces, it is cut"
+    )
 
 
 def test_a_line_without_them_is_left_alone() -> None:

@@ -1,4 +1,6 @@
-"""Input that no keyboard sends: bytes of other encodings, and damaged or faulty escape sequences."""
+"""Input that no keyboard sends: bytes of other encodings, and damaged or faulty escape
+sequences.
+"""
 
 UNREADABLE = {
     "not UTF-8": b"\xf1",

@@ -30,14 +30,19 @@ def test_each_world_has_its_rows(catalogue: Catalogue) -> None:
     assert {row["world"] for row in rows} == set(WORLDS)
     for row in rows:
         is_of_decline = row["earlier"] is not None
-        assert (row["corrected_by_chance"] is None, row["found_within_3"] is not None) == (is_of_decline, is_of_decline)
+        assert (row["corrected_by_chance"] is None, row["found_within_3"] is not None) == (
+            is_of_decline,
+            is_of_decline,
+        )
         if row["declines"]:
             assert row["found_within_1"] <= row["found_within_2"] <= row["found_within_3"]
     assert {len(each) for each in run(catalogue).tables} == {7}
 
 
 @pytest.mark.usefixtures("few")
-@pytest.mark.parametrize(("name", "value", "fails"), [("LEAST_BASELINE", 2, [0, 2]), ("EACH", 9.0, [1])])
+@pytest.mark.parametrize(
+    ("name", "value", "fails"), [("LEAST_BASELINE", 2, [0, 2]), ("EACH", 9.0, [1])]
+)
 def test_a_rule_that_is_too_loose_or_too_strict_fails_its_claim(
     monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, name: str, value: float, fails: list[int]
 ) -> None:
@@ -45,7 +50,9 @@ def test_a_rule_that_is_too_loose_or_too_strict_fails_its_claim(
     if name == "LEAST_BASELINE":
         monkeypatch.setattr(decline, "quantile", lambda df, share: 0.5)
         monkeypatch.setattr(decline, "EACH", 0.0)
-    assert [number for number, claim in enumerate(run(catalogue).claims) if not claim.holds] == fails
+    assert [
+        number for number, claim in enumerate(run(catalogue).claims) if not claim.holds
+    ] == fails
 
 
 def test_steady_people_hear_no_corrections_by_chance_in_whole_sessions(

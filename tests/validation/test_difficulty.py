@@ -1,4 +1,6 @@
-"""The figures about difficulty policies: their probabilities, their claims, and a failure of each claim."""
+"""The figures about difficulty policies: their probabilities, their claims, and a failure of each
+claim.
+"""
 
 from statistics import fmean
 from typing import Any
@@ -43,7 +45,9 @@ def test_one_up_one_down_succeeds_half_the_time_and_rarely_fits(rows: list[Row])
 
 
 @pytest.mark.parametrize("policy", ["target", "percentile"])
-def test_target_and_percentile_succeed_in_seven_of_ten_and_mostly_fit(rows: list[Row], policy: str) -> None:
+def test_target_and_percentile_succeed_in_seven_of_ten_and_mostly_fit(
+    rows: list[Row], policy: str
+) -> None:
     found = [row for row in rows if row["policy"] == policy]
     assert [row["success_rate"] for row in found] == pytest.approx([0.7] * 6, abs=0.1)
     assert fmean(row["fitting"] for row in found) >= 0.7
@@ -51,7 +55,9 @@ def test_target_and_percentile_succeed_in_seven_of_ten_and_mostly_fit(rows: list
 
 @pytest.mark.slow
 def test_all_claims_hold_with_all_seeds(catalogue: Catalogue) -> None:
-    assert [claim for claim in difficulty.run(Conditions(catalogue)).claims if not claim.holds] == []
+    assert [
+        claim for claim in difficulty.run(Conditions(catalogue)).claims if not claim.holds
+    ] == []
 
 
 @pytest.mark.parametrize("name", PEOPLE)
@@ -69,9 +75,9 @@ def test_the_probabilities_are_the_shares_of_many_attempts(name: str, margin: fl
 
 def test_a_learner_is_a_third_faster_after_sixty_attempts() -> None:
     user = User(PEOPLE["poor"], learns=True, goal=1000.0)
-    assert [user.mean(2, attempt) / user.mean(2, 0) for attempt in (0, 30, 60, 90)] == pytest.approx(
-        [1, 0.825, 0.65, 0.65]
-    )
+    assert [
+        user.mean(2, attempt) / user.mean(2, 0) for attempt in (0, 30, 60, 90)
+    ] == pytest.approx([1, 0.825, 0.65, 0.65])
 
 
 def row(policy: str, **figures: Any) -> Row:
@@ -89,6 +95,8 @@ def row(policy: str, **figures: Any) -> Row:
     ],
 )  # fmt: skip
 def test_a_figure_out_of_range_fails_its_claim(wrong: Row, sentence: str, against: str) -> None:
-    found = {claim.sentence: claim.against for claim in difficulty.claims([row("percentile"), wrong])}
+    found = {
+        claim.sentence: claim.against for claim in difficulty.claims([row("percentile"), wrong])
+    }
     assert [text for said, text in found.items() if said.startswith(sentence)] == [against]
     assert sum(map(bool, found.values())) == 1

@@ -23,12 +23,16 @@ def conditions(catalogue: Catalogue) -> Conditions:
 
 
 @pytest.fixture
-def sessions_become(simulated_once: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[Change], None]:
+def sessions_become(
+    simulated_once: None, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[Change], None]:
     """Return a function that changes every simulated session before it is evaluated."""
     run = SessionRunner.run
 
     def become(change: Change) -> None:
-        monkeypatch.setattr(SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings)))
+        monkeypatch.setattr(
+            SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings))
+        )
 
     return become
 
@@ -37,7 +41,8 @@ def failed(report: Report) -> list[Claim]:
     return [claim for claim in report.claims if not claim.holds]
 
 
-# --- Figures 4.11 and 4.12 ------------------------------------------------------------------------------------
+# --- Figures 4.11 and 4.12
+# ------------------------------------------------------------------------------------
 
 
 def test_a_poor_user_gets_feedback_on_each_of_twenty_attempts(conditions: Conditions) -> None:
@@ -46,7 +51,11 @@ def test_a_poor_user_gets_feedback_on_each_of_twenty_attempts(conditions: Condit
     assert [row["attempt"] for row in report.rows] == list(range(1, 21)) * 3
     assert {row["feedback"] for row in report.rows} == {"positive", "neutral", "negative"}
     assert report.seen is not None
-    assert [sum(row[valence] for valence in feedback.VALENCES) for row in report.seen] == [20, 20, 20]
+    assert [sum(row[valence] for valence in feedback.VALENCES) for row in report.seen] == [
+        20,
+        20,
+        20,
+    ]
 
 
 def test_a_competent_user_gets_more_praise_than_a_poor_one(conditions: Conditions) -> None:
@@ -60,10 +69,14 @@ def test_a_competent_user_gets_more_praise_than_a_poor_one(conditions: Condition
     assert praised["competent"] > praised["poor"]
 
 
-def test_similar_users_fail_the_claim_that_they_differ(conditions: Conditions, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_similar_users_fail_the_claim_that_they_differ(
+    conditions: Conditions, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(PEOPLE, "competent", PEOPLE["poor"])
     against = [claim.against for claim in failed(feedback.competent(conditions))]
-    positives = sum(row["feedback"] == "positive" for row in feedback.poor(conditions).rows if row["seed"] == 1)
+    positives = sum(
+        row["feedback"] == "positive" for row in feedback.poor(conditions).rows if row["seed"] == 1
+    )
     assert against[0].startswith(f"seed 1: {positives} against {positives}; seed 2: ")
     assert against[1].startswith("they get ")
 
@@ -71,22 +84,42 @@ def test_similar_users_fail_the_claim_that_they_differ(conditions: Conditions, m
 @pytest.mark.parametrize(
     ("attempt", "given"),
     [
-        ({"metric": 995.0, "accuracy": 1.0, "feedback": "positive"}, "within the band, and praised"),
-        ({"metric": 900.0, "accuracy": 1.0, "feedback": "neutral"}, "well under the goal, and neutral"),
+        (
+            {"metric": 995.0, "accuracy": 1.0, "feedback": "positive"},
+            "within the band, and praised",
+        ),
+        (
+            {"metric": 900.0, "accuracy": 1.0, "feedback": "neutral"},
+            "well under the goal, and neutral",
+        ),
         ({"metric": 1100.0, "accuracy": 1.0, "feedback": "positive"}, "over the goal, and praised"),
-        ({"metric": 900.0, "accuracy": 0.5, "feedback": "positive"}, "half of it wrong, and praised"),
-        ({"metric": None, "accuracy": 0.9, "feedback": "positive"}, "nothing measured, and praised"),
+        (
+            {"metric": 900.0, "accuracy": 0.5, "feedback": "positive"},
+            "half of it wrong, and praised",
+        ),
+        (
+            {"metric": None, "accuracy": 0.9, "feedback": "positive"},
+            "nothing measured, and praised",
+        ),
     ],
 )
 def test_feedback_that_contradicts_its_result_fails_the_claim(
-    conditions: Conditions, sessions_become: Callable[[Change], None], attempt: dict[str, Any], given: str
+    conditions: Conditions,
+    sessions_become: Callable[[Change], None],
+    attempt: dict[str, Any],
+    given: str,
 ) -> None:
-    sessions_become(lambda done: done._replace(attempts=[done.attempts[0] | attempt, *done.attempts[1:]]))
+    sessions_become(
+        lambda done: done._replace(attempts=[done.attempts[0] | attempt, *done.attempts[1:]])
+    )
     (claim,) = failed(feedback.poor(conditions))
-    assert claim.against == "poor, seed 1, attempt 1; poor, seed 2, attempt 1; poor, seed 3, attempt 1", given
+    assert (
+        claim.against == "poor, seed 1, attempt 1; poor, seed 2, attempt 1; poor, seed 3, attempt 1"
+    ), given
 
 
-# --- Figure 4.13 -----------------------------------------------------------------------------------------------
+# --- Figure 4.13
+# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -115,7 +148,11 @@ def test_examples_are_of_both_forms_and_each_degree(conditions: Conditions) -> N
     ],
 )
 def test_feedback_in_the_wrong_form_or_with_a_wrong_number_fails_a_claim(
-    conditions: Conditions, sessions_become: Callable[[Change], None], form: str, text: str, sentence: str
+    conditions: Conditions,
+    sessions_become: Callable[[Change], None],
+    form: str,
+    text: str,
+    sentence: str,
 ) -> None:
     def say(done: Simulated) -> Simulated:
         if done.attempts[0]["choice"]["form"] != form:
@@ -129,7 +166,8 @@ def test_feedback_in_the_wrong_form_or_with_a_wrong_number_fails_a_claim(
     assert claim.against == "; ".join([text] * 3)
 
 
-# --- Figure 4.14 ---------------------------------------------------------------------------------------------------
+# --- Figure 4.14
+# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -141,30 +179,42 @@ def test_feedback_every_three_attempts_is_on_every_third_attempt(conditions: Con
         attempts = {every: [row["attempt"] for row in rows if row["every"] == every and row["feedback"] != "none"]
                     for every in (1, 3)}  # fmt: skip
         assert attempts == {1: list(range(1, 21)), 3: [3, 6, 9, 12, 15, 18]}
-        results = {every: [row["reaction_time_ms"] for row in rows if row["every"] == every] for every in (1, 3)}
+        results = {
+            every: [row["reaction_time_ms"] for row in rows if row["every"] == every]
+            for every in (1, 3)
+        }
         assert results[1] == results[3], "the same user, whatever is said"
     assert len(report.drawings) == 2
 
 
-def test_feedback_elsewhere_fails_the_claim(conditions: Conditions, sessions_become: Callable[[Change], None]) -> None:
+def test_feedback_elsewhere_fails_the_claim(
+    conditions: Conditions, sessions_become: Callable[[Change], None]
+) -> None:
     def move(done: Simulated) -> Simulated:
         return done._replace(attempts=[done.attempts[0] | {"feedback": "none"}, *done.attempts[1:]])
 
     sessions_become(move)
     claims = failed(feedback.frequency(conditions))
     assert claims[0].against == "seed 1, attempt 1; seed 2, attempt 1; seed 3, attempt 1"
-    assert claims[1].against == "seed 1, every 1; seed 2, every 1; seed 3, every 1", "it was said all the same"
+    assert claims[1].against == "seed 1, every 1; seed 2, every 1; seed 3, every 1", (
+        "it was said all the same"
+    )
 
 
-def test_a_setting_that_has_no_effect_fails_the_claim(conditions: Conditions, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_setting_that_has_no_effect_fails_the_claim(
+    conditions: Conditions, monkeypatch: pytest.MonkeyPatch
+) -> None:
     run = SessionRunner.run
-    monkeypatch.setattr(SessionRunner, "run", lambda place, user, seed, **settings: run(place, user, seed))
+    monkeypatch.setattr(
+        SessionRunner, "run", lambda place, user, seed, **settings: run(place, user, seed)
+    )
     (claim,) = failed(feedback.frequency(conditions))
     assert "3, 6, 9" in claim.sentence
     assert claim.against.startswith("seed 1, attempt 1; seed 1, attempt 2; seed 1, attempt 4; ")
 
 
-# --- the figures -----------------------------------------------------------------------------------------------------
+# --- the figures
+# -----------------------------------------------------------------------------------------------------
 
 
 def row(time: float | None, answer: str) -> dict[str, Any]:
@@ -172,7 +222,13 @@ def row(time: float | None, answer: str) -> dict[str, Any]:
 
 
 def test_each_feedback_has_a_marker_and_the_goal_a_line() -> None:
-    rows = [row(700, "positive"), row(1200, "negative"), row(1005, "neutral"), row(800, "none"), row(600, "positive")]
+    rows = [
+        row(700, "positive"),
+        row(1200, "negative"),
+        row(1005, "neutral"),
+        row(800, "none"),
+        row(600, "positive"),
+    ]
     title, legend, *lines = draw(rows, "Someone").split("\n")
     body = "\n".join(lines)
     assert (title, legend) == (
@@ -180,13 +236,17 @@ def test_each_feedback_has_a_marker_and_the_goal_a_line() -> None:
     )  # fmt: skip
     assert {mark: body.count(mark) for mark in "▲■▼·"} == {"▲": 2, "■": 1, "▼": 1, "·": 1}
     assert next(line for line in lines if "╌" in line).startswith("1000")
-    heights = {mark: next(number for number, line in enumerate(lines) if mark in line) for mark in "▼■·"}
+    heights = {
+        mark: next(number for number, line in enumerate(lines) if mark in line) for mark in "▼■·"
+    }
     assert heights["▼"] < heights["■"] < heights["·"]
     assert max(map(len, lines)) <= 80
     assert "\x1b" not in body
 
 
 def test_an_attempt_without_a_result_is_plotted_at_the_bottom() -> None:
-    drawn = draw([row(900, "positive"), row(None, "negative"), row(800, "positive")], "Someone").split("\n")
+    drawn = draw(
+        [row(900, "positive"), row(None, "negative"), row(800, "positive")], "Someone"
+    ).split("\n")
     bottom = next(number for number, line in enumerate(drawn) if line.lstrip().startswith("└"))
     assert "▼" in drawn[bottom - 1]

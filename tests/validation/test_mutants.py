@@ -1,4 +1,6 @@
-"""Fifteen faults planted by hand, each in a number that analysts use: the validation fails because of each."""
+"""Fifteen faults planted by hand, each in a number that analysts use: the validation fails because
+of each.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from statistics import fmean, median
@@ -35,7 +37,9 @@ def stored_times_are_late(patch: Patch) -> None:
 
     def late(*given: Any) -> Any:
         rows = rows_of(*given)
-        rows["trials"] = [(*row[:10], row[10] and row[10] + 200.0, *row[11:]) for row in rows["trials"]]
+        rows["trials"] = [
+            (*row[:10], row[10] and row[10] + 200.0, *row[11:]) for row in rows["trials"]
+        ]
         return rows
 
     patch.setattr(recorder, "rows_of", late)
@@ -47,11 +51,18 @@ def keys_are_perceived_late(patch: Patch) -> None:
 
 def least_accuracy_is_ignored(patch: Patch) -> None:
     judge = attempt_scoring.judge
-    patch.setattr(attempt_scoring, "judge", lambda score, metric, target, least: judge(score, metric, target, 0.0))
+    patch.setattr(
+        attempt_scoring,
+        "judge",
+        lambda score, metric, target, least: judge(score, metric, target, 0.0),
+    )
 
 
 def result_is_a_median(patch: Patch) -> None:
-    _change_score(patch, lambda score, results: replace_metric(score, median, [r for r in results if r.counts]))
+    _change_score(
+        patch,
+        lambda score, results: replace_metric(score, median, [r for r in results if r.counts]),
+    )
 
 
 def wrong_responses_are_averaged(patch: Patch) -> None:
@@ -70,15 +81,23 @@ def level_moves_the_wrong_way(patch: Patch) -> None:
     policy, turned = one_up_one_down.POLICY, {"success": "failure", "failure": "success"}
 
     def step(state: Any, attempt: Any, *given: Any) -> Any:
-        return one_up_one_down.step(state, attempt._replace(outcome=turned[attempt.outcome]), *given)
+        return one_up_one_down.step(
+            state, attempt._replace(outcome=turned[attempt.outcome]), *given
+        )
 
     patch.setitem(POLICIES, "one-up-one-down", policy._replace(step=step))
 
 
 def feedback_praises_everything(patch: Patch) -> None:
-    _change_emitted(patch, EventHandler, Feedback, lambda feedback: replace(feedback, valence="positive"))
+    _change_emitted(
+        patch, EventHandler, Feedback, lambda feedback: replace(feedback, valence="positive")
+    )
     judge = attempt_scoring.judge
-    patch.setattr(attempt_scoring, "judge", lambda *given: replace(judge(*given), valence="positive", reason="goal"))
+    patch.setattr(
+        attempt_scoring,
+        "judge",
+        lambda *given: replace(judge(*given), valence="positive", reason="goal"),
+    )
 
 
 def feedback_tells_other_figures(patch: Patch) -> None:
@@ -86,14 +105,20 @@ def feedback_tells_other_figures(patch: Patch) -> None:
         patch,
         EventHandler,
         Feedback,
-        lambda feedback: feedback if feedback.metric is None else replace(feedback, metric=feedback.metric + 100.0),
+        lambda feedback: (
+            feedback
+            if feedback.metric is None
+            else replace(feedback, metric=feedback.metric + 100.0)
+        ),
     )
 
 
 def dose_counts_repetitions_twice(patch: Patch) -> None:
     plus = limits.Dose.plus
     patch.setattr(
-        limits.Dose, "plus", lambda self, *, repetitions, **more: plus(self, repetitions=2 * repetitions, **more)
+        limits.Dose,
+        "plus",
+        lambda self, *, repetitions, **more: plus(self, repetitions=2 * repetitions, **more),
     )
 
 
@@ -138,7 +163,9 @@ def export_lacks_the_last_row(patch: Patch) -> None:
 
 
 class Mutant(NamedTuple):
-    """A fault, the validation that must fail, and the beginning of a sentence that must not hold."""
+    """A fault, the validation that must fail, and the beginning of a sentence that must not
+    hold.
+    """
 
     plant: Callable[[Patch], None]
     caught_by: str
@@ -170,9 +197,13 @@ def failed(catalogue: Catalogue, name: str, reaches: int = 1) -> list[str]:
 
 
 @pytest.mark.parametrize("mutant", first(3, MUTANTS), ids=lambda mutant: mutant.plant.__name__)
-def test_a_planted_fault_fails_its_claim(monkeypatch: Patch, catalogue: Catalogue, mutant: Mutant) -> None:
+def test_a_planted_fault_fails_its_claim(
+    monkeypatch: Patch, catalogue: Catalogue, mutant: Mutant
+) -> None:
     mutant.plant(monkeypatch)
-    assert any(sentence.startswith(mutant.claim) for sentence in failed(catalogue, mutant.caught_by))
+    assert any(
+        sentence.startswith(mutant.claim) for sentence in failed(catalogue, mutant.caught_by)
+    )
 
 
 @pytest.mark.slow
@@ -185,7 +216,8 @@ def test_exported_tables_hold_without_a_fault(catalogue: Catalogue) -> None:
     assert failed(catalogue, "exports") == []
 
 
-# --- ways to plant -------------------------------------------------------------------------------------------
+# --- ways to plant
+# -------------------------------------------------------------------------------------------
 
 
 def _change_emitted(patch: Patch, node: Any, kind: type, change: Callable[[Any], Any]) -> None:
@@ -193,7 +225,9 @@ def _change_emitted(patch: Patch, node: Any, kind: type, change: Callable[[Any],
     patch.setattr(
         node,
         "emit",
-        lambda self, topic, message: emit(self, topic, change(message) if isinstance(message, kind) else message),
+        lambda self, topic, message: emit(
+            self, topic, change(message) if isinstance(message, kind) else message
+        ),
     )
 
 
@@ -202,7 +236,9 @@ def _change_score(patch: Patch, change: Callable[[Score, Sequence[Result]], Scor
     patch.setattr(Task, "score", lambda self, results: change(score(self, results), results))
 
 
-def replace_metric(score: Score, mean: Callable[[list[float]], float], results: Sequence[Result]) -> Score:
+def replace_metric(
+    score: Score, mean: Callable[[list[float]], float], results: Sequence[Result]
+) -> Score:
     values = [result.value for result in results if result.value is not None]
     return replace(score, metric=mean(values) if values else None)
 

@@ -1,4 +1,6 @@
-"""Feedback schedules: when each gives feedback, its content and reason, and a failure of each claim."""
+"""Feedback schedules: when each gives feedback, its content and reason, and a failure of each
+claim.
+"""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -33,7 +35,15 @@ def test_all_claims_hold_and_every_schedule_has_twenty_attempts(report: Report) 
 
 
 def test_the_participant_performs_the_same_under_every_schedule(report: Report) -> None:
-    assert len({tuple(row["reaction_time_ms"] for row in rows(report, name)) for name in policies.SCHEDULES}) == 1
+    assert (
+        len(
+            {
+                tuple(row["reaction_time_ms"] for row in rows(report, name))
+                for name in policies.SCHEDULES
+            }
+        )
+        == 1
+    )
 
 
 def test_every_and_summary_give_feedback_at_their_interval(report: Report) -> None:
@@ -47,7 +57,9 @@ def test_faded_feedback_becomes_rarer_with_success(report: Report) -> None:
     gaps = [later - earlier for earlier, later in pairwise(given)]
     assert given[0] == 1
     assert gaps[0] < gaps[-1]
-    assert max(row["interval"] for row in rows(report, "faded")) > min(row["interval"] for row in rows(report, "faded"))
+    assert max(row["interval"] for row in rows(report, "faded")) > min(
+        row["interval"] for row in rows(report, "faded")
+    )
 
 
 def test_bandwidth_feedback_is_only_on_results_outside_the_tolerance(report: Report) -> None:
@@ -64,7 +76,9 @@ def test_on_request_only_requested_feedback_is_given(report: Report) -> None:
 
 
 def test_without_feedback_nothing_is_said(report: Report) -> None:
-    assert {(row["feedback"], row["text"], row["due"]) for row in rows(report, "none")} == {(None, "", False)}
+    assert {(row["feedback"], row["text"], row["due"]) for row in rows(report, "none")} == {
+        (None, "", False)
+    }
 
 
 def test_the_table_has_one_line_per_schedule_with_its_reasons(report: Report) -> None:
@@ -76,7 +90,9 @@ def test_the_table_has_one_line_per_schedule_with_its_reasons(report: Report) ->
 
 
 def altered(attempt: dict[str, Any]) -> Callable[[Simulated], Simulated]:
-    return lambda done: done._replace(attempts=[*done.attempts[:9], done.attempts[9] | attempt, *done.attempts[10:]])
+    return lambda done: done._replace(
+        attempts=[*done.attempts[:9], done.attempts[9] | attempt, *done.attempts[10:]]
+    )
 
 
 def silent(done: Simulated) -> Simulated:
@@ -86,32 +102,63 @@ def silent(done: Simulated) -> Simulated:
 def hurried(done: Simulated) -> Simulated:
     """Give all feedback at the end of its attempt."""
     ends = {attempt["attempt"]: attempt["ended_ns"] for attempt in done.attempts}
-    actions = [action | {"decided_ns": ends.get(action["final"]["attempt"])} for action in done.actions]
+    actions = [
+        action | {"decided_ns": ends.get(action["final"]["attempt"])} for action in done.actions
+    ]
     return done._replace(actions=[action for action in actions if action["decided_ns"]])
 
 
 def late(done: Simulated) -> Simulated:
     """Give all feedback a minute later."""
-    return done._replace(actions=[row | {"decided_ns": row["decided_ns"] + 60 * 10**9} for row in done.actions])
+    return done._replace(
+        actions=[row | {"decided_ns": row["decided_ns"] + 60 * 10**9} for row in done.actions]
+    )
 
 
 def reworded(done: Simulated) -> Simulated:
-    return done._replace(actions=[row | {"final": row["final"] | {"text": "Well done."}} for row in done.actions])
+    return done._replace(
+        actions=[row | {"final": row["final"] | {"text": "Well done."}} for row in done.actions]
+    )
 
 
 @pytest.mark.parametrize(
     ("change", "schedule", "sentence", "against"),
     [
-        (altered({"feedback": "none"}), "every", "every: feedback after every 2", "attempts 10 differ"),
-        (altered({"feedback": "positive"}), "faded", "faded: one attempt rarer", "attempts 10 differ"),
+        (
+            altered({"feedback": "none"}),
+            "every",
+            "every: feedback after every 2",
+            "attempts 10 differ",
+        ),
+        (
+            altered({"feedback": "positive"}),
+            "faded",
+            "faded: one attempt rarer",
+            "attempts 10 differ",
+        ),
         (altered({"metric": 1000.0}), "bandwidth", "bandwidth: only", "attempts 10 differ"),
-        (altered({"feedback": "none"}), "summary", "summary: a summary after every 5", "attempts 10 differ"),
+        (
+            altered({"feedback": "none"}),
+            "summary",
+            "summary: a summary after every 5",
+            "attempts 10 differ",
+        ),
         (lambda done: done._replace(asked=[]), "request", "request: only after", "differ"),
         (altered({"feedback": "positive"}), "none", "none: no feedback", "attempts 10 differ"),
-        (silent, "every", "The log holds the text of each feedback", "every, attempt 2; every, attempt 4; "),
+        (
+            silent,
+            "every",
+            "The log holds the text of each feedback",
+            "every, attempt 2; every, attempt 4; ",
+        ),
         (hurried, "every", "Feedback that is due comes 1500 ms after", "every, attempt 2; "),
         (late, "every", "No attempt begins before", "every, attempt 2; "),
-        (reworded, "summary", "A summary covers 5 attempts", "summary, attempt 5; summary, attempt 10; "),
+        (
+            reworded,
+            "summary",
+            "A summary covers 5 attempts",
+            "summary, attempt 5; summary, attempt 10; ",
+        ),
     ],
 )
 @pytest.mark.usefixtures("simulated_once")
@@ -124,7 +171,9 @@ def test_a_contradicting_log_fails_the_claim(
     against: str,
 ) -> None:
     run = SessionRunner.run
-    monkeypatch.setattr(SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings)))
+    monkeypatch.setattr(
+        SessionRunner, "run", lambda *given, **settings: change(run(*given, **settings))
+    )
     monkeypatch.setattr(policies, "SCHEDULES", {schedule: policies.SCHEDULES[schedule]})
     claims = {claim.sentence: claim.against for claim in policies.run(Conditions(catalogue)).claims}
     (found,) = (its for said, its in claims.items() if said.startswith(sentence))
@@ -132,7 +181,9 @@ def test_a_contradicting_log_fails_the_claim(
 
 
 @pytest.mark.usefixtures("simulated_once")
-def test_an_attempt_without_a_reason_fails_the_claim(catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_attempt_without_a_reason_fails_the_claim(
+    catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch
+) -> None:
     run = SessionRunner.run
 
     def forgetful(*given: Any, **settings: Any) -> Simulated:

@@ -13,9 +13,15 @@ from sar_tui.validation.report import Claim, Conditions, Report
 
 
 @pytest.mark.slow
-def test_all_claims_hold_in_every_world_and_in_sessions(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue) -> None:
+def test_all_claims_hold_in_every_world_and_in_sessions(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+) -> None:
     monkeypatch.setattr(praise, "QUICK_TASKS", tuple(praise.TASKS))
-    assert [claim for claim in praise.run(Conditions(catalogue, is_quick=True)).claims if not claim.holds] == []
+    assert [
+        claim
+        for claim in praise.run(Conditions(catalogue, is_quick=True)).claims
+        if not claim.holds
+    ] == []
 
 
 @pytest.fixture
@@ -35,7 +41,9 @@ def test_each_world_is_tried_with_few_and_many_earlier_attempts(catalogue: Catal
         (world, earlier) for world in WORLDS for earlier in (2, 3, 5)
     }
     for row in rows:
-        is_known = row["earlier"] >= LEAST_ATTEMPTS and row["earlier"] * row["trials"] >= LEAST_TRIALS
+        is_known = (
+            row["earlier"] >= LEAST_ATTEMPTS and row["earlier"] * row["trials"] >= LEAST_TRIALS
+        )
         assert (row["better_if_changed"] is not None) == is_known
     assert fmean(row["better_by_chance"] for row in rows) < 0.05
 

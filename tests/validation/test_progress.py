@@ -30,7 +30,9 @@ def test_every_model_is_tried_with_every_user(few: Report) -> None:
         assert abs(row["bias_bits"]) < 0.1
 
 
-def test_a_band_that_is_too_narrow_fails_its_claim(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue) -> None:
+def test_a_band_that_is_too_narrow_fails_its_claim(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+) -> None:
     monkeypatch.setattr("sar_tui.progress.level_estimate.t95", lambda df: 0.5)
     monkeypatch.setattr(progress, "HISTORIES", 12)
     monkeypatch.setattr(progress, "OTHER_HISTORIES", 2)
@@ -38,7 +40,9 @@ def test_a_band_that_is_too_narrow_fails_its_claim(monkeypatch: pytest.MonkeyPat
     assert not band.holds
 
 
-def test_a_verdict_without_students_t_fails_its_claim(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue) -> None:
+def test_a_verdict_without_students_t_fails_its_claim(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+) -> None:
     monkeypatch.setattr("sar_tui.progress.change.t95", lambda df: 0.5)
     monkeypatch.setattr(progress, "HISTORIES", 12)
     monkeypatch.setattr(progress, "OTHER_HISTORIES", 2)

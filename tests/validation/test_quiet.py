@@ -1,4 +1,6 @@
-"""False reaches in simulated daily life are counted, and trips, which are reaches by their shape, apart."""
+"""False reaches in simulated daily life are counted, and trips, which are reaches by their shape,
+apart.
+"""
 
 import msgspec
 import pytest
@@ -27,7 +29,9 @@ def reach() -> Reach:
 
 def _at(reach: Reach, onset_s: float) -> Reach:
     by_s = onset_s - reach.onset_s
-    return msgspec.structs.replace(reach, onset_s=onset_s, turn_s=reach.turn_s + by_s, end_s=reach.end_s + by_s)
+    return msgspec.structs.replace(
+        reach, onset_s=onset_s, turn_s=reach.turn_s + by_s, end_s=reach.end_s + by_s
+    )
 
 
 def test_a_find_that_spans_a_trip_is_counted_as_one(reach: Reach) -> None:
@@ -43,7 +47,10 @@ def test_a_find_that_spans_a_trip_is_counted_as_one(reach: Reach) -> None:
 
 def test_reaches_that_overlap_are_counted(reach: Reach) -> None:
     lasts_s = reach.reach_time_s
-    assert quiet.overlapping([_at(reach, 1.0), _at(reach, 1.0 + lasts_s), _at(reach, 1.5 + lasts_s)]) == 1
+    assert (
+        quiet.overlapping([_at(reach, 1.0), _at(reach, 1.0 + lasts_s), _at(reach, 1.5 + lasts_s)])
+        == 1
+    )
 
 
 @pytest.fixture
@@ -86,7 +93,9 @@ def test_all_claims_hold_on_ten_minutes_of_three_people(catalogue: Catalogue) ->
 
 
 @pytest.mark.parametrize("rest_s", [0.5, pytest.param(1.0, marks=pytest.mark.slow), 2.0])
-@pytest.mark.parametrize("kind", first(1, ["from-the-side", "cross-arm", "forearm-rotation", "two-hand-push"]))
+@pytest.mark.parametrize(
+    "kind", first(1, ["from-the-side", "cross-arm", "forearm-rotation", "two-hand-push"])
+)
 def test_the_default_detector_finds_every_reach_of_many_in_a_row(kind: str, rest_s: float) -> None:
     made = simulate_reaches(kind, 4, count=12, rest_s=rest_s)
     found = detect(made.recording)

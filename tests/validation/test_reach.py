@@ -25,13 +25,17 @@ def kinds() -> dict[str, reach.Group]:
 
 
 @pytest.fixture
-def one_of_each(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, kinds: dict[str, reach.Group]) -> Report:
+def one_of_each(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, kinds: dict[str, reach.Group]
+) -> Report:
     clean = next(group for group in reach.groups() if group.name == "clean")
     monkeypatch.setattr(reach, "groups", lambda: [clean, *kinds.values()])
     return reach.run(Conditions(catalogue, reaches=2))
 
 
-def test_every_kind_is_made_with_either_arm_each_placement_and_either_sensor(kinds: dict[str, reach.Group]) -> None:
+def test_every_kind_is_made_with_either_arm_each_placement_and_either_sensor(
+    kinds: dict[str, reach.Group],
+) -> None:
     assert tuple(kinds) == KINDS
     trials = [kinds["cross-arm"].make(seed) for seed in range(SEEDS)]
     assert {trial.hand for trial in trials} == {"left", "right"}
@@ -39,7 +43,10 @@ def test_every_kind_is_made_with_either_arm_each_placement_and_either_sensor(kin
     for first, second in ((0, 1), (2, 5)):
         assert trials[first].recording.rate.tobytes() != trials[second].recording.rate.tobytes()
     way_out = [
-        trial.recording.rate[(trial.recording.time_s > trial.onset_s) & (trial.recording.time_s < trial.onset_s + 0.3)]
+        trial.recording.rate[
+            (trial.recording.time_s > trial.onset_s)
+            & (trial.recording.time_s < trial.onset_s + 0.3)
+        ]
         for trial in trials
     ]
     signs = [1.0 if turning.mean(axis=0)[2] > 0 else -1.0 for turning in way_out]
@@ -56,7 +63,9 @@ def test_every_detector_has_its_share_and_its_errors_of_every_group(one_of_each:
             assert found in {0.0, 50.0, 100.0}
             for figure in ("error", "onset_error"):
                 assert (row[f"{name}_{figure}_median_ms"] is None) == (found == 0.0)
-    printed = {column.head: column.show(rows[0]) for table in one_of_each.tables for column in table}
+    printed = {
+        column.head: column.show(rows[0]) for table in one_of_each.tables for column in table
+    }
     assert printed["exactly one\nreach found, %"] == "clean"
 
 

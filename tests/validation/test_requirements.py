@@ -1,4 +1,6 @@
-"""The four requirements: the program meets them, and each system broken on purpose fails its own, alone."""
+"""The four requirements: the program meets them, and each system broken on purpose fails its own,
+alone.
+"""
 
 from collections import Counter
 from functools import cache
@@ -27,12 +29,18 @@ def test_the_program_meets_each_requirement_and_each_control_fails_its_own_alone
     verdicts = Counter((row["system"], row["met"]) for row in report.rows)
     assert verdicts["the program as it is", True] == len(requirements.REQUIREMENTS) == 4
     assert {verdicts[control.name, False] for control in requirements.CONTROLS} == {1}
-    assert {control.fails for control in requirements.CONTROLS} == {each.name for each in requirements.REQUIREMENTS}
+    assert {control.fails for control in requirements.CONTROLS} == {
+        each.name for each in requirements.REQUIREMENTS
+    }
 
 
 @pytest.mark.slow
 def test_a_reason_says_what_is_against_a_requirement() -> None:
-    (row,) = (row for row in found().rows if row["system"].startswith("an agent without") and not row["met"])
+    (row,) = (
+        row
+        for row in found().rows
+        if row["system"].startswith("an agent without") and not row["met"]
+    )
     assert "nothing performs: say, gesture" in row["against"]
 
 
@@ -57,13 +65,18 @@ def test_a_part_that_a_task_replaces_under_its_name_is_another(catalogue: Catalo
     assert [row["part"] for row in report.rows if row["state"] == "changed"] == ["memory"]
 
 
-@pytest.mark.parametrize(("parts", "off"), [(Parts(), 0.0), (Parts(perception=broken_parts.LatePerception), 150.0)])
+@pytest.mark.parametrize(
+    ("parts", "off"), [(Parts(), 0.0), (Parts(perception=broken_parts.LatePerception), 150.0)]
+)
 def test_the_measured_times_are_judged_by_when_prompts_were_shown_and_keys_pressed(
     catalogue: Catalogue, parts: Parts, off: float
 ) -> None:
     with session_runner(catalogue) as runner:
         done = runner.run("average", 1, parts=parts, attempts=2)
-    found = {attempt["attempt"]: attempt["metric"] - done.timed[attempt["attempt"]] for attempt in done.attempts}
+    found = {
+        attempt["attempt"]: attempt["metric"] - done.timed[attempt["attempt"]]
+        for attempt in done.attempts
+    }
     assert found == pytest.approx({1: off, 2: off}, abs=0.01)
 
 
@@ -81,4 +94,6 @@ def test_an_outcome_that_contradicts_the_time_is_told(catalogue: Catalogue) -> N
     assert "level 1 → 1 after a success" in follows_results(rows("poor", [1, 1])).against
     people = [*rows("poor", [2]), *rows("average", [3]), *rows("competent", [4])]
     assert ranks_users(people).holds
-    assert not ranks_users([*rows("poor", [3]), *rows("average", [3]), *rows("competent", [4])]).holds
+    assert not ranks_users(
+        [*rows("poor", [3]), *rows("average", [3]), *rows("competent", [4])]
+    ).holds

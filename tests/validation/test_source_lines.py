@@ -30,5 +30,7 @@ def test_only_code_is_counted(source: str, lines: int) -> None:
 
 def test_a_file_is_read_in_its_own_encoding(tmp_path: Path) -> None:
     path = tmp_path / "old.py"
-    path.write_bytes(textwrap.dedent("# -*- coding: latin-1 -*-\nname = 'Gr\xfc\xdfe'\n").encode("latin-1"))
+    path.write_bytes(
+        textwrap.dedent("# -*- coding: latin-1 -*-\nname = 'Gr\xfc\xdfe'\n").encode("latin-1")
+    )
     assert source_lines(path) == 1

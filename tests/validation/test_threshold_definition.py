@@ -1,4 +1,6 @@
-"""The fixed-threshold detector is tested against its definition, and another detector fails that test."""
+"""The fixed-threshold detector is tested against its definition, and another detector fails that
+test.
+"""
 
 from typing import Any
 

@@ -66,7 +66,9 @@ async def test_initially_it_is_at_rest_and_silent_without_timers(calm: Theme) ->
         assert not stage.draws_again()
 
 
-async def test_text_stays_until_replaced_and_without_text_only_the_face_changes(calm: Theme) -> None:
+async def test_text_stays_until_replaced_and_without_text_only_the_face_changes(
+    calm: Theme,
+) -> None:
     async with open_stage(calm) as stage:
         stage.agent.say("Well done.", "happy", "positive")
         stage.agent.say("", "thinking")
@@ -157,7 +159,9 @@ async def test_a_stop_puts_it_at_rest_at_once(calm: Theme) -> None:
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
 @pytest.mark.parametrize("face", ["neutral", "happy", "speaking"])
-async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(name: str, face: str, catalogue: Catalogue) -> None:
+async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(
+    name: str, face: str, catalogue: Catalogue
+) -> None:
     theme = catalogue.theme(name)
     async with open_stage(theme) as stage:
         stage.agent.say("Well done.", face)
@@ -167,18 +171,23 @@ async def test_the_mouth_opens_and_shuts_while_a_voice_sounds(name: str, face: s
         assert len(seen) == pytest.approx(SECOND / MOUTH, abs=1)
         mouths = {drawing[1 + theme.mouth_line] for drawing in seen}
         assert len(mouths) == 2
-        assert {tuple(line for row, line in enumerate(drawing) if row != 1 + theme.mouth_line) for drawing in seen} == {
-            tuple(line for row, line in enumerate(silent) if row != 1 + theme.mouth_line)
-        }
+        assert {
+            tuple(line for row, line in enumerate(drawing) if row != 1 + theme.mouth_line)
+            for drawing in seen
+        } == {tuple(line for row, line in enumerate(silent) if row != 1 + theme.mouth_line)}
         stage.agent.speaking(False)
         assert stage.drawing == silent
         assert not stage.draws_again()
 
 
 @pytest.mark.parametrize("name", ["calm", "high-contrast", "playful"])
-async def test_the_speaking_face_has_its_mouth_shut_before_and_after_its_words(name: str, catalogue: Catalogue) -> None:
+async def test_the_speaking_face_has_its_mouth_shut_before_and_after_its_words(
+    name: str, catalogue: Catalogue
+) -> None:
     theme = catalogue.theme(name)
-    shut, opened = (theme.faces[face].splitlines()[theme.mouth_line] for face in ("neutral", "speaking"))
+    shut, opened = (
+        theme.faces[face].splitlines()[theme.mouth_line] for face in ("neutral", "speaking")
+    )
     async with open_stage(theme) as stage:
 
         def mouth() -> str:
@@ -229,13 +238,18 @@ async def test_after_a_hold_the_mouth_continues_with_the_voice(calm: Theme) -> N
         assert len(stage.watch(SECOND)) > 4
 
 
-async def test_another_theme_redraws_the_current_face_at_once(calm: Theme, catalogue: Catalogue) -> None:
+async def test_another_theme_redraws_the_current_face_at_once(
+    calm: Theme, catalogue: Catalogue
+) -> None:
     plain = catalogue.theme("high-contrast")
     async with open_stage(calm) as stage:
         stage.agent.say("Well done.", "happy", "positive")
         stage.agent.apply_theme(plain)
         assert all(
-            line in drawn for line, drawn in zip(plain.faces["happy"].splitlines(), stage.drawing[1:], strict=False)
+            line in drawn
+            for line, drawn in zip(
+                plain.faces["happy"].splitlines(), stage.drawing[1:], strict=False
+            )
         )
         assert stage.words("said") == "Well done."
 
@@ -255,10 +269,13 @@ async def test_no_timer_is_left_when_the_agent_is_removed(calm: Theme) -> None:
     assert not stage.draws_again()
 
 
-# --- a cue before a prompt ---------------------------------------------------------------------------------------
+# --- a cue before a prompt
+# ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("gaze", "gesture"), [("left", None), ("right", None), ("", ARMS_UP), ("left", ARMS_UP)])
+@pytest.mark.parametrize(
+    ("gaze", "gesture"), [("left", None), ("right", None), ("", ARMS_UP), ("left", ARMS_UP)]
+)
 async def test_a_cue_is_one_frame_while_held_and_disappears_afterwards(
     calm: Theme, gaze: str, gesture: Gesture | None
 ) -> None:

@@ -1,4 +1,6 @@
-"""Pictures in the place of drawn faces: only where the terminal shows them, and never at the price of a face."""
+"""Pictures in the place of drawn faces: only where the terminal shows them, and never at the price
+of a face.
+"""
 
 import sys
 from pathlib import Path
@@ -31,7 +33,9 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def hang(theme: Theme, folder: Path, picture: type[Static] | None = Frame, **images: str) -> tuple[Agent, App[None]]:
+def hang(
+    theme: Theme, folder: Path, picture: type[Static] | None = Frame, **images: str
+) -> tuple[Agent, App[None]]:
     """An agent with a theme's pictures, alone on a screen."""
     agent = Agent(msgspec.structs.replace(theme, images=images), VirtualClock(), picture, folder)
 
@@ -43,10 +47,17 @@ def hang(theme: Theme, folder: Path, picture: type[Static] | None = Frame, **ima
 
 
 def shown(agent: Agent) -> list[str]:
-    return [name for name in ("picture", "robot") for widget in agent.query(f".{name}") if widget.display]
+    return [
+        name
+        for name in ("picture", "robot")
+        for widget in agent.query(f".{name}")
+        if widget.display
+    ]
 
 
-async def test_expressions_with_a_picture_show_it_and_the_others_are_drawn(calm: Theme, folder: Path) -> None:
+async def test_expressions_with_a_picture_show_it_and_the_others_are_drawn(
+    calm: Theme, folder: Path
+) -> None:
     agent, app = hang(calm, folder, happy="happy.png")
     async with app.run_test():
         assert shown(agent) == ["robot"]
@@ -57,7 +68,9 @@ async def test_expressions_with_a_picture_show_it_and_the_others_are_drawn(calm:
         assert shown(agent) == ["robot"]
 
 
-async def test_an_invalid_or_missing_picture_falls_back_to_the_drawing(calm: Theme, folder: Path) -> None:
+async def test_an_invalid_or_missing_picture_falls_back_to_the_drawing(
+    calm: Theme, folder: Path
+) -> None:
     agent, app = hang(calm, folder, happy="broken.png", thinking="gone.png")
     async with app.run_test():
         for face in ("happy", "thinking"):
@@ -80,7 +93,9 @@ async def test_pictures_change_with_the_theme(calm: Theme, folder: Path) -> None
         assert shown(agent) == ["robot"]
 
 
-async def test_the_picture_of_speaking_is_shown_only_while_a_voice_sounds(calm: Theme, folder: Path) -> None:
+async def test_the_picture_of_speaking_is_shown_only_while_a_voice_sounds(
+    calm: Theme, folder: Path
+) -> None:
     agent, app = hang(calm, folder, speaking="happy.png")
     async with app.run_test():
         agent.say("Press the key that appears.", "speaking")
@@ -110,13 +125,17 @@ def test_pictures_keep_their_proportions_and_have_one_size(folder: Path) -> None
     assert tall.getpixel((0, tall.height // 2))[3] == 0  # nor beside it
 
 
-@pytest.mark.parametrize(("protocol", "is_found"), [("sixel", True), ("kitty", True), ("half blocks", False)])
+@pytest.mark.parametrize(
+    ("protocol", "is_found"), [("sixel", True), ("kitty", True), ("half blocks", False)]
+)
 def test_pictures_are_shown_if_the_terminal_has_an_image_protocol(
     protocol: str, is_found: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     renderable, widget = ModuleType("textual_image.renderable"), ModuleType("textual_image.widget")
     known = {"sixel": object(), "kitty": object(), "half blocks": object()}
-    vars(renderable).update(SixelImage=known["sixel"], TGPImage=known["kitty"], Image=known[protocol])
+    vars(renderable).update(
+        SixelImage=known["sixel"], TGPImage=known["kitty"], Image=known[protocol]
+    )
     vars(widget).update(Image=Frame)
     monkeypatch.setitem(sys.modules, "textual_image.renderable", renderable)
     monkeypatch.setitem(sys.modules, "textual_image.widget", widget)

@@ -55,7 +55,9 @@ async def test_a_prompt_is_drawn_large_above_its_plain_line(size: tuple[int, int
 def test_halves_are_drawn_side_by_side_with_one_seat_too() -> None:
     both = msgspec.structs.replace(prompt("", "Press: f", ""), halves=("f", "←"))
     lines = [text for text, _ in plain_lines(both, 60, 20)]
-    left, right = ("\n".join(part) for part in ([line[:29] for line in lines], [line[30:] for line in lines]))
+    left, right = (
+        "\n".join(part) for part in ([line[:29] for line in lines], [line[30:] for line in lines])
+    )
     assert "█" in left
     assert "█" in right
     assert [line.strip() for line in lines].count("Press: f") == 1
@@ -87,7 +89,11 @@ async def test_text_wider_than_the_screen_is_cut_not_wrapped() -> None:
 
 
 async def test_a_task_can_draw_the_prompt_itself() -> None:
-    app = Stage(lambda prompt, width, height: [(f"{prompt.text if prompt else 'wait'} {width}x{height}", True)])
+    app = Stage(
+        lambda prompt, width, height: [
+            (f"{prompt.text if prompt else 'wait'} {width}x{height}", True)
+        ]
+    )
     async with app.run_test(size=(30, 5)) as pilot:
         assert app.lines[0].strip() == "wait 30x5"
         app.query_one(BigPrompt).show(prompt("f", "Press: f"))
@@ -97,7 +103,9 @@ async def test_a_task_can_draw_the_prompt_itself() -> None:
 
 @pytest.mark.parametrize("glyph", ["語", "🍎", "語a🍎"])
 @pytest.mark.parametrize("size", [(80, 15), (81, 16), (20, 6)])
-async def test_wide_characters_stand_in_the_middle_of_lines_of_full_width(glyph: str, size: tuple[int, int]) -> None:
+async def test_wide_characters_stand_in_the_middle_of_lines_of_full_width(
+    glyph: str, size: tuple[int, int]
+) -> None:
     app = Stage()
     async with app.run_test(size=size):
         app.query_one(BigPrompt).show(prompt(glyph, f"Say: {glyph}"))
@@ -106,8 +114,13 @@ async def test_wide_characters_stand_in_the_middle_of_lines_of_full_width(glyph:
         left, _, right = framed.partition(f"│ {glyph} │")
         assert abs(len(left) - len(right)) <= 1
         regions = app.query_one(BigPrompt)._regions()
-        assert all(line.cell_length == size[0] for line in map(app.query_one(BigPrompt).render_line, range(size[1])))
-        assert max(region.right for region in regions) == max(cell_len(line.rstrip()) for line in app.lines)
+        assert all(
+            line.cell_length == size[0]
+            for line in map(app.query_one(BigPrompt).render_line, range(size[1]))
+        )
+        assert max(region.right for region in regions) == max(
+            cell_len(line.rstrip()) for line in app.lines
+        )
 
 
 def test_wide_characters_leave_the_wall_between_halves_where_it_is() -> None:

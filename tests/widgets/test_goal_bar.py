@@ -17,7 +17,9 @@ CHOICE: dict[str, Any] = {
 }  # fmt: skip
 
 
-def feedback(reason: Any = "goal", metric: float | None = 400.0, goal: float = 1000.0, **choice: Any) -> Feedback:
+def feedback(
+    reason: Any = "goal", metric: float | None = 400.0, goal: float = 1000.0, **choice: Any
+) -> Feedback:
     return Feedback(
         attempt=1, level=1, valence="positive", reason=reason, metric=metric, goal=goal, accuracy=1.0, correct=2,
         trials=2, reached=1, choice=FeedbackChoice(**CHOICE | choice),

@@ -39,7 +39,10 @@ async def test_it_lists_the_keys_that_work() -> None:
     async with app.run_test() as pilot:
         await pilot.pause()
         assert app.keys == {"Back": True}
-        for can_save, keys in ((True, {"Save": True, "Back": True}), (None, {"Save": False, "Back": True})):
+        for can_save, keys in (
+            (True, {"Save": True, "Back": True}),
+            (None, {"Save": False, "Back": True}),
+        ):
             app.can_save = can_save
             app.refresh_bindings()
             await pilot.pause()

@@ -1,4 +1,5 @@
-"""Very large characters: every key that a task asks for is drawn, fits, and differs from the others.
+"""Very large characters: every key that a task asks for is drawn, fits, and differs from the
+others.
 
 What has no large shape is seen as well: at the terminal's own size, in a frame.
 """
@@ -45,14 +46,19 @@ def test_every_character_of_every_level_is_drawn_large_and_fits_the_stage(
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("choice_set", CHOICE_SETS)
-def test_no_two_characters_of_a_level_are_drawn_alike(choice_set: str, layout: str, keyboard: type[Task]) -> None:
+def test_no_two_characters_of_a_level_are_drawn_alike(
+    choice_set: str, layout: str, keyboard: type[Task]
+) -> None:
     for glyphs in levels_of(keyboard, choice_set, layout):
         for one, other in combinations(sorted(glyphs), 2):
             assert draw(one, *STAGE) != draw(other, *STAGE), f"{one} looks like {other}"
 
 
 def test_a_glyph_scales_with_the_available_space() -> None:
-    heights = [len(draw("f", columns, rows)) for columns, rows in ((78, 40), (78, 20), (78, 12), (10, 5), (3, 2))]
+    heights = [
+        len(draw("f", columns, rows))
+        for columns, rows in ((78, 40), (78, 20), (78, 12), (10, 5), (3, 2))
+    ]
     assert heights == sorted(heights, reverse=True)
     assert heights[0] > heights[2]
     assert draw("f", 3, 2) == ("f",)
@@ -74,7 +80,9 @@ def test_a_row_of_characters_is_drawn_large_in_a_small_terminal(text: str) -> No
 
 def test_flankers_differ_only_where_the_target_is() -> None:
     same, other = draw("←←←←←", 100, 12), draw("←←→←←", 100, 12)
-    differing = {x for one, two in zip(same, other, strict=True) for x in range(len(one)) if one[x] != two[x]}
+    differing = {
+        x for one, two in zip(same, other, strict=True) for x in range(len(one)) if one[x] != two[x]
+    }
     assert min(differing) >= 2 * len(same[0]) // 5
     assert max(differing) < 3 * len(same[0]) // 5
 

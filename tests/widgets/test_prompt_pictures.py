@@ -1,4 +1,6 @@
-"""Pictures of prompts: prepared once, of the right size and proportions, in whatever way the terminal can show them."""
+"""Pictures of prompts: prepared once, of the right size and proportions, in whatever way the
+terminal can show them.
+"""
 
 import base64
 import io
@@ -37,7 +39,9 @@ def pictures(folder: Path, way: Way) -> tuple[Pictures, list[str]]:
     return Pictures(folder, way, written.append), written
 
 
-def drawn(folder: Path, way: Way, name: str = "red.png", columns: int = 78, rows: int = 11) -> Drawn:
+def drawn(
+    folder: Path, way: Way, name: str = "red.png", columns: int = 78, rows: int = 11
+) -> Drawn:
     found = pictures(folder, way)[0].drawn(name, columns, rows, GROUND)
     assert found is not None
     return found
@@ -45,19 +49,28 @@ def drawn(folder: Path, way: Way, name: str = "red.png", columns: int = 78, rows
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(("columns", "rows"), [(78, 11), (20, 11), (158, 40), (1, 1)])
-def test_a_picture_fills_its_room_and_keeps_its_proportions(folder: Path, way: Way, columns: int, rows: int) -> None:
+def test_a_picture_fills_its_room_and_keeps_its_proportions(
+    folder: Path, way: Way, columns: int, rows: int
+) -> None:
     picture = drawn(folder, way, columns=columns, rows=rows)
     assert picture.columns <= columns
     assert len(picture.rows) <= rows
     assert picture.columns == columns or len(picture.rows) == rows
-    assert all(cell_len("".join(part.text for part in row)) == picture.columns for row in picture.rows)
+    assert all(
+        cell_len("".join(part.text for part in row)) == picture.columns for row in picture.rows
+    )
     if columns > 1:
-        assert picture.columns == pytest.approx(4 * len(picture.rows), abs=3), "a cell is twice as high as wide"
+        assert picture.columns == pytest.approx(4 * len(picture.rows), abs=3), (
+            "a cell is twice as high as wide"
+        )
 
 
 @pytest.mark.parametrize("way", ["half blocks", "blocks"])
 def test_blocks_have_the_colours_of_the_picture(folder: Path, way: Way) -> None:
-    for name, color in (("red.png", ColorTriplet(255, 0, 0)), ("clear.png", ColorTriplet(0x10, 0x17, 0x1E))):
+    for name, color in (
+        ("red.png", ColorTriplet(255, 0, 0)),
+        ("clear.png", ColorTriplet(0x10, 0x17, 0x1E)),
+    ):
         styles = {part.style for row in drawn(folder, way, name).rows for part in row}
         assert [style.bgcolor.triplet for style in styles if style and style.bgcolor] == [color]
 
@@ -84,7 +97,9 @@ def test_kitty_gets_a_picture_beforehand_and_its_frame_only_says_where(folder: P
     ((segment,), *_) = picture.rows
     assert segment.style is not None
     assert segment.style.color is not None
-    assert segment.style.color.triplet == ColorTriplet(number >> 16, number >> 8 & 255, number & 255)
+    assert segment.style.color.triplet == ColorTriplet(
+        number >> 16, number >> 8 & 255, number & 255
+    )
     shown.drawn("red.png", 78, 11, GROUND)
     assert len(written) == len(parts) + 1, "it is sent once"
     shown.close()
@@ -141,7 +156,9 @@ def with_picture(name: str, colour: str = "") -> object:
 
 
 @pytest.mark.parametrize("way", WAYS)
-async def test_a_picture_stands_above_the_plain_line_and_goes_with_the_prompt(folder: Path, way: Way) -> None:
+async def test_a_picture_stands_above_the_plain_line_and_goes_with_the_prompt(
+    folder: Path, way: Way
+) -> None:
     app = Stage(pictures(folder, way)[0])
     async with app.run_test(size=(80, 14)):
         widget = app.query_one(BigPrompt)
@@ -159,7 +176,9 @@ async def test_a_picture_stands_above_the_plain_line_and_goes_with_the_prompt(fo
             assert "\x1b7\x1b[1;" in texts[10]
             assert texts[10].endswith("\x1b\\\x1b8")
         widget.clear()
-        assert [strip.text for strip in widget.render_lines(Region(0, 0, 80, 14))] == [each.text for each in before]
+        assert [strip.text for strip in widget.render_lines(Region(0, 0, 80, 14))] == [
+            each.text for each in before
+        ]
 
 
 async def test_without_pictures_the_glyph_is_drawn_and_the_record_says_so(folder: Path) -> None:
@@ -184,7 +203,9 @@ async def test_a_prepared_picture_is_not_read_again_when_it_is_shown(
         assert all(strip._render_cache for strip in prepared), "they are rendered, too"
 
 
-async def test_the_drawing_has_the_colour_of_the_prompt_and_nothing_else_has(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_drawing_has_the_colour_of_the_prompt_and_nothing_else_has(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("COLORTERM", "truecolor")
     app = Stage(None)
     async with app.run_test(size=(80, 14)):
@@ -195,7 +216,9 @@ async def test_the_drawing_has_the_colour_of_the_prompt_and_nothing_else_has(mon
             part.text
             for strip in widget.render_lines(Region(0, 0, 80, 14))
             for part in strip
-            if part.style and part.style.color and part.style.color.triplet == ColorTriplet(0, 0x9E, 0x73)
+            if part.style
+            and part.style.color
+            and part.style.color.triplet == ColorTriplet(0, 0x9E, 0x73)
         }
         assert any("█" in text for text in coloured)
         assert any("語" in text for text in coloured)

@@ -37,7 +37,9 @@ def faces(theme: Theme) -> dict[str, list[str]]:
 def theme_sheet(theme: Theme) -> str:
     """Every face with its mouth shut and open, and then the robot in its poses, side by side."""
     drawn, speaking = faces(theme), faces(theme)["speaking"]
-    open_mouthed = {name: with_mouth(face, theme.mouth_line, speaking) for name, face in drawn.items()}
+    open_mouthed = {
+        name: with_mouth(face, theme.mouth_line, speaking) for name, face in drawn.items()
+    }
     rows = [
         {name: draw(drawn[name], REST) for name in FACES[:4]},
         {f"{name}, speaks": draw(open_mouthed[name], REST) for name in FACES[:4]},
@@ -65,7 +67,9 @@ def test_snapshots_of_every_expression_and_pose(name: str, catalogue: Catalogue)
 
 
 def test_there_is_a_snapshot_of_every_shipped_theme_and_no_other(catalogue: Catalogue) -> None:
-    assert {path.name for path in FOLDER.iterdir()} == {f"robot.{name}.txt" for name in catalogue.theme_names()}
+    assert {path.name for path in FOLDER.iterdir()} == {
+        f"robot.{name}.txt" for name in catalogue.theme_names()
+    }
 
 
 @pytest.mark.parametrize("name", THEMES)
@@ -81,7 +85,9 @@ def test_drawings_of_all_poses_have_one_size_and_one_cell_per_character(
 
 @pytest.mark.parametrize("name", THEMES)
 @given(pose=poses)
-def test_eyes_and_mouth_are_complete_in_every_pose(name: str, pose: Pose, catalogue: Catalogue) -> None:
+def test_eyes_and_mouth_are_complete_in_every_pose(
+    name: str, pose: Pose, catalogue: Catalogue
+) -> None:
     for face in faces(catalogue.theme(name)).values():
         drawing = "\n".join(draw(face, pose))
         assert all(line.strip(" │|").strip() in drawing for line in face[1:3])
@@ -89,7 +95,9 @@ def test_eyes_and_mouth_are_complete_in_every_pose(name: str, pose: Pose, catalo
 
 @pytest.mark.parametrize("gesture", GESTURES)
 @pytest.mark.parametrize("name", THEMES)
-def test_every_gesture_moves_visibly_and_ends_at_rest(name: str, gesture: str, catalogue: Catalogue) -> None:
+def test_every_gesture_moves_visibly_and_ends_at_rest(
+    name: str, gesture: str, catalogue: Catalogue
+) -> None:
     theme = catalogue.theme(name)
     face, way = faces(theme)["neutral"], theme.gestures[gesture]
     moments = [draw(face, way.pose_at(ms)) for ms in range(0, way.duration_ms, 66)]

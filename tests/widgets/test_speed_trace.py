@@ -19,7 +19,14 @@ SECOND = 1_000_000_000
 ONSET = 3 * SECOND
 DWELLING = ReachShape(out_s=0.8, dwell_s=0.6, back_s=0.6, peak_out=1.8, peak_back=-2.4)
 FAST = TABLE_4_1[6].shape
-STYLES = {"out": "cyan", "dwell": "white", "back": "magenta", "rest": "dim", "earlier": "dim", "axis": "dim"}
+STYLES = {
+    "out": "cyan",
+    "dwell": "white",
+    "back": "magenta",
+    "rest": "dim",
+    "earlier": "dim",
+    "axis": "dim",
+}
 
 
 def found(shape: ReachShape, profile: str = "noisy") -> tuple[Samples, Finding]:
@@ -46,7 +53,15 @@ def drawn(*traces: Trace, width: int = 76, height: int = 12) -> list[str]:
 
 
 def steady(rate: float, label: str) -> Trace:
-    return Trace(rate=[rate] * 50, rate_hz=50.0, onset_s=0.1, arrival_s=0.4, departure_s=0.5, end_s=0.9, label=label)
+    return Trace(
+        rate=[rate] * 50,
+        rate_hz=50.0,
+        onset_s=0.1,
+        arrival_s=0.4,
+        departure_s=0.5,
+        end_s=0.9,
+        label=label,
+    )
 
 
 def dots(mark: str) -> bool:
@@ -57,11 +72,16 @@ def has_dots(line: str) -> bool:
     return any(map(dots, line))
 
 
-# --- the curve of a reach ---------------------------------------------------------------------------------
+# --- the curve of a reach
+# ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("profile", ["clean", "noisy", "biased", "drifting", "tilted", "lossy", "patient"])
-def test_outward_is_positive_and_rest_is_zero_in_any_orientation_of_the_sensor(profile: str) -> None:
+@pytest.mark.parametrize(
+    "profile", ["clean", "noisy", "biased", "drifting", "tilted", "lossy", "patient"]
+)
+def test_outward_is_positive_and_rest_is_zero_in_any_orientation_of_the_sensor(
+    profile: str,
+) -> None:
     made = trace(FAST, profile)
     onset = round(made.onset_s * made.rate_hz)
     assert max(made.rate) == pytest.approx(FAST.peak_out, abs=0.35)
@@ -76,14 +96,21 @@ def test_an_upside_down_sensor_gives_the_same_curve() -> None:
     assert finding.end_ns is not None
     turned = samples.copy()
     turned["rate"] *= -1
-    curves = [trace_of(some, finding.onset_ns, finding.end_ns, finding.details) for some in (samples, turned)]
+    curves = [
+        trace_of(some, finding.onset_ns, finding.end_ns, finding.details)
+        for some in (samples, turned)
+    ]
     assert curves[0] == curves[1]
 
 
 def test_phases_have_the_analysed_durations_in_order() -> None:
     _, finding = found(DWELLING)
     made = trace(DWELLING)
-    lasted = [made.arrival_s - made.onset_s, made.departure_s - made.arrival_s, made.end_s - made.departure_s]
+    lasted = [
+        made.arrival_s - made.onset_s,
+        made.departure_s - made.arrival_s,
+        made.end_s - made.departure_s,
+    ]
     measured = [finding.details[f"{name}_ms"] for name in ("out", "dwell", "back")]
     assert [1000 * each for each in lasted] == pytest.approx(measured, abs=0.01)
     assert made.onset_s == pytest.approx(0.3, abs=0.01)
@@ -107,7 +134,8 @@ def test_a_reach_without_samples_has_no_curve() -> None:
     assert trace_of(samples[:200], ONSET, ONSET + SECOND, finding.details) is None
 
 
-# --- the drawing -------------------------------------------------------------------------------------------
+# --- the drawing
+# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [(40, 6), (76, 6), (76, 9), (120, 30)])
@@ -164,15 +192,26 @@ def test_the_latest_reach_is_a_solid_line_and_earlier_ones_are_dotted() -> None:
     above, below = steady(1.0, "before"), steady(-1.0, "this reach")
     lines = drawn(above, below)
     fullest = [
-        max((ord(mark) - 0x2800).bit_count() for mark in line if dots(mark)) for line in lines[:-1] if has_dots(line)
+        max((ord(mark) - 0x2800).bit_count() for mark in line if dots(mark))
+        for line in lines[:-1]
+        if has_dots(line)
     ]
     assert fullest == [1, 2]
 
 
 def test_several_reaches_have_a_legend_if_there_is_space() -> None:
     before, newest = steady(1.0, "reach 1"), steady(-1.0, "this reach")
-    assert drawn(before, newest, height=9)[-1].split() == ["⠒⠒", "this", "reach", "⠂⠂", "reach", "1"]
-    assert "this reach" not in "".join(drawn(before, newest, height=8) + drawn(newest, height=9)[:-1])
+    assert drawn(before, newest, height=9)[-1].split() == [
+        "⠒⠒",
+        "this",
+        "reach",
+        "⠂⠂",
+        "reach",
+        "1",
+    ]
+    assert "this reach" not in "".join(
+        drawn(before, newest, height=8) + drawn(newest, height=9)[:-1]
+    )
 
 
 def test_colour_does_not_change_the_characters() -> None:

@@ -35,4 +35,9 @@ class Sequence(Task):
         return Stimulus("sequence", "", "sequence", frames=frames)
 
     def perceived(self, trial: Trial, percept: Any) -> Result:
-        return Result(correct=True, response=percept.key, response_at=percept.at, value=trial.latency_ms(percept.at))
+        return Result(
+            correct=True,
+            response=percept.key,
+            response_at=percept.at,
+            value=trial.latency_ms(percept.at),
+        )

@@ -1,4 +1,6 @@
-"""The agent on the screen as an output: draws actions on a stage, and reports when each began and ended."""
+"""The agent on the screen as an output: draws actions on a stage, and reports when each began and
+ended.
+"""
 
 from collections import deque
 from collections.abc import Callable
@@ -9,7 +11,15 @@ from msgspec.structs import replace
 from sar_tui.loop.agent_state import AgentState, clears_words, step
 from sar_tui.loop.clock import Handle
 from sar_tui.model.gesture import Gesture
-from sar_tui.model.messages import Action, ActionPart, AgentActing, CueGiven, Message, OutputReport, Waiting
+from sar_tui.model.messages import (
+    Action,
+    ActionPart,
+    AgentActing,
+    CueGiven,
+    Message,
+    OutputReport,
+    Waiting,
+)
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import MS, SECOND
 from sar_tui.outputs.output import Output
@@ -57,7 +67,8 @@ class DrawnAgent(Output):
 
     Args:
         stage: the screen it is drawn on.
-        is_shown: False if the screen is not one of the session's outputs, so that it is shown only if a voice fails.
+        is_shown: False if the screen is not one of the session's outputs, so that it is shown only
+            if a voice fails.
 
     Attributes:
         state: what the agent shows.
@@ -114,11 +125,15 @@ class DrawnAgent(Output):
     def show(self, action: str, text: str, face: str) -> None:
         """Show words until others replace them, or a trial begins.
 
-        Encouragement replaces feedback once that could be read, or when a voice says it: one thought at a time.
+        Encouragement replaces feedback once that could be read, or when a voice says it: one
+        thought at a time.
         """
         if text and self._shown and self.action.joins and self.action.kind == "encouragement":
             self._drop_next()
-            self._next = (self.action, self.clock.call_at(max(self._read_at, self.clock.now()), self._show_next))
+            self._next = (
+                self.action,
+                self.clock.call_at(max(self._read_at, self.clock.now()), self._show_next),
+            )
             return
         if text or not self._shown:
             self.clear()

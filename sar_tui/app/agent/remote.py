@@ -1,4 +1,6 @@
-"""The agent of a session elsewhere: shows what arrives over the link, as the participant's own screen does."""
+"""The agent of a session elsewhere: shows what arrives over the link, as the participant's own
+screen does.
+"""
 
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -8,13 +10,23 @@ from sar_tui.link.peer import Connection, Frame, PeerEvent, Welcome
 from sar_tui.loop.agent_state import AgentState
 from sar_tui.loop.clock import Clock, Handle
 from sar_tui.loop.topics import ACTING, ACTION, CUE, HALT, REPORT, THEME, WAITING
-from sar_tui.model.messages import Action, AgentActing, CueGiven, Halt, OutputReport, ThemeApplied, Waiting
+from sar_tui.model.messages import (
+    Action,
+    AgentActing,
+    CueGiven,
+    Halt,
+    OutputReport,
+    ThemeApplied,
+    Waiting,
+)
 from sar_tui.model.theme import Theme
 from sar_tui.model.units import SECOND
 from sar_tui.tui.web_driver import BrowserVoice
 
 FRESH = 3 * SECOND
-"""Actions older than this are shown as text, but no longer spoken or gestured: the view has just joined."""
+"""Actions older than this are shown as text, but no longer spoken or gestured: the view has just
+joined.
+"""
 _VOICES = frozenset(("speech", "ros"))
 """Outputs that speak by themselves, and report when."""
 
@@ -44,7 +56,12 @@ class AgentView:
     """
 
     def __init__(
-        self, stage: ViewStage, theme: Theme, clock: Clock, now: Callable[[], int], voice: BrowserVoice | None = None
+        self,
+        stage: ViewStage,
+        theme: Theme,
+        clock: Clock,
+        now: Callable[[], int],
+        voice: BrowserVoice | None = None,
     ) -> None:
         self._stage = stage
         self._clock = clock
@@ -97,7 +114,9 @@ class AgentView:
             case ThemeApplied() if frame.topic is THEME:
                 self._language = frame.message.theme.language
                 self._drawn.apply_theme(frame.message.theme)
-            case OutputReport() if frame.topic is REPORT and (is_fresh or frame.message.state != "started"):
+            case OutputReport() if frame.topic is REPORT and (
+                is_fresh or frame.message.state != "started"
+            ):
                 self._drawn.update(frame.message)
             case AgentActing() if frame.topic is ACTING:
                 self._drawn.update(frame.message)
@@ -121,13 +140,17 @@ class AgentView:
                 self._mouth(action.spoken)
 
     def _mouth(self, spoken: str) -> None:
-        """Move the mouth for as long as the words take: a browser does not report when it has spoken."""
+        """Move the mouth for as long as the words take: a browser does not report when it has
+        spoken.
+        """
         voice = self._drawn.theme.voice
         seconds = len(spoken.split()) * 60 / voice.rate_in(self._language)
         if self._silence:
             self._silence.cancel()
         self._stage.speaking(True)
-        self._silence = self._clock.call_at(self._clock.now() + round(seconds * SECOND), self._fall_silent)
+        self._silence = self._clock.call_at(
+            self._clock.now() + round(seconds * SECOND), self._fall_silent
+        )
 
     def _fall_silent(self) -> None:
         self._stage.speaking(self._drawn.state.is_speaking)

@@ -45,7 +45,8 @@ class AgentViewScreen(Screen[None]):
         self._agent.look("sleeping")
         self._show_status()
 
-    # --- the stage ----------------------------------------------------------------------------------------------
+    # --- the stage
+    # ----------------------------------------------------------------------------------------------
 
     def say(self, action: Action) -> None:
         self._agent.say(action.text, action.face, action.valence, joins=action.joins)

@@ -22,8 +22,8 @@ _SCREEN = "screen"
 class AgentScreen(DismissedOnce[None]):
     """The base of the session's screen: the agent's stage (see `output.AgentStage`).
 
-    The agent is shown if the screen is one of the session's outputs; otherwise only while its voice has failed, so that
-    its words can be read.
+    The agent is shown if the screen is one of the session's outputs; otherwise only while its voice
+    has failed, so that its words can be read.
     """
 
     app: Any
@@ -42,7 +42,9 @@ class AgentScreen(DismissedOnce[None]):
     @property
     def active_bindings(self) -> dict[str, Any]:
         """Bindings in the session's language; the stop key only if there is an output to stop."""
-        others = [name for name in self._live.run.session.task.parameters.outputs if name != _SCREEN]
+        others = [
+            name for name in self._live.run.session.task.parameters.outputs if name != _SCREEN
+        ]
         has_voice = any(name.partition(":")[0] in ("speech", "tones") for name in others)
         robot = self.tr("Stop robot")
         return {
@@ -74,7 +76,8 @@ class AgentScreen(DismissedOnce[None]):
         self.agent.display = self._shows_agent
         yield self.agent
 
-    # --- the stage: what the agent is asked to do ------------------------------------------------------------
+    # --- the stage: what the agent is asked to do
+    # ------------------------------------------------------------
 
     def say(self, action: Action) -> None:
         if action.text:
@@ -116,7 +119,8 @@ class AgentScreen(DismissedOnce[None]):
     def apply_theme(self, theme: Theme) -> None:
         self.agent.apply_theme(theme)
 
-    # --- between and in trials -------------------------------------------------------------------------------
+    # --- between and in trials
+    # -------------------------------------------------------------------------------
 
     def clear_agent(self, face: str) -> None:
         """Remove the words, as before a trial."""
@@ -130,7 +134,9 @@ class AgentScreen(DismissedOnce[None]):
         self.agent.say(words, "listening")
 
     def let_agent_move(self, moves: bool) -> None:
-        """Let the agent move, or hold it while a response is awaited; a change of its voice is shown after that."""
+        """Let the agent move, or hold it while a response is awaited; a change of its voice is
+        shown after that.
+        """
         if moves:
             self.agent.release()
             self._show_voice()

@@ -19,17 +19,21 @@ _ROOMY = 80
 _WELCOME = (
     "Nobody has trained here yet.\n\n"
     "1. Press Enter, and give the first person a code, such as P01. Never a name.\n\n"
-    "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, how hard.\n\n"
+    "2. Choose their task and their theme. Settings (F2) are yours: what they train, how much, "
+    "how hard.\n\n"
     "3. START. From there on the screen tells the participant what to do."
 )
 _NEW = (
-    "Press Enter to add a participant: a code, such as P01. Never a name.\n\nBelow are the latest sessions of everyone."
+    "Press Enter to add a participant: a code, such as P01. Never a name.\n\nBelow are the "
+    "latest sessions of everyone."
 )
 _FIRST = "No session yet. START begins the first one."
 
 
 class ParticipantCard(Vertical):
-    """All that a therapist wants to know before a session. It is an empty frame until ``open`` is called."""
+    """All that a therapist wants to know before a session. It is an empty frame until ``open`` is
+    called.
+    """
 
     _is_open = False
     _tells = False
@@ -83,7 +87,11 @@ class ParticipantCard(Vertical):
 
         if self._found:
             programme, problem = self._found.programme, self._found.problem
-            said = programme_words(programme, is_roomy=self.size.width >= _ROOMY) if programme else problem
+            said = (
+                programme_words(programme, is_roomy=self.size.width >= _ROOMY)
+                if programme
+                else problem
+            )
             self._write({"programme": said})
 
     def on_resize(self, event: Resize) -> None:

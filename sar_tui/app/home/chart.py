@@ -1,4 +1,6 @@
-"""A participant's comparable sessions as a small chart: a bar for the level at goal of each, and figures below."""
+"""A participant's comparable sessions as a small chart: a bar for the level at goal of each, and
+figures below.
+"""
 
 from collections.abc import Sequence
 from datetime import date
@@ -28,7 +30,9 @@ Row = tuple[str, str, bool]
 
 
 class Bar(msgspec.Struct, frozen=True):
-    """A session: its day, the height of its bar (0 to 1; more is better), its value, and the goals reached in it."""
+    """A session: its day, the height of its bar (0 to 1; more is better), its value, and the goals
+    reached in it.
+    """
 
     day: date
     height: float
@@ -44,7 +48,9 @@ class Chart(msgspec.Struct, frozen=True):
 
 
 def charted(line: "LineProgress") -> Chart:
-    """Return the chart of a line: of the levels at goal, or of the mean results where the level never changed."""
+    """Return the chart of a line: of the levels at goal, or of the mean results where the level
+    never changed.
+    """
     from sar_tui.model.results_for_people import metric_for_people
 
     metric, factor = metric_for_people(line.metric)
@@ -60,14 +66,19 @@ def charted(line: "LineProgress") -> Chart:
         elif each.mean is None:
             height, value = 0.0, "?"
         else:
-            height, value = _of_best(line, each.mean, means), f"{each.mean * factor:.{metric.decimals}f}"
+            height, value = (
+                _of_best(line, each.mean, means),
+                f"{each.mean * factor:.{metric.decimals}f}",
+            )
         reached = "" if each.reached is None else f"{each.reached}/{each.attempts}"
         bars.append(Bar(date.fromisoformat(each.began[:10]), height, value, reached))
     return Chart(label[: LABEL - 1], bars)
 
 
 def _at_goal(line: "LineProgress", session: "SessionProgress", highest: float) -> tuple[float, str]:
-    """Return the height and the level at goal of a session; it may be known only to lie above or below some level."""
+    """Return the height and the level at goal of a session; it may be known only to lie above or
+    below some level.
+    """
     if session.at_goal and session.at_goal.level:
         return session.at_goal.level / highest, f"{session.at_goal.level:.1f}"
     if session.at_goal and line.places:
@@ -103,7 +114,10 @@ def draw(chart: Chart, width: int, height: int) -> list[Row]:
     if height > len(below) + 1:
         below.append(("", _cells([_short_day(bar.day) for bar in shown], column), False))
     rows = max(1, height - len(below))
-    above = [_cells([_part(bar.height, row, rows) * _BAR for bar in shown], column) for row in range(rows)]
+    above = [
+        _cells([_part(bar.height, row, rows) * _BAR for bar in shown], column)
+        for row in range(rows)
+    ]
     return [*(("", text, True) for text in above), *below]
 
 
@@ -141,6 +155,9 @@ class SessionChart(Widget):
         if not rows:
             return Content(self._without)
         return Content("\n").join(
-            Content.assemble((f"{label:<{LABEL}}", "$text-muted"), (text, "$text-muted" if is_bar else "$foreground"))
+            Content.assemble(
+                (f"{label:<{LABEL}}", "$text-muted"),
+                (text, "$text-muted" if is_bar else "$foreground"),
+            )
             for label, text, is_bar in rows
         )

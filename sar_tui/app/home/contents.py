@@ -52,7 +52,12 @@ class CardContents(msgspec.Struct, frozen=True):
 
 
 def read_card(
-    database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str, kind: type[Task], today: date
+    database: sqlite3.Connection,
+    folder: Path,
+    catalogue: Catalogue,
+    participant: str,
+    kind: type[Task],
+    today: date,
 ) -> CardContents:
     """Return what a participant's card says of a task."""
     every = results.sessions_of(database, participant, kind.name, folder=folder)
@@ -68,7 +73,9 @@ def read_card(
         problem=problem,
         chart=charted(line) if line else Chart(),
         progress=words.progress_words(line, others) if line else "",
-        last=words.last_words(last, marks([row for row in felt if row["participant"] == participant]), today)
+        last=words.last_words(
+            last, marks([row for row in felt if row["participant"] == participant]), today
+        )
         if last
         else "",
         told=advice(tell_therapist(wellbeing.newest_ratings(database, participant))),
@@ -76,7 +83,10 @@ def read_card(
 
 
 def _programme(
-    database: sqlite3.Connection, participant: str, kind: type[Task], played: Sequence[SessionResults]
+    database: sqlite3.Connection,
+    participant: str,
+    kind: type[Task],
+    played: Sequence[SessionResults],
 ) -> tuple[Programme | None, str]:
     """Return what the next session will do, or why it cannot begin."""
     saved = programmes.newest(database, participant, kind.name)
@@ -102,7 +112,9 @@ class Waiting(msgspec.Struct, frozen=True):
 
 
 def read_participants(database: sqlite3.Connection, folder: Path, today: date) -> list[Waiting]:
-    """Return the participants, newest first, each with what waits: reported pain, an interrupted session, a visit."""
+    """Return the participants, newest first, each with what waits: reported pain, an interrupted
+    session, a visit.
+    """
     known = participants.newest_first(database, folder)
     felt = wellbeing.by_session(database, [each.session for each in known if each.session])
     not_begun = wellbeing.newest_without_session(database)
@@ -110,26 +122,34 @@ def read_participants(database: sqlite3.Connection, folder: Path, today: date) -
 
     def pain(each: participants.Known) -> str:
         rows = [*felt.get(each.session or "", ()), *not_begun.get(each.code, ())]
-        return marks([row for row in rows if (row["participant"], row["question"]) == (each.code, "pain")])
+        return marks(
+            [row for row in rows if (row["participant"], row["question"]) == (each.code, "pain")]
+        )
 
     return [
         Waiting(
             each.code,
-            words.waits_words(is_interrupted=each.is_interrupted, pain=pain(each), is_due=each.code in due),
+            words.waits_words(
+                is_interrupted=each.is_interrupted, pain=pain(each), is_due=each.code in due
+            ),
         )
         for each in known
     ]
 
 
 class Listed(msgspec.Struct, frozen=True):
-    """Sessions, newest first, with the line of each. ``offered``: an interrupted one to go on with; None without."""
+    """Sessions, newest first, with the line of each. ``offered``: an interrupted one to go on with;
+    None without.
+    """
 
     rows: Sequence[sessions.Row]
     lines: Sequence[Line]
     offered: sessions.Row | None
 
 
-def read_sessions(database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str | None) -> Listed:
+def read_sessions(
+    database: sqlite3.Connection, folder: Path, catalogue: Catalogue, participant: str | None
+) -> Listed:
     """Return the newest sessions of a participant, or of everyone."""
     rows = sessions.listing(database, folder, participant=participant, limit=_LISTED)
     names = [row["id"] for row in rows]
@@ -165,8 +185,12 @@ def can_resume(row: sessions.Row) -> bool:
     return bool(row["status"] == "interrupted" and row["mode"] == "live" and not row["site"])
 
 
-def _note(row: sessions.Row, felt: list[wellbeing.Row], participant: str | None, *, is_offered: bool) -> str:
-    """Return the status, if it is not the usual one, with pain and tiredness, and who else took part."""
+def _note(
+    row: sessions.Row, felt: list[wellbeing.Row], participant: str | None, *, is_offered: bool
+) -> str:
+    """Return the status, if it is not the usual one, with pain and tiredness, and who else took
+    part.
+    """
     status = "interrupted: Enter resumes" if is_offered else words.status_words(row["status"])
     mode = "" if row["mode"] == "live" else row["mode"]
     other = row["participant"] if participant == row["partner"] else row["partner"]

@@ -27,7 +27,9 @@ class JoiningScreen(Screen[None]):
             self.refresh_bindings()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        return self._can_operate if action == "operate" else super().check_action(action, parameters)
+        return (
+            self._can_operate if action == "operate" else super().check_action(action, parameters)
+        )
 
     def action_operate(self) -> None:
         """Choose a session, and open its panel."""
@@ -37,7 +39,9 @@ class JoiningScreen(Screen[None]):
         def chosen(live: JoinableSession | None) -> None:
             if live is not None:
                 theme = next(iter(self.app.themes.values()))
-                self.app.push_screen(panel(live, own_name(), "operator", theme, self.app.folder), left)
+                self.app.push_screen(
+                    panel(live, own_name(), "operator", theme, self.app.folder), left
+                )
 
         def left(why: str | None) -> None:
             if why:

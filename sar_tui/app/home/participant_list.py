@@ -74,13 +74,20 @@ class ParticipantList(MarkedList):
             self._list(self.chosen)
 
     def on_key(self, event: Key) -> None:
-        """Narrow the list to the codes with the typed characters; Escape shows all again, and who was chosen before."""
+        """Narrow the list to the codes with the typed characters; Escape shows all again, and who
+        was chosen before.
+        """
         typed = (event.character or "").upper()
         if event.key == "escape" and self.sought:
             sought = ""
         elif event.key == "backspace" and self.sought:
             sought = self.sought[:-1]
-        elif self._known and len(typed) == 1 and typed.isascii() and (typed.isalnum() or typed in "-_"):
+        elif (
+            self._known
+            and len(typed) == 1
+            and typed.isascii()
+            and (typed.isalnum() or typed in "-_")
+        ):
             sought = self.sought + typed
         else:
             return
@@ -99,4 +106,6 @@ class ParticipantList(MarkedList):
     def _best(self) -> str | None:
         """Return the first code that begins with what was typed, or contains it."""
         found = [each.code for each in self._known if self.sought in each.code]
-        return next((code for code in found if code.startswith(self.sought)), next(iter(found), None))
+        return next(
+            (code for code in found if code.startswith(self.sought)), next(iter(found), None)
+        )

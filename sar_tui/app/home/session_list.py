@@ -52,7 +52,9 @@ class SessionList(Vertical):
 
         chosen = self._recent.chosen if participant == self._who else None
         self._who = participant
-        self._listed = read_sessions(self.app.database, self.app.folder, self.app.catalogue, participant)
+        self._listed = read_sessions(
+            self.app.database, self.app.folder, self.app.catalogue, participant
+        )
         self.border_title = f"Sessions of {participant}" if participant else "Sessions of everyone"
         self.border_subtitle = "Enter opens" if self._listed.rows else ""
         self._draw(chosen)
@@ -72,13 +74,21 @@ class SessionList(Vertical):
         if not self._listed or not self._listed.offered:
             return None
         line = self._listed.lines[self._listed.rows.index(self._listed.offered)]
-        return line.day, self._listed.offered["attempts"], self._listed.offered["parameters"].get("attempts", "?")
+        return (
+            line.day,
+            self._listed.offered["attempts"],
+            self._listed.offered["parameters"].get("attempts", "?"),
+        )
 
     @property
     def chosen(self) -> "Row | None":
         """The chosen session."""
         name = self._recent.chosen
-        return next((row for row in self._listed.rows if row["id"] == name), None) if self._listed else None
+        return (
+            next((row for row in self._listed.rows if row["id"] == name), None)
+            if self._listed
+            else None
+        )
 
     def choose_offered(self) -> None:
         """Choose the session that is offered, if there is one."""
@@ -97,7 +107,12 @@ class SessionList(Vertical):
         recent = self._recent
         recent.clear_options()
         if rows:
-            recent.add_options([Option(table.draw(line), id=row["id"]) for row, line in zip(rows, lines, strict=True)])
+            recent.add_options(
+                [
+                    Option(table.draw(line), id=row["id"])
+                    for row, line in zip(rows, lines, strict=True)
+                ]
+            )
             recent.choose(chosen)
         else:
             recent.add_option(Option("None yet.", disabled=True))
@@ -107,7 +122,8 @@ class SessionList(Vertical):
         """Fit the lines into another width."""
         self._draw(self._recent.chosen)
 
-    # --- dismissing ----------------------------------------------------------------------------------------
+    # --- dismissing
+    # ----------------------------------------------------------------------------------------
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show the key that dismisses the chosen session, if it is interrupted."""
@@ -120,7 +136,9 @@ class SessionList(Vertical):
         if action == "dismiss_session":
             return row is not None and can_resume(row)
         if action == "take_back":
-            return row is not None and row["status"] in ("dismissed", "discarded") and not row["site"]
+            return (
+                row is not None and row["status"] in ("dismissed", "discarded") and not row["site"]
+            )
         return super().check_action(action, parameters)
 
     def action_dismiss_session(self) -> None:

@@ -14,7 +14,9 @@ _GAP = " "
 
 
 class Line(msgspec.Struct, frozen=True):
-    """A session: the cells of its line. ``levels`` are those of its attempts, ``note`` stands at the end."""
+    """A session: the cells of its line. ``levels`` are those of its attempts, ``note`` stands at
+    the end.
+    """
 
     day: date
     clock: str

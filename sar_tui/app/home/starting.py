@@ -1,4 +1,6 @@
-"""The beginning of a session from the first screen: its plan from the programme, and what speaks against it."""
+"""The beginning of a session from the first screen: its plan from the programme, and what speaks
+against it.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -37,9 +39,11 @@ class StartingScreen(Screen[None]):
         self.app.push_screen(SecondParticipantScreen(who), second_chosen)
 
     def _begin(self, task: "type[Task]", theme: str | None, *codes: str) -> None:
-        """Plan the session from the first participant's programme, save another theme in it, and begin.
+        """Plan the session from the first participant's programme, save another theme in it, and
+        begin.
 
-        If the programme cannot be used in full, say so first; a second press begins without the rest.
+        If the programme cannot be used in full, say so first; a second press begins without the
+        rest.
         """
         from sar_tui.rules.declaration import ParameterError
         from sar_tui.runs.plan import Failed, left_out_text, make_plan
@@ -52,13 +56,19 @@ class StartingScreen(Screen[None]):
             if (text := left_out_text(plan)) != self._left_out:
                 self._left_out = text
                 if text:
-                    self.notify(f"{text} Press START again to begin without it.", severity="warning", timeout=30)
+                    self.notify(
+                        f"{text} Press START again to begin without it.",
+                        severity="warning",
+                        timeout=30,
+                    )
                     return
             if theme != saved.theme:
                 saved = self._save_theme(codes[0], task.name, saved, theme)
                 plan = make_plan(self.app.catalogue, task, codes, saved=saved, seed=plan.seed)
         except ParameterError as error:
-            self.notify(f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15)
+            self.notify(
+                f"The settings of {codes[0]} do not fit: {error}", severity="warning", timeout=15
+            )
         except StoreError as error:
             self.notify(str(error), severity="error", timeout=15)
             self.refresh_contents()  # opens a database anew that was removed
@@ -67,7 +77,9 @@ class StartingScreen(Screen[None]):
         else:
             self.app.begin_session(plan)
 
-    def _save_theme(self, participant: str, task: str, saved: "Programme", theme: str) -> "Programme":
+    def _save_theme(
+        self, participant: str, task: str, saved: "Programme", theme: str
+    ) -> "Programme":
         """Return the next version of a programme, which has another theme."""
         from sar_tui.drivers.login_name import login_name
         from sar_tui.store import programmes
@@ -75,5 +87,11 @@ class StartingScreen(Screen[None]):
         changed = programmes.Programme(saved.parameters, theme)
         reason = f"Theme {theme} was chosen on the first screen."
         return programmes.save(
-            self.app.database, participant, task, changed, after=saved.version, author=login_name(), reason=reason
+            self.app.database,
+            participant,
+            task,
+            changed,
+            after=saved.version,
+            author=login_name(),
+            reason=reason,
         )

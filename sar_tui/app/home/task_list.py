@@ -46,7 +46,9 @@ class TaskList(PickList):
         options = []
         for trains, tasks in groupby(known, key=lambda task: task[0]):
             if known[0][0]:
-                options.append(Option(Content.styled(trains or _OTHERS, "$text-muted"), disabled=True))
+                options.append(
+                    Option(Content.styled(trains or _OTHERS, "$text-muted"), disabled=True)
+                )
             options += [Option(title, id=name) for _, title, name in tasks]
         self.add_options([*options, *broken])
 
@@ -66,8 +68,14 @@ class TaskList(PickList):
         for name in (self._expanded, chosen):
             if name in self._told:
                 title, summary = self._told[name]
-                told = "".join(f"\n  {line}" for line in textwrap.wrap(summary, _WIDTH)) if name == chosen else ""
-                self.replace_option_prompt(name, Content.assemble(title, (told, "$text-muted not bold")))
+                told = (
+                    "".join(f"\n  {line}" for line in textwrap.wrap(summary, _WIDTH))
+                    if name == chosen
+                    else ""
+                )
+                self.replace_option_prompt(
+                    name, Content.assemble(title, (told, "$text-muted not bold"))
+                )
         self._expanded = chosen
         if all(option.disabled for option in self.options[(self.highlighted or 0) + 1 :]):
             self.scroll_end(animate=False)  # shows those below that do not load

@@ -31,7 +31,9 @@ class Programme(msgspec.Struct, frozen=True):
 
 
 def short(metric: "Metric", value: float) -> str:
-    """Return a result in a few characters; times in seconds, as participants read them: "0.95 s"."""
+    """Return a result in a few characters; times in seconds, as participants read them: "0.95
+    s".
+    """
     return f"{value / 1000:.2f} s" if metric.unit == "ms" else metric.show(value)
 
 
@@ -41,7 +43,11 @@ def day_words(day: date, today: date) -> str:
     if ago in (0, 1):
         return "yesterday" if ago else "today"
     short_day = f"{day.day} {_MONTHS[day.month - 1]}"
-    return f"{_DAYS[day.weekday()]} {short_day}" if day.year == today.year else f"{short_day} {day.year}"
+    return (
+        f"{_DAYS[day.weekday()]} {short_day}"
+        if day.year == today.year
+        else f"{short_day} {day.year}"
+    )
 
 
 def programme_words(programme: Programme, *, is_roomy: bool) -> str:
@@ -56,7 +62,9 @@ def programme_words(programme: Programme, *, is_roomy: bool) -> str:
         amount = f"{attempts} of {programme.prompts}"
         version = f"version {programme.version}: " if programme.version else "none saved: "
     goal = f" · goal {programme.goal}" if programme.goal else ""
-    is_told = programme.why and (is_roomy or any(what in programme.why for what in ("settings", "new goal")))
+    is_told = programme.why and (
+        is_roomy or any(what in programme.why for what in ("settings", "new goal"))
+    )
     why = f" ({programme.why})" if is_told else ""
     return f"{version}{amount}{goal} · start level {programme.level}{why}"
 
@@ -76,7 +84,9 @@ def progress_words(line: "LineProgress", others: int) -> str:
 def last_words(last: "SessionResults", felt: str, today: date) -> str:
     """Return the last session in a sentence: "Tue 17 Nov: 12 of 20 reached, tired 3"."""
     attempts = len(last.results)
-    of_goal = f"{attempts} attempts" if last.reached is None else f"{last.reached} of {attempts} reached"
+    of_goal = (
+        f"{attempts} attempts" if last.reached is None else f"{last.reached} of {attempts} reached"
+    )
     said = [of_goal if attempts else "no attempt was finished"]
     if note := status_words(last.status):
         said.append(note)
@@ -102,16 +112,21 @@ def status_words(status: str) -> str:
 def offer_words(day: date, done: int, planned: object, today: date) -> str:
     """Return the offer to go on with an interrupted session."""
     return (
-        f"Interrupted {day_words(day, today)} after {done} of {planned}. F6 and Enter go on with it, Del dismisses it."
+        f"Interrupted {day_words(day, today)} after {done} of {planned}. F6 and Enter go on "
+        "with it, Del dismisses it."
     )
 
 
 def waits_words(*, is_interrupted: bool, pain: str, is_due: bool = False) -> str:
-    """Return why a participant is marked in the list: pain that was reported comes first, a visit that is due last."""
+    """Return why a participant is marked in the list: pain that was reported comes first, a visit
+    that is due last.
+    """
     return pain or ("unfinished" if is_interrupted else "due" if is_due else "")
 
 
 def bars(values: Sequence[int], highest: int, width: int) -> str:
-    """Return numbers from 1 on as a row of bars, the newest ones if there are more than ``width``."""
+    """Return numbers from 1 on as a row of bars, the newest ones if there are more than
+    ``width``.
+    """
     top = max(highest, len(BARS))
     return "".join(BARS[max(0, min(7, -(-value * 8 // top) - 1))] for value in values[-width:])

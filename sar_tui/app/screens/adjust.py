@@ -29,7 +29,9 @@ _LONGEST_NOTE = 1000
 
 
 class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
-    """Lists the changes; each is recorded like an operator's act, and holds from the next attempt on."""
+    """Lists the changes; each is recorded like an operator's act, and holds from the next attempt
+    on.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "Back", id="back")]
 
@@ -72,19 +74,27 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         """Show the changes that have been made, here or by an operator."""
         if not self.is_attached:
             return
-        if any(isinstance(each.message, Waiting) and each.message.stage != "paused" for each in cascade):
+        if any(
+            isinstance(each.message, Waiting) and each.message.stage != "paused" for each in cascade
+        ):
             self._has_gone_on = True  # by an operator: the participant must see the screen below
             self.dismiss()
         elif any(record.topic in (COMMAND, SETTING) for record in cascade):
             self._list_changes()
 
     def _list_changes(self) -> None:
-        choices, tr, next_ = self.query_one("#changes", OptionList), self.tr, self._live.run.session.next_attempt
+        choices, tr, next_ = (
+            self.query_one("#changes", OptionList),
+            self.tr,
+            self._live.run.session.next_attempt,
+        )
         chosen = choices.highlighted_option.id if choices.highlighted_option else None
         choices.border_title = tr("level {level}", level=next_.level).capitalize()
         if next_.is_level_held:
             choices.border_title += f" · {tr('held')}"
-        rest = [Option(tr("End the rest"), id="end rest")] if self._live.run.session.is_resting else []
+        rest = (
+            [Option(tr("End the rest"), id="end rest")] if self._live.run.session.is_resting else []
+        )
         choices.clear_options()
         choices.add_options(
             [
@@ -94,7 +104,10 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
                 Option(tr("Let the level change again"), id="release")
                 if next_.is_level_held
                 else Option(tr("Hold the level"), id="hold"),
-                *(Option(self._setting(name, next_.settings[name]), id=name) for name in self._settings),
+                *(
+                    Option(self._setting(name, next_.settings[name]), id=name)
+                    for name in self._settings
+                ),
                 Option(tr("Write a note"), id="note"),
                 Option(tr("Back"), id="back"),
             ]
@@ -131,11 +144,14 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
             case asked:
                 self._ask(asked or "")
 
-    # --- the goal, whose times are in seconds here ------------------------------------------------------------
+    # --- the goal, whose times are in seconds here
+    # ------------------------------------------------------------
 
     @property
     def _goal(self) -> Field:
-        return next(field for field in fields(self._live.run.session.task.Parameters) if field.name == GOAL)
+        return next(
+            field for field in fields(self._live.run.session.task.Parameters) if field.name == GOAL
+        )
 
     @property
     def _is_goal_time(self) -> bool:
@@ -143,7 +159,11 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
 
     @property
     def _goal_unit(self) -> str:
-        return "s" if self._is_goal_time else self._goal.unit or self._live.run.session.task.metric.unit
+        return (
+            "s"
+            if self._is_goal_time
+            else self._goal.unit or self._live.run.session.task.metric.unit
+        )
 
     def _goal_text(self, value: float) -> str:
         metric = self._live.run.session.task.metric
@@ -161,25 +181,38 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
             number = float(text.replace(",", "."))
         except ValueError:
             return text
-        return text if self._stored_size(self._asked) == 1 else f"{number * self._stored_size(self._asked):.10g}"
+        return (
+            text
+            if self._stored_size(self._asked) == 1
+            else f"{number * self._stored_size(self._asked):.10g}"
+        )
 
     def _problem(self, error: str) -> str:
         """Return why a value is refused, in the unit of the field."""
         if self._stored_size(self._asked) == 1:
             return error
-        low, high = ((bound or 0) / self._stored_size(GOAL) for bound in (self._goal.ge, self._goal.le))
-        return self.tr("The goal is a number of seconds, {low} to {high}.", low=f"{low:g}", high=f"{high:g}")
+        low, high = (
+            (bound or 0) / self._stored_size(GOAL) for bound in (self._goal.ge, self._goal.le)
+        )
+        return self.tr(
+            "The goal is a number of seconds, {low} to {high}.", low=f"{low:g}", high=f"{high:g}"
+        )
 
     def _command(self, command: str, value: int | None = None, reason: str = "") -> None:
         act = SessionCommand(command=command, actor=ACTOR, value=value, reason=reason)  # type: ignore[arg-type]
         self._live.operate(act)
 
-    # --- a value or a note ---------------------------------------------------------------------------------
+    # --- a value or a note
+    # ---------------------------------------------------------------------------------
 
     def _ask(self, what: str) -> None:
         """Open the field for a setting or a note."""
         self._asked = what
-        texts = {GOAL: "The new goal", FEEDBACK_EVERY: "Feedback after every … attempts", "note": "The note"}
+        texts = {
+            GOAL: "The new goal",
+            FEEDBACK_EVERY: "Feedback after every … attempts",
+            "note": "The note",
+        }
         unit = f" ({self._goal_unit})" if what == GOAL else ""
         self.query_one("#asked", Static).update(f"{self.tr(texts[what])}{unit}")
         now = self._live.run.session.next_attempt.settings
@@ -193,15 +226,24 @@ class AdjustScreen(DismissedOnce[None], ModalScreen[None]):
         event.stop()
         text, bus = event.value.strip(), self._live.run.session.bus
         if text and self._asked == "note":
-            bus.post(NOTE_ADDED, NoteAdded(text=visible(text), actor=ACTOR, at=self._live.clock.now()))
+            bus.post(
+                NOTE_ADDED, NoteAdded(text=visible(text), actor=ACTOR, at=self._live.clock.now())
+            )
         elif text:
             try:
-                changed = with_setting(self._live.run.session.task.parameters, self._asked, self._stored(text))
+                changed = with_setting(
+                    self._live.run.session.task.parameters, self._asked, self._stored(text)
+                )
             except ParameterError as error:
                 self.query_one("#problem", Static).update(self._problem(str(error)))
                 return
             value = getattr(changed, self._asked)
-            bus.post(SETTING, SettingChanged(name=self._asked, value=value, actor=ACTOR, at=self._live.clock.now()))
+            bus.post(
+                SETTING,
+                SettingChanged(
+                    name=self._asked, value=value, actor=ACTOR, at=self._live.clock.now()
+                ),
+            )
         self._close_field()
         if text and self._asked == "note":
             self.query_one("#problem", Static).update(self.tr("The note is kept."))

@@ -37,7 +37,8 @@ class AdverseEventScreen(DismissedOnce[bool], ModalScreen[bool]):
     Args:
         codes: the participants; of several, one is named.
         onset: when it began, to begin with.
-        session: the one in which it began. Without, it is the one under way at the onset, if there was any.
+        session: the one in which it began. Without, it is the one under way at the onset, if there
+            was any.
         event: to be amended; None for a new one.
     """
 
@@ -50,7 +51,11 @@ class AdverseEventScreen(DismissedOnce[bool], ModalScreen[bool]):
     app: Any
 
     def __init__(
-        self, codes: Sequence[str], onset: str = "", session: str | None = None, event: AdverseEvent | None = None
+        self,
+        codes: Sequence[str],
+        onset: str = "",
+        session: str | None = None,
+        event: AdverseEvent | None = None,
     ) -> None:
         super().__init__()
         self._codes = codes
@@ -61,15 +66,24 @@ class AdverseEventScreen(DismissedOnce[bool], ModalScreen[bool]):
 
     def compose(self) -> ComposeResult:
         with Vertical(id="adverse-event", classes="form"):
-            headline = "Adverse event" if self._event is None else "Adverse event: what is known now"
+            headline = (
+                "Adverse event" if self._event is None else "Adverse event: what is known now"
+            )
             yield Static(headline, classes="headline")
             yield Static("", id="problem", markup=False)
             for name, title in _FIELDS.items():
-                field = Input(self._known.get(name, ""), placeholder=_HINTS.get(name, ""), id=name, compact=True)
+                field = Input(
+                    self._known.get(name, ""),
+                    placeholder=_HINTS.get(name, ""),
+                    id=name,
+                    compact=True,
+                )
                 field.border_title = title
                 field.display = name != "participant" or len(self._codes) > 1
                 yield field
-            yield Static("Enter goes on, and records after the last field. Esc: cancel.", classes="muted")
+            yield Static(
+                "Enter goes on, and records after the last field. Esc: cancel.", classes="muted"
+            )
 
     def on_mount(self) -> None:
         self.query_one("#what" if self._event is None else "#outcome").focus()

@@ -4,7 +4,13 @@ from textual.content import Content
 
 from sar_tui.reports.session_chart import AREA, BAND, CHOSEN, POINT, RULE
 
-_COLORS = {POINT: "$accent", BAND: "$text-muted", AREA: "$border", RULE: "$text-muted", CHOSEN: "$accent"}
+_COLORS = {
+    POINT: "$accent",
+    BAND: "$text-muted",
+    AREA: "$border",
+    RULE: "$text-muted",
+    CHOSEN: "$accent",
+}
 
 
 def colored(lines: list[str]) -> Content:

@@ -25,7 +25,9 @@ class ChoosePresetScreen(DismissedOnce[str | None], ModalScreen[str | None]):
         tr: the language of the settings.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss(None)", "Cancel", id="cancel")
+    ]
 
     def __init__(self, summaries: Mapping[str, str], tr: Language) -> None:
         super().__init__()
@@ -36,10 +38,15 @@ class ChoosePresetScreen(DismissedOnce[str | None], ModalScreen[str | None]):
         with Vertical(classes="dialog"):
             yield Static(self.tr("Which preset?"), classes="headline")
             yield Static(
-                self.tr("It sets all but what is of the person or the place. Nothing is saved yet."),
+                self.tr(
+                    "It sets all but what is of the person or the place. Nothing is saved yet."
+                ),
                 markup=False,
             )
-            options = [Option(Content(f"{name}\n  {text}"), id=name) for name, text in self._summaries.items()]
+            options = [
+                Option(Content(f"{name}\n  {text}"), id=name)
+                for name, text in self._summaries.items()
+            ]
             yield OptionList(*options, id="presets", markup=False)
             yield Static(self.tr("Arrows and Enter to choose, Esc to cancel."), classes="muted")
 

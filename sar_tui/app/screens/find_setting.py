@@ -19,7 +19,9 @@ from sar_tui.widgets.option_list import OptionList
 
 
 def matching(fields: Sequence[Field], typed: str) -> list[Field]:
-    """Return the fields that have every typed word: first that of this name, then those with a word in their title."""
+    """Return the fields that have every typed word: first that of this name, then those with a word
+    in their title.
+    """
     words = typed.lower().split()
 
     def text(field: Field) -> str:
@@ -28,7 +30,13 @@ def matching(fields: Sequence[Field], typed: str) -> list[Field]:
     found = [field for field in fields if all(word in text(field) for word in words)]
 
     def rank(field: Field) -> int:
-        return 0 if words == [field.name] else 1 if any(word in field.title.lower() for word in words) else 2
+        return (
+            0
+            if words == [field.name]
+            else 1
+            if any(word in field.title.lower() for word in words)
+            else 2
+        )
 
     return sorted(found, key=rank)
 
@@ -62,7 +70,8 @@ class FindSettingScreen(DismissedOnce[str | None], ModalScreen[str | None]):
             found.can_focus = False
             yield found
             yield Static(
-                self.tr("Type a word, choose with the arrows, Enter goes there, Esc cancels."), classes="muted"
+                self.tr("Type a word, choose with the arrows, Enter goes there, Esc cancels."),
+                classes="muted",
             )
 
     def on_mount(self) -> None:
@@ -76,7 +85,8 @@ class FindSettingScreen(DismissedOnce[str | None], ModalScreen[str | None]):
         found = self.query_one("#found", OptionList)
         found.clear_options()
         lines = [
-            (field.name, f"{field.title:<26}{field.group or self._own}") for field in matching(self._fields, typed)
+            (field.name, f"{field.title:<26}{field.group or self._own}")
+            for field in matching(self._fields, typed)
         ]
         found.add_options([Option(Content(line), id=name) for name, line in lines])
         found.highlighted = 0 if lines else None

@@ -31,13 +31,18 @@ _FIRST_TASK = "keyboard"
 
 
 class HomeScreen(JoiningScreen, StartingScreen):
-    """Participants, how the chosen one is doing, and START. Enter and Enter begin their next session."""
+    """Participants, how the chosen one is doing, and START. Enter and Enter begin their next
+    session.
+    """
 
     help_text = (
-        "Choose who trains; Enter, and Enter again starts. Type part of a code to find it. The right arrow leads to "
+        "Choose who trains; Enter, and Enter again starts. Type part of a code to find it. The "
+        "right arrow leads to "
         "task, theme, START, sessions.\n"
-        "At goal: the level at which this person would just reach the goal. F4 shows how well it is known.\n"
-        "Enter resumes an interrupted session; Delete dismisses it, and takes that back. New participant shows "
+        "At goal: the level at which this person would just reach the goal. F4 shows how well it "
+        "is known.\n"
+        "Enter resumes an interrupted session; Delete dismisses it, and takes that back. New "
+        "participant shows "
         "everyone's sessions.\n"
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -69,15 +74,20 @@ class HomeScreen(JoiningScreen, StartingScreen):
         yield SessionList(id="sessions")
         yield KeyFooter(show_command_palette=False)
 
-    # --- filling ---------------------------------------------------------------------------------------------
+    # --- filling
+    # ---------------------------------------------------------------------------------------------
 
     async def fill(self) -> None:
-        """Fill the screen; called once its empty frame is shown, because its contents take a moment."""
+        """Fill the screen; called once its empty frame is shown, because its contents take a
+        moment.
+        """
         await self.query_one(ParticipantCard).open()
         self._is_filled = True
         self._tasks.fill(self.app.catalogue)
         self.app.load_themes()
-        self._themes.add_options([Option(theme.title, id=name) for name, theme in self.app.themes.items()])
+        self._themes.add_options(
+            [Option(theme.title, id=name) for name, theme in self.app.themes.items()]
+        )
         self._themes.highlighted = 0
         self._tasks.choose(_FIRST_TASK)
         self._list_participants()
@@ -107,7 +117,9 @@ class HomeScreen(JoiningScreen, StartingScreen):
         self._show_participant(anew=True)
 
     def _show_participant(self, *, anew: bool = False) -> None:
-        """Show the chosen participant: their last task, their card and their sessions, if it is another one."""
+        """Show the chosen participant: their last task, their card and their sessions, if it is
+        another one.
+        """
         who = self._participants.code
         is_another, self._who = who != self._who, who
         if who and is_another:
@@ -119,7 +131,9 @@ class HomeScreen(JoiningScreen, StartingScreen):
         self._show_card(anew=anew)
 
     def _show_card(self, *, anew: bool = False) -> None:
-        """Show the card of the chosen participant and task, and the theme of their programme, if it is another one."""
+        """Show the card of the chosen participant and task, and the theme of their programme, if it
+        is another one.
+        """
         who, name = self._who, self._tasks.chosen
         if (who, name) == self._shown and not anew:
             return
@@ -140,7 +154,9 @@ class HomeScreen(JoiningScreen, StartingScreen):
         except PluginError as error:  # it was removed or edited meanwhile
             card.show_problem(who, str(error))
             return
-        contents = read_card(self.app.database, self.app.folder, self.app.catalogue, who, task, today)
+        contents = read_card(
+            self.app.database, self.app.folder, self.app.catalogue, who, task, today
+        )
         offer = self.query_one(SessionList).offer
         card.show(who, task.title, contents, offer_words(*offer, today) if offer else "")
         self._choose_saved_theme(who, name)
@@ -155,7 +171,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
             if saved in [option.id for option in self._themes.options]:
                 self._themes.choose(saved)
 
-    # --- choosing --------------------------------------------------------------------------------------------
+    # --- choosing
+    # --------------------------------------------------------------------------------------------
 
     @property
     def _participants(self) -> ParticipantList:
@@ -224,7 +241,8 @@ class HomeScreen(JoiningScreen, StartingScreen):
             return False
         return super().check_action(action, parameters)
 
-    # --- actions ---------------------------------------------------------------------------------------------
+    # --- actions
+    # ---------------------------------------------------------------------------------------------
 
     def action_next(self) -> None:
         """Focus the next list."""
@@ -252,7 +270,10 @@ class HomeScreen(JoiningScreen, StartingScreen):
     async def action_patient_mode(self) -> None:
         """Let the chosen participant train alone."""
         if self.app.is_web:
-            self.notify("Patient mode needs a terminal: a session cannot run in a browser.", severity="warning")
+            self.notify(
+                "Patient mode needs a terminal: a session cannot run in a browser.",
+                severity="warning",
+            )
         elif who := self._participants.code:
             try:
                 await self.app.begin_patient_mode(who)
@@ -291,4 +312,6 @@ class HomeScreen(JoiningScreen, StartingScreen):
 def _title() -> str:
     """Return the program's name, and what makes timing less exact in this terminal."""
     flags = timing_flags()
-    return "sar-tui" + (f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else "")
+    return "sar-tui" + (
+        f"   (inside {' and '.join(flags)}: reaction times are less exact)" if flags else ""
+    )

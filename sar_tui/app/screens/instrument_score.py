@@ -46,14 +46,19 @@ class InstrumentScoreScreen(DismissedOnce[bool], ModalScreen[bool]):
         with Vertical(id="instrument-score", classes="form"):
             yield Static(f"Score of {self._participant}", classes="headline", markup=False)
             yield Static("", id="problem", markup=False)
-            instruments = Choice([_title(each) for each in INSTRUMENTS.values()], _title(self._first))
+            instruments = Choice(
+                [_title(each) for each in INSTRUMENTS.values()], _title(self._first)
+            )
             instruments.border_title = "Instrument"
             yield instruments
             yield self._field("score", "Score", "")
             yield self._field("date", "Day it was measured", date.today().isoformat())
-            yield self._field("note", "Remark", "", "such as the goal of GAS, or the assessor; may be empty")
+            yield self._field(
+                "note", "Remark", "", "such as the goal of GAS, or the assessor; may be empty"
+            )
             yield Static(
-                "Enter opens the list of instruments, goes on from field to field, and saves after the last one. "
+                "Enter opens the list of instruments, goes on from field to field, and saves "
+                "after the last one. "
                 "Tab: next field. Esc: cancel.",
                 classes="muted",
             )
@@ -77,10 +82,14 @@ class InstrumentScoreScreen(DismissedOnce[bool], ModalScreen[bool]):
         self.query_one("#score").focus()
 
     def _show_range(self) -> None:
-        """Show the range of the chosen instrument at its score, and what is wrong with a score outside of it."""
+        """Show the range of the chosen instrument at its score, and what is wrong with a score
+        outside of it.
+        """
         chosen, field = self._instrument, self.query_one("#score", Input)
         unit = f" {chosen.unit}".rstrip()
-        field.border_title = f"Score, {chosen.lowest:g} to {chosen.highest:g}{unit}; {chosen.better} is better"
+        field.border_title = (
+            f"Score, {chosen.lowest:g} to {chosen.highest:g}{unit}; {chosen.better} is better"
+        )
         self._check_score()
 
     @on(Input.Changed, "#score")
@@ -95,7 +104,9 @@ class InstrumentScoreScreen(DismissedOnce[bool], ModalScreen[bool]):
         self.query_one("#problem", Static).update(problem)
 
     def _replaced(self) -> str:
-        """Return that a score of the same instrument and day would be replaced; empty if there is none."""
+        """Return that a score of the same instrument and day would be replaced; empty if there is
+        none.
+        """
         day = self.query_one("#date", Input).value.strip()
         for each in instrument_scores.scores_of(self.app.database, self._participant):
             if (each.instrument, each.date) == (self._instrument.name, day):
@@ -108,10 +119,14 @@ class InstrumentScoreScreen(DismissedOnce[bool], ModalScreen[bool]):
         if event.input.id != "note":
             self.focus_next()
             return
-        score, day, note = (self.query_one(f"#{name}", Input).value for name in ("score", "date", "note"))
+        score, day, note = (
+            self.query_one(f"#{name}", Input).value for name in ("score", "date", "note")
+        )
         try:
             entered = Score(self._instrument.name, day, _number(score), note)
-            instrument_scores.add(self.app.database, self._participant, entered, author=login_name())
+            instrument_scores.add(
+                self.app.database, self._participant, entered, author=login_name()
+            )
         except StoreError as error:
             self.query_one("#problem", Static).update(str(error))
         else:
@@ -127,4 +142,6 @@ def _number(text: str) -> float:
     try:
         return float(text.strip().replace(",", "."))
     except ValueError:
-        raise StoreError(f"The score must be a number, not {text.strip()!r}.", bad_input=True) from None
+        raise StoreError(
+            f"The score must be a number, not {text.strip()!r}.", bad_input=True
+        ) from None

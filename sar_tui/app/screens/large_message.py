@@ -12,7 +12,9 @@ _LETTER, _HEIGHT = 8, 4
 
 
 class Message(NamedTuple):
-    """Parts of a message, from top to bottom. ``key``: the key to press, drawn; empty if its name is in ``press``."""
+    """Parts of a message, from top to bottom. ``key``: the key to press, drawn; empty if its name
+    is in ``press``.
+    """
 
     headline: str
     text: str
@@ -32,8 +34,8 @@ def rows_of(text: WaitingText, width: int) -> int:
 
 
 def large_message(text: WaitingText, width: int, height: int, *, more: int = 0) -> Message:
-    """Return a message for ``width`` by ``height`` cells: with the key drawn large, more air, and a large headline
-    of one word.
+    """Return a message for ``width`` by ``height`` cells: with the key drawn large, more air, and a
+    large headline of one word.
 
     Each of these, in this order, only if there is room; the words are never left out.
 
@@ -42,7 +44,14 @@ def large_message(text: WaitingText, width: int, height: int, *, more: int = 0) 
         width, height: of the part of the screen that is for it.
         more: rows of what else is shown there.
     """
-    rows = height - more - _rows(text.headline, width) - _rows(text.text, width) - _rows(text.press, width) - 4
+    rows = (
+        height
+        - more
+        - _rows(text.headline, width)
+        - _rows(text.text, width)
+        - _rows(text.press, width)
+        - 4
+    )
     key, headline, lines = "", text.headline, text.text
     if drawn := _drawn(text.key, width, rows - 1):
         key, rows = "\n".join(drawn), rows - len(drawn) - 1
@@ -54,8 +63,14 @@ def large_message(text: WaitingText, width: int, height: int, *, more: int = 0) 
 
 
 def _drawn(text: str, width: int, rows: int) -> tuple[str, ...]:
-    """Draw a text in large letters, all lines equally long; nothing if there is no room, or no such letter."""
-    if any(not bitmap(letter) for letter in text if letter != " ") or len(text) * _LETTER > width or rows < _HEIGHT:
+    """Draw a text in large letters, all lines equally long; nothing if there is no room, or no such
+    letter.
+    """
+    if (
+        any(not bitmap(letter) for letter in text if letter != " ")
+        or len(text) * _LETTER > width
+        or rows < _HEIGHT
+    ):
         return ()
     drawn = draw(text, width, _HEIGHT) if text else ()
     if len(drawn) != _HEIGHT:

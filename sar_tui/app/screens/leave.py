@@ -21,10 +21,13 @@ class LeaveScreen(DismissedOnce[Leaving], ModalScreen[Leaving]):
 
     Args:
         can_save: False if the disk cannot be written to.
-        may_be_mistake: True in the first attempt, when the session may have been started by mistake.
+        may_be_mistake: True in the first attempt, when the session may have been started by
+            mistake.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss('go on')", "Go on", id="go-on")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss('go on')", "Go on", id="go-on")
+    ]
 
     def __init__(self, *, can_save: bool = True, may_be_mistake: bool = False) -> None:
         super().__init__()
@@ -40,7 +43,11 @@ class LeaveScreen(DismissedOnce[Leaving], ModalScreen[Leaving]):
             Option(f"{kept}\n", disabled=True),
             Option(tr("Go on"), id="go on"),
             Option(tr("Yes, leave"), id="leave"),
-            *([Option(tr(BY_MISTAKE), id="mistake")] if self._may_be_mistake and self._can_save else []),
+            *(
+                [Option(tr(BY_MISTAKE), id="mistake")]
+                if self._may_be_mistake and self._can_save
+                else []
+            ),
             id="leave",
             markup=False,
         )

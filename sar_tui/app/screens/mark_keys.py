@@ -8,7 +8,8 @@ from sar_tui.model.trial_types import Mark
 
 
 class MarkKeys:
-    """Follows the marks of a session, so that one replaces another only if its key is pressed twice.
+    """Follows the marks of a session, so that one replaces another only if its key is pressed
+    twice.
 
     Args:
         marks: of the task.
@@ -16,7 +17,9 @@ class MarkKeys:
         trial_mark: returns the trial that a mark is put on now, and the mark that is on it.
     """
 
-    def __init__(self, marks: Sequence[Mark], tr: Language, trial_mark: Callable[[], TrialMark]) -> None:
+    def __init__(
+        self, marks: Sequence[Mark], tr: Language, trial_mark: Callable[[], TrialMark]
+    ) -> None:
         self._marks = {mark.key: mark for mark in marks}
         self._titles = {mark.name: tr(mark.title) for mark in marks}
         self.tr = tr
@@ -25,7 +28,9 @@ class MarkKeys:
         self._replaces = ""
 
     def follow(self) -> bool:
-        """Follow the session to the trial that is marked from now on. Returns True if this changes the text."""
+        """Follow the session to the trial that is marked from now on. Returns True if this changes
+        the text.
+        """
         before = self.text
         self._mark = self._trial_mark()
         return self.text != before
@@ -36,7 +41,9 @@ class MarkKeys:
         self._replaces = ""
 
     def press(self, key: str) -> Mark | None:
-        """Return the mark of a key; None if the key must be pressed again to replace the present mark."""
+        """Return the mark of a key; None if the key must be pressed again to replace the present
+        mark.
+        """
         mark = self._marks[key]
         if self._mark.present in ("", mark.name) or self._replaces == mark.name:
             self._replaces = ""
@@ -54,10 +61,14 @@ class MarkKeys:
 
     @property
     def text(self) -> str:
-        """The mark that is on the trial, and the key that would replace it; empty without a mark."""
+        """The mark that is on the trial, and the key that would replace it; empty without a
+        mark.
+        """
         if not self._mark.present:
             return ""
-        text = self.tr("Marked: {mark}", mark=self._titles.get(self._mark.present, self._mark.present).lower())
+        text = self.tr(
+            "Marked: {mark}", mark=self._titles.get(self._mark.present, self._mark.present).lower()
+        )
         if not self.asks:
             return text
         key = next(mark.key for mark in self._marks.values() if mark.name == self._replaces)

@@ -1,4 +1,6 @@
-"""The middle of the session's screen while it waits for somebody: result, words, drawing, and the key to press."""
+"""The middle of the session's screen while it waits for somebody: result, words, drawing, and the
+key to press.
+"""
 
 from textual.app import ComposeResult
 from textual.containers import Vertical
@@ -16,7 +18,8 @@ _DRAWING_ROWS, _DRAWING_COLUMNS = 7, 72
 
 
 class MessagePanel(Vertical):
-    """Shows a message, larger in a large window. It changes only by its methods, and with the window's size.
+    """Shows a message, larger in a large window. It changes only by its methods, and with the
+    window's size.
 
     Where there is little room the words stay, then the drawing, then the bars.
     """
@@ -37,8 +40,12 @@ class MessagePanel(Vertical):
         yield Static("", id="enter", markup=False)
         yield Static("", id="ask", markup=False)
 
-    def show(self, text: WaitingText, bars: list[GoalBar], drawing: Drawing | None = None, ask: str = "") -> None:
-        """Show a message, below the bars of the last attempt. ``ask``: how to request feedback on it, or empty."""
+    def show(
+        self, text: WaitingText, bars: list[GoalBar], drawing: Drawing | None = None, ask: str = ""
+    ) -> None:
+        """Show a message, below the bars of the last attempt. ``ask``: how to request feedback on
+        it, or empty.
+        """
         self._text, self._bars, self._ask, self._drawing = text, bars, ask, drawing
         self._arrange()
 
@@ -53,7 +60,9 @@ class MessagePanel(Vertical):
         width, height = self.content_size
         left = height - rows_of(self._text, width) - bool(self._ask)
         drawing = self._drawing if left >= _DRAWING_ROWS else None
-        has_bars = bool(self._bars) and left >= len(self._bars) + 1 + (_DRAWING_ROWS if drawing else 0)
+        has_bars = bool(self._bars) and left >= len(self._bars) + 1 + (
+            _DRAWING_ROWS if drawing else 0
+        )
         bars = draw_bars(self._bars, width, language_of(self.app)) if has_bars else ""
         area = self.query_one(DrawingArea)
         area.styles.margin = (1, 0, 0, max(0, (width - _DRAWING_COLUMNS) // 2))

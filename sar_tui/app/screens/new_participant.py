@@ -17,7 +17,9 @@ from sar_tui.tui.dismissed_once import DismissedOnce
 class NewParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]):
     """Asks for a new code; its result is the code, or None."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss(None)", "Cancel", id="cancel")
+    ]
 
     app: Any
 

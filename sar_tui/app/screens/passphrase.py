@@ -17,11 +17,14 @@ from sar_tui.widgets.language import language_of
 
 _LONGEST = 200
 _SHOWN_SECONDS = 60.0
-"""Without a key for this long the question goes away: a participant may have opened it by mistake."""
+"""Without a key for this long the question goes away: a participant may have opened it by
+mistake.
+"""
 
 
 class PassphraseScreen(DismissedOnce[bool], ModalScreen[bool]):
-    """Asks for the passphrase; the result is True if it was right. Enter on an empty field goes back.
+    """Asks for the passphrase; the result is True if it was right. Enter on an empty field goes
+    back.
 
     Args:
         passphrase: of the data folder.

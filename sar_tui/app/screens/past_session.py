@@ -44,7 +44,9 @@ class PastSessionScreen(DismissedOnce[None]):
             yield Summary(metric, id="summary")
         else:
             tr = language_of(self.app)
-            yield Summary(metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="summary")
+            yield Summary(
+                metric, lambda attempts: stored_facts(task, attempts, metric, tr), id="summary"
+            )
         yield Static("", id="felt", markup=False)
         yield KeyFooter()
 
@@ -55,7 +57,12 @@ class PastSessionScreen(DismissedOnce[None]):
         title = row["software"].get("task", {}).get("title", row["task"])
         when = f"{day_words(began.date(), self.app.today())}, {began:%H:%M}"
         return " · ".join(
-            (sessions.participant_codes(row), title, when, status_words(row["status"]) or str(row["status"]))
+            (
+                sessions.participant_codes(row),
+                title,
+                when,
+                status_words(row["status"]) or str(row["status"]),
+            )
         )
 
     def action_report_event(self) -> None:
@@ -64,11 +71,15 @@ class PastSessionScreen(DismissedOnce[None]):
 
         row = self._row
         codes = list(sessions.codes(row))
-        form = AdverseEventScreen(codes, sessions.local_time(row["started_at"], row["utc_offset_s"]), row["id"])
+        form = AdverseEventScreen(
+            codes, sessions.local_time(row["started_at"], row["utc_offset_s"]), row["id"]
+        )
         self.app.push_screen(form, lambda _: self._show_wellbeing())
 
     def action_progress(self) -> None:
-        """Show the participant's progress in this task; of two participants, that of the one on the left."""
+        """Show the participant's progress in this task; of two participants, that of the one on the
+        left.
+        """
         from sar_tui.app.screens.progress import ProgressScreen
 
         try:

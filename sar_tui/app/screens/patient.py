@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 
 class PatientScreen(Screen[None]):
-    """Shows the next exercise of the plan. Enter starts it; it can be skipped; nothing else can be reached from here.
+    """Shows the next exercise of the plan. Enter starts it; it can be skipped; nothing else can be
+    reached from here.
 
     Args:
         participant: the code.
@@ -56,7 +57,9 @@ class PatientScreen(Screen[None]):
     def active_bindings(self) -> dict[str, Any]:
         """No keys for the help: all that is needed is said on the screen."""
         return {
-            key: active for key, active in super().active_bindings.items() if active.binding.id in ("previous", "next")
+            key: active
+            for key, active in super().active_bindings.items()
+            if active.binding.id in ("previous", "next")
         }
 
     def compose(self) -> ComposeResult:
@@ -85,11 +88,16 @@ class PatientScreen(Screen[None]):
         return self._at >= len(self._exercises)
 
     def show_exercise(self, trouble: bool = False) -> None:
-        """Show the next exercise, or that all are done; after a trouble, ask to call the therapist."""
+        """Show the next exercise, or that all are done; after a trouble, ask to call the
+        therapist.
+        """
         if not self._is_done:
             try:
                 self._plan = plan_exercise(
-                    self.app.database, self.app.catalogue, self._participant, self._exercises[self._at]
+                    self.app.database,
+                    self.app.catalogue,
+                    self._participant,
+                    self._exercises[self._at],
                 )
                 self.tr = planned_language(self._plan, self.app.catalogue)
                 self.app.use_theme_of(self._plan)
@@ -102,13 +110,19 @@ class PatientScreen(Screen[None]):
         tr, plan = self.tr, self._plan
         several = len(self._exercises) > 1
         if self._is_done or self._rest:
-            hello, exercise, go = tr("That was everything. Well done!"), tr("You can rest now."), tr("Start again")
+            hello, exercise, go = (
+                tr("That was everything. Well done!"),
+                tr("You can rest now."),
+                tr("Start again"),
+            )
             if self._rest == "pain":
                 hello, exercise = exercise, f"{tr(TELL_OF_PAIN)}\n{tr(ALONE)}"
             elif self._rest == "enough":
                 hello = tr("That is enough for today. Well done!")
         else:
-            place = tr("Exercise {number} of {total}", number=self._at + 1, total=len(self._exercises))
+            place = tr(
+                "Exercise {number} of {total}", number=self._at + 1, total=len(self._exercises)
+            )
             hello, go = place if several else tr("Hello!"), tr("Start")
             attempts = plan.parameters.attempts if plan else 0
             count = tr("1 attempt") if attempts == 1 else tr("{count} attempts", count=attempts)
@@ -116,7 +130,9 @@ class PatientScreen(Screen[None]):
         texts = {
             "#hello": hello,
             "#exercise": exercise,
-            "#trouble": tr("This does not work now. Please call your therapist.") if trouble else "",
+            "#trouble": tr("This does not work now. Please call your therapist.")
+            if trouble
+            else "",
             "#how": "" if self._rest == "pain" else tr("Press Enter to start."),
         }
         for name, text in texts.items():
@@ -140,14 +156,18 @@ class PatientScreen(Screen[None]):
             self.show_exercise()
             return
         try:
-            session = unfinished(self.app.database, self.app.folder, self._participant, self._plan.task.name)
+            session = unfinished(
+                self.app.database, self.app.folder, self._participant, self._plan.task.name
+            )
         except StoreError as error:
             self.app.note_trouble(str(error))
             session = None
         self.app.begin_session(session or self._plan)
 
     def session_left(self, *, ended: bool, is_mistake: bool) -> None:
-        """Go on to the next exercise after a session that ended; one that failed or was a mistake can be done again."""
+        """Go on to the next exercise after a session that ended; one that failed or was a mistake
+        can be done again.
+        """
         if ended and not is_mistake:
             self._at += 1
         self.show_exercise(trouble=not ended)
@@ -160,12 +180,16 @@ class PatientScreen(Screen[None]):
             self.show_exercise(trouble=True)
 
     def stopped_by_pain(self) -> None:
-        """Let a participant rest who is in too much pain to begin, or to go on with the next exercise."""
+        """Let a participant rest who is in too much pain to begin, or to go on with the next
+        exercise.
+        """
         self._rest = "pain"
         self.show_exercise()
 
     def enough_today(self) -> None:
-        """Go on to the next exercise, as enough was done of this one; after the last, let the participant rest."""
+        """Go on to the next exercise, as enough was done of this one; after the last, let the
+        participant rest.
+        """
         self._at += 1
         self._rest = "enough" if self._is_done else ""
         self.show_exercise()

@@ -1,4 +1,6 @@
-"""The pause menu: go on, tired, in pain, not this attempt, finished, for the therapist. Only the end asks again."""
+"""The pause menu: go on, tired, in pain, not this attempt, finished, for the therapist. Only the
+end asks again.
+"""
 
 from textual.message import Message
 from textual.widgets.option_list import Option
@@ -10,8 +12,14 @@ from sar_tui.widgets.option_list import OptionList
 _WORDS = {
     "": ("Paused", "Take your time."),
     "tired": ("Have a rest", "Take all the rest you need. Nothing is lost."),
-    "pain": ("Please stop and rest", "Tell your therapist or the experimenter about the pain before you go on."),
-    "finished": ("End the session now?", "What you did is kept. You cannot go on with this session later."),
+    "pain": (
+        "Please stop and rest",
+        "Tell your therapist or the experimenter about the pain before you go on.",
+    ),
+    "finished": (
+        "End the session now?",
+        "What you did is kept. You cannot go on with this session later.",
+    ),
 }
 _CHOICES = {
     "": ("go on", "tired", "pain", "skip", "finished", "therapist"),
@@ -47,7 +55,8 @@ class PauseMenu(OptionList):
     def open(self, reason: str, *, can_skip: bool = False, may_be_mistake: bool = False) -> None:
         """Show the choices after a pause for ``reason``.
 
-        ``can_skip``: the attempt may be left out. ``may_be_mistake``: the session may have been started by mistake.
+        ``can_skip``: the attempt may be left out. ``may_be_mistake``: the session may have been
+        started by mistake.
         """
         tr = language_of(self.app)
         title, words = _WORDS.get(reason, _WORDS[""])
@@ -56,7 +65,9 @@ class PauseMenu(OptionList):
         self.clear_options()
         self.add_option(Option(f"{tr(words)}\n", disabled=True))
         offers = {"skip": can_skip, "mistake": may_be_mistake}
-        choices = [choice for choice in _CHOICES.get(reason, _CHOICES[""]) if offers.get(choice, True)]
+        choices = [
+            choice for choice in _CHOICES.get(reason, _CHOICES[""]) if offers.get(choice, True)
+        ]
         self.add_options([Option(tr(_LABELS[choice]), id=choice) for choice in choices])
         self.highlighted = 1
 

@@ -36,21 +36,28 @@ _TABLE = 86
 _HEADING_AND_KEYS = 3
 """Rows above and below the parts."""
 NONE_YET = (
-    "No attempt has been finished yet. Adverse events and scores of other instruments can be entered in their parts."
+    "No attempt has been finished yet. Adverse events and scores of other instruments can "
+    "be entered in their parts."
 )
 
 
 class ProgressScreen(Records, Reports, DismissedOnce[None]):
-    """A chart of the sessions and what can be said of them, in parts; one session is chosen in all of them."""
+    """A chart of the sessions and what can be said of them, in parts; one session is chosen in all
+    of them.
+    """
 
     help_text = (
-        "Progress shows in the level, not in the results: the program makes the task harder when it goes well. The "
-        "level at goal is the level at which this person would just reach the goal; its band says how well it is "
+        "Progress shows in the level, not in the results: the program makes the task harder when "
+        "it goes well. The "
+        "level at goal is the level at which this person would just reach the goal; its band says "
+        "how well it is "
         "known. Sessions inside the shaded area do not differ by more than noise and practice.\n\n"
-        "Left and Right: the parts. Up and Down: choose a session. C marks it, and compares it with the next that you "
+        "Left and Right: the parts. Up and Down: choose a session. C marks it, and compares it "
+        "with the next that you "
         "choose. N: a note to paste into a record. H writes a page with charts to print.\n\n"
         "Sessions with other settings are never in one chart: S shows those.\n\n"
-        "Adverse events and scores of other instruments are entered in their parts, with A. Enter changes an event, "
+        "Adverse events and scores of other instruments are entered in their parts, with A. Enter "
+        "changes an event, "
         "such as its outcome; Del removes a score that was entered by mistake.\n\n"
         "These are training measures. They are no diagnosis.\n"
     )
@@ -115,7 +122,11 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         find = {self._motor_task.name: self._motor_task}.get
         try:
             database = self.app.database
-            sessions = list(sessions_of(database, self._participant, self._motor_task.name, folder=self.app.folder))
+            sessions = list(
+                sessions_of(
+                    database, self._participant, self._motor_task.name, folder=self.app.folder
+                )
+            )
             self._found = progress(
                 self._participant,
                 sessions,
@@ -126,7 +137,10 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
             )
         except (StoreError, sqlite3.Error) as error:
             self.query_one("#part", Static).update(
-                Content(f"The sessions cannot be read: {error if isinstance(error, StoreError) else explain(error)}")
+                Content(
+                    "The sessions cannot be read: "
+                    f"{error if isinstance(error, StoreError) else explain(error)}"
+                )
             )
             return False
         return True
@@ -142,13 +156,17 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
     @property
     def _shows_sessions(self) -> bool:
         """True if a session can be chosen: one is marked in a chart, or in the list of sessions."""
-        return self._part_name in _OF_SESSIONS or (self._part_name == "Dose" and self.size.width >= _WIDE)
+        return self._part_name in _OF_SESSIONS or (
+            self._part_name == "Dose" and self.size.width >= _WIDE
+        )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         line, records = self._shown_line, self._count_records()
         has_sessions = line is not None and len(line.sessions) > 1 and self._shows_sessions
         enabled = {
-            "other_settings": self._shows_sessions and self._found is not None and len(self._found.lines) > 1,
+            "other_settings": self._shows_sessions
+            and self._found is not None
+            and len(self._found.lines) > 1,
             "compare": has_sessions,
             "choose": has_sessions or records > 1,
             "choose_end": has_sessions or records > 1,
@@ -160,7 +178,8 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         }
         return enabled[action] if action in enabled else super().check_action(action, parameters)
 
-    # --- what is shown ------------------------------------------------------------------------------------------
+    # --- what is shown
+    # ------------------------------------------------------------------------------------------
 
     def on_resize(self) -> None:
         self.refresh_bindings()
@@ -172,7 +191,10 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         assert self._found
         line = self._shown_line
         self.query_one("#top", Static).update(self._title(line))
-        named = [(f"[{name}]", "$accent bold") if n == self._part else f" {name} " for n, name in enumerate(_PARTS)]
+        named = [
+            (f"[{name}]", "$accent bold") if n == self._part else f" {name} "
+            for n, name in enumerate(_PARTS)
+        ]
         self.query_one("#parts", Static).update(Content.assemble(*named))
         is_wide = self.size.width >= _WIDE and line is not None and self._shows_sessions
         beside, part = self.query_one("#beside", Static), self.query_one("#part", Static)
@@ -180,17 +202,26 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         about = self._about_chosen(line) if line and self._shows_sessions else ""
         self.query_one("#chosen", Static).update(about)
         self.query_one("#chosen").display = bool(about)
-        full, height = self.size.width, self.size.height - _HEADING_AND_KEYS - len(about.splitlines())
-        sides = (full - _TABLE, _TABLE) if self._part_name != "Sessions" else (_TABLE, full - _TABLE)
+        full, height = (
+            self.size.width,
+            self.size.height - _HEADING_AND_KEYS - len(about.splitlines()),
+        )
+        sides = (
+            (full - _TABLE, _TABLE) if self._part_name != "Sessions" else (_TABLE, full - _TABLE)
+        )
         beside.styles.width = sides[1]
         width = (sides[0] if is_wide else full) - 2
         part.update(colored(self._lines_of_part((width, height))))
         if is_wide and line:
             size = (sides[1] - 2, height)
             if self._part_name == "Sessions":
-                beside.update(colored(parts.level_part(line, size, self._chosen, self._tr, self._marked)))
+                beside.update(
+                    colored(parts.level_part(line, size, self._chosen, self._tr, self._marked))
+                )
             else:
-                beside.update(colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked)))
+                beside.update(
+                    colored(parts.sessions_part(line, size, self._chosen, self._tr, self._marked))
+                )
 
     def _title(self, line: LineProgress | None) -> str:
         if line is None:
@@ -225,11 +256,18 @@ class ProgressScreen(Records, Reports, DismissedOnce[None]):
         if self._marked == chosen.session:
             felt = "Up and Down: choose the session to compare it with. Esc: no comparison."
         elif self._marked and (comparison := compare(self._found, self._marked, chosen.session)):
-            days = [progress_words.day(each.began) for each in (comparison.earlier, comparison.later)]
-            felt = f"{days[0]} and {days[1]}: {comparison_words.compared(line, comparison, self._tr)}"
-        return "\n".join([f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")])
+            days = [
+                progress_words.day(each.began) for each in (comparison.earlier, comparison.later)
+            ]
+            felt = (
+                f"{days[0]} and {days[1]}: {comparison_words.compared(line, comparison, self._tr)}"
+            )
+        return "\n".join(
+            [f"{parts.CURSOR} {when}", *parts.wrapped([felt], self.size.width - 4, indent="  ")]
+        )
 
-    # --- keys ----------------------------------------------------------------------------------------------------
+    # --- keys
+    # ----------------------------------------------------------------------------------------------------
 
     def action_part(self, step: int) -> None:
         """Show another part."""

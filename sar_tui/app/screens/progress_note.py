@@ -15,7 +15,8 @@ _LANGUAGES = {"en": "English", "es": "Spanish"}
 
 
 class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
-    """Shows the paragraph in a language, and puts it into the clipboard of terminals that allow it (OSC 52).
+    """Shows the paragraph in a language, and puts it into the clipboard of terminals that allow it
+    (OSC 52).
 
     Args:
         text: returns the paragraph in a language, given its code.
@@ -39,7 +40,8 @@ class ProgressNoteScreen(DismissedOnce[None], ModalScreen[None]):
             with VerticalScroll(can_focus=True):
                 yield Static("", id="paragraph", markup=False)
             yield Static(
-                "It is in the clipboard now, if your terminal allows that. If not, select it with the mouse (often "
+                "It is in the clipboard now, if your terminal allows that. If not, select it with "
+                "the mouse (often "
                 "with Shift), or use `sar-tui progress CODE --note`.\n\n"
                 "Tab: the other language. Up and Down scroll. Esc closes.",
                 classes="muted",

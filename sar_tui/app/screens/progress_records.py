@@ -1,4 +1,6 @@
-"""Keys of the progress screen that enter, change and remove adverse events and scores of other instruments."""
+"""Keys of the progress screen that enter, change and remove adverse events and scores of other
+instruments.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -57,12 +59,18 @@ class Records(Screen[None]):
         return max(0, min(self._count_records() - 1, self._records[self._part_name]))
 
     def _choose_record(self, step: int) -> None:
-        self._records[self._part_name] = max(0, min(self._count_records() - 1, self._chosen_record + step))
+        self._records[self._part_name] = max(
+            0, min(self._count_records() - 1, self._chosen_record + step)
+        )
         self._show()
 
     def _lines_of_records(self, size: tuple[int, int]) -> list[str]:
         assert self._found
-        draw = record_parts.events_part if self._part_name == "Events" else record_parts.instruments_part
+        draw = (
+            record_parts.events_part
+            if self._part_name == "Events"
+            else record_parts.instruments_part
+        )
         return draw(self._found, size, self._chosen_record, self._tr)
 
     def action_add_record(self) -> None:
@@ -73,7 +81,9 @@ class Records(Screen[None]):
         from sar_tui.app.screens.instrument_score import InstrumentScoreScreen
 
         if self._part_name == "Events":
-            self.app.push_screen(AdverseEventScreen([self._participant], date.today().isoformat()), self._entered)
+            self.app.push_screen(
+                AdverseEventScreen([self._participant], date.today().isoformat()), self._entered
+            )
             return
         assert self._found
         known = record_parts.scores(self._found)
@@ -102,7 +112,11 @@ class Records(Screen[None]):
                 return
             try:
                 instrument_scores.remove(
-                    self.app.database, self._participant, score.instrument, score.date, author=login_name()
+                    self.app.database,
+                    self._participant,
+                    score.instrument,
+                    score.date,
+                    author=login_name(),
                 )
             except StoreError as error:
                 self.notify(str(error), severity="error", timeout=20)
@@ -114,7 +128,9 @@ class Records(Screen[None]):
         """Show what was entered, and choose it: in the list, and in the charts it is marked in."""
         before = self._shown_records()
         if is_changed and self._load():
-            new = [number for number, each in enumerate(self._shown_records()) if each not in before]
+            new = [
+                number for number, each in enumerate(self._shown_records()) if each not in before
+            ]
             if new:
                 self._records[self._part_name] = new[-1]
             self.refresh_bindings()

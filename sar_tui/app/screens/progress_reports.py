@@ -33,7 +33,10 @@ class Reports(Screen[None]):
             def text(language: str) -> str:
                 tr = progress_words.words(language, self._motor_task)
                 return "\n\n".join(
-                    [progress_words.note(self._participant, line, tr), *progress_words.after_notes(found, tr)]
+                    [
+                        progress_words.note(self._participant, line, tr),
+                        *progress_words.after_notes(found, tr),
+                    ]
                 )
 
             self.app.push_screen(ProgressNoteScreen(text))

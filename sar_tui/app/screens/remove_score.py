@@ -29,7 +29,8 @@ class RemoveScoreScreen(DismissedOnce[bool], ModalScreen[bool]):
         with Vertical(classes="dialog"):
             yield Static("Entered by mistake?", classes="headline")
             yield Static(
-                f"{score.instrument} {score.score:g} of {score.date} then no longer counts. The database keeps it, "
+                f"{score.instrument} {score.score:g} of {score.date} then no longer counts. The "
+                "database keeps it, "
                 "with your login name and the time.\n",
                 markup=False,
             )

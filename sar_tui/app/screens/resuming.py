@@ -43,6 +43,10 @@ class ResumingScreen(ModalScreen[None]):
         tr = language_of(self.app)
         line = self.query_one("#progress", Static)
         line.update(
-            tr("The session goes on where it stopped: {share} %", share=str(100 * done // max(1, of))), layout=False
+            tr(
+                "The session goes on where it stopped: {share} %",
+                share=str(100 * done // max(1, of)),
+            ),
+            layout=False,
         )
         paint_now(line, in_place=True)

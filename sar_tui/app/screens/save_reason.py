@@ -58,7 +58,11 @@ class SaveReasonScreen(DismissedOnce[Reason | None], ModalScreen[Reason | None])
             if self._warning:
                 yield Static(self._warning, id="warning", markup=False)
             yield Static("\n".join(listed), id="changes", markup=False)
-            yield Input(placeholder=tr("such as: reached the goal four times"), max_length=LONGEST_TEXT, id="reason")
+            yield Input(
+                placeholder=tr("such as: reached the goal four times"),
+                max_length=LONGEST_TEXT,
+                id="reason",
+            )
             yield Static(tr("Your name or initials:"), markup=False)
             yield Input(self._author, max_length=80, id="author", compact=True)
             yield Static("", id="problem", markup=False)

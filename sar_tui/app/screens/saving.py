@@ -12,4 +12,8 @@ class SavingScreen(ModalScreen[None]):
 
     def compose(self) -> ComposeResult:
         tr = language_of(self.app)
-        yield Static(f"{tr('One moment…')}\n\n{tr('Your results are being saved.')}", id="saving", markup=False)
+        yield Static(
+            f"{tr('One moment…')}\n\n{tr('Your results are being saved.')}",
+            id="saving",
+            markup=False,
+        )

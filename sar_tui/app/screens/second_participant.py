@@ -24,7 +24,9 @@ class SecondParticipantScreen(DismissedOnce[str | None], ModalScreen[str | None]
         first: code of the participant on the left, who is not offered.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel", id="cancel")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss(None)", "Cancel", id="cancel")
+    ]
 
     app: Any
 

@@ -43,8 +43,12 @@ _IDLE_TRUNK = "Z: zero the sensor.  Enter: begin the session."
 _ZEROED_TRUNK = "The sensor removes its bias: sit still for two seconds."
 _NO_TRUNK = "There is no sensor on the trunk. Reaches count without it. Press Enter again to begin."
 _IDLE_FIRST = "T: a test reach.  Z: zero the sensor.  Enter: on to the other sensor."
-_NONE = "There is no sensor, so the session will wait for one. Press Enter again to begin it anyway."
-_NOT_BOTH = "A sensor is missing, so the session will wait for it. Press Enter again to begin it anyway."
+_NONE = (
+    "There is no sensor, so the session will wait for one. Press Enter again to begin it anyway."
+)
+_NOT_BOTH = (
+    "A sensor is missing, so the session will wait for it. Press Enter again to begin it anyway."
+)
 _NOTHING_TO_ZERO = "There is no sensor to zero. Plug it in first."
 _HELP = (
     "Fasten the sensor to the back of the hand as drawn: y along the fingers, z out of the hand. "
@@ -55,13 +59,21 @@ _HELP = (
 )
 _HELP_WITH_TRUNK = (
     *_HELP[:2],
-    "The sensor on the breastbone measures how far the trunk leans in a reach. It may point in any direction.",
+    "The sensor on the breastbone measures how far the trunk leans in a reach. It may point in "
+    "any direction.",
     "The session may begin at any time; without the sensor on the hand it waits for one.",
 )
-_HELP_OF_TWO = (*_HELP[:2], "The session may begin at any time; without both sensors it waits for them.")
-_WITHOUT = "To try the task without: Escape, then F2 on the first screen, and set Motion sensor to simulated."
+_HELP_OF_TWO = (
+    *_HELP[:2],
+    "The session may begin at any time; without both sensors it waits for them.",
+)
+_WITHOUT = (
+    "To try the task without: Escape, then F2 on the first screen, and set Motion sensor "
+    "to simulated."
+)
 _WITHOUT_BOTH = (
-    "To try the task without: Escape, then F2 on the first screen, and set Sensor on the left and Sensor on the right "
+    "To try the task without: Escape, then F2 on the first screen, and set Sensor on the left and "
+    "Sensor on the right "
     "to simulated."
 )
 
@@ -69,12 +81,13 @@ _WITHOUT_BOTH = (
 class SensorCheckScreen(DismissedOnce[bool]):
     """Shows the data of started feeds; its result is True if the session is to begin.
 
-    Two sensors are checked one after the other; a line at the top shows the state of both. A sensor on the trunk has no
-    test reach, and no session waits for it.
+    Two sensors are checked one after the other; a line at the top shows the state of both. A sensor
+    on the trunk has no test reach, and no session waits for it.
 
     Args:
         plan: the session that waits.
-        feeds: the started feeds of its sensors, in the order of the seats; one on the trunk comes last.
+        feeds: the started feeds of its sensors, in the order of the seats; one on the trunk comes
+            last.
         clock: the clock of the feeds.
     """
 
@@ -92,7 +105,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
     def __init__(self, plan: Plan, feeds: Sequence[ImuFeed], clock: Clock) -> None:
         super().__init__()
         hands: list[Hand] = [getattr(plan.parameters, name, "right") for name in ("hand", "hand_b")]
-        self.sensors = [SensorWatch(feed, clock.now, hand) for feed, hand in zip(feeds, hands, strict=False)]
+        self.sensors = [
+            SensorWatch(feed, clock.now, hand) for feed, hand in zip(feeds, hands, strict=False)
+        ]
         self.sensor = self.sensors[0]
         self._unseen = self.sensors[1:]
         self._plan = plan
@@ -151,7 +166,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
     def on_unmount(self) -> None:
         self._stop_looking()
 
-    # --- actions -------------------------------------------------------------------------------------
+    # --- actions
+    # -------------------------------------------------------------------------------------
 
     def action_test(self) -> None:
         """Begin a test reach, or begin it again."""
@@ -165,7 +181,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Take the present rate as zero."""
         if self.sensor.attached:
             self.sensor.zero()
-            self._set_notice(self.tr(_ZEROED_TRUNK if self._is_on_trunk else _ZEROED), "wait", ZEROING)
+            self._set_notice(
+                self.tr(_ZEROED_TRUNK if self._is_on_trunk else _ZEROED), "wait", ZEROING
+            )
         else:
             self._set_notice(self.tr(_NOTHING_TO_ZERO), "wrong", ZEROING)
         self._show()
@@ -174,7 +192,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
         """Offer the other sensor if there is one, and a test reach of a hand."""
         if action == "test" and self._is_on_trunk:
             return False
-        return len(self.sensors) > 1 if action == "other" else super().check_action(action, parameters)
+        return (
+            len(self.sensors) > 1 if action == "other" else super().check_action(action, parameters)
+        )
 
     def action_other(self) -> None:
         """Show the next sensor, or the first again."""
@@ -199,7 +219,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
         return [sensor for sensor in self.sensors if sensor.state not in ("attached", "ended")]
 
     def action_begin(self) -> None:
-        """Go to a sensor that was not checked yet, or begin the session; without a sensor, only at the second press."""
+        """Go to a sensor that was not checked yet, or begin the session; without a sensor, only at
+        the second press.
+        """
         if self._unseen:
             self.action_other()
         elif not self._missing or self._asked:
@@ -214,7 +236,8 @@ class SensorCheckScreen(DismissedOnce[bool]):
         self._stop_looking()
         self.dismiss(False)
 
-    # --- contents ------------------------------------------------------------------------------------
+    # --- contents
+    # ------------------------------------------------------------------------------------
 
     def _stop_looking(self) -> None:
         """Leave all further data to the session."""
@@ -235,9 +258,15 @@ class SensorCheckScreen(DismissedOnce[bool]):
         if all(sensor.attached for sensor in self.sensors):
             self._asked = False
         if self._is_new("hand", self.sensor):
-            self.query_one("#hand", Static).update(draw_trunk() if self._is_on_trunk else draw_hand(self.sensor.hand))
-            self.query_one("#place", Static).update(self.tr(_PLACE_TRUNK if self._is_on_trunk else _PLACE))
-            self.query_one("#reach").border_title = self.tr(_PARTS[1] if self._is_on_trunk else "Test reach")
+            self.query_one("#hand", Static).update(
+                draw_trunk() if self._is_on_trunk else draw_hand(self.sensor.hand)
+            )
+            self.query_one("#place", Static).update(
+                self.tr(_PLACE_TRUNK if self._is_on_trunk else _PLACE)
+            )
+            self.query_one("#reach").border_title = self.tr(
+                _PARTS[1] if self._is_on_trunk else "Test reach"
+            )
         for sides in self.query("#sides").results(Static):
             sides.update(self._sides())
         known, words = facts(self.sensor, self.tr), self._words()
@@ -277,7 +306,9 @@ class SensorCheckScreen(DismissedOnce[bool]):
         return self.tr(_NONE if len(self.sensors) == 1 else _NOT_BOTH)
 
     def _sides(self) -> Text:
-        """Return a line with the participant and the state of each sensor; an arrow points to the one shown."""
+        """Return a line with the participant and the state of each sensor; an arrow points to the
+        one shown.
+        """
         codes = ("", "") if self._has_trunk else (self._plan.participant, self._plan.partner)
         text = Text()
         for number, (sensor, code) in enumerate(zip(self.sensors, codes, strict=True)):
@@ -306,9 +337,13 @@ class SensorCheckScreen(DismissedOnce[bool]):
         return Text(MARKS[mark], f"bold {self._color(color)}")
 
     def _axes(self) -> Text:
-        """Return a line for each axis: the rate of turning as a bar and a number, and its bias at rest."""
+        """Return a line for each axis: the rate of turning as a bar and a number, and its bias at
+        rest.
+        """
         tr, rate, bias = self.tr, self.sensor.rate, self.sensor.bias
-        text = Text(f"{tr('turning'):>{_BAR + 6}}{'rad/s':>{_BAR + 5}}{tr('bias deg/s'):>12}{'rad/s':>8}")
+        text = Text(
+            f"{tr('turning'):>{_BAR + 6}}{'rad/s':>{_BAR + 5}}{tr('bias deg/s'):>12}{'rad/s':>8}"
+        )
         text.stylize(self._color("text-muted"))
         for index, name in enumerate("xyz"):
             turning = rate[index] if rate else 0.0

@@ -54,7 +54,8 @@ class SessionScreen(KeysScreen):
         """False while the session waits for a disk that cannot be written to."""
         return self._waiting is None or self._waiting.reason != "storage"
 
-    # --- the stage -------------------------------------------------------------------------------------------
+    # --- the stage
+    # -------------------------------------------------------------------------------------------
 
     def show_prompt(self, prompt: Prompt) -> None:
         """Show the prompt, and report when it reached the terminal."""
@@ -69,7 +70,9 @@ class SessionScreen(KeysScreen):
         return bool(getattr(self.app._driver, "can_stamp_onset", False))
 
     def show_frame(self, prompt: Prompt, frame: int, due: int) -> None:
-        """Show a later frame of the prompt when it is due, and report when it reached the terminal."""
+        """Show a later frame of the prompt when it is due, and report when it reached the
+        terminal.
+        """
         self._draw(prompt, frame, report_onset(self, self._live, prompt, frame, due))
 
     def _draw(self, prompt: Prompt, frame: int, onset: Onset) -> None:
@@ -121,7 +124,9 @@ class SessionScreen(KeysScreen):
         self._update_motion(waiting)
         self._warn()
         if before is not None and before.what == "result" and waiting.what != "response":
-            self.query_one(BigPrompt).clear()  # the next prompt, where no wait precedes it, has replaced the answer
+            self.query_one(
+                BigPrompt
+            ).clear()  # the next prompt, where no wait precedes it, has replaced the answer
         self._prepare_pictures(waiting)
         if waiting.what in ("foreperiod", "response", "result"):
             if waiting.what == "response":
@@ -141,7 +146,9 @@ class SessionScreen(KeysScreen):
             self._show_trials(waiting.trial - 1)
             can_skip = bool(self.app.patient) and self._live.run.session.can_skip_attempt
             may_be_mistake = waiting.reason == "finished" and self._live.in_first_attempt
-            self.query_one(PauseMenu).open(waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake)
+            self.query_one(PauseMenu).open(
+                waiting.reason, can_skip=can_skip, may_be_mistake=may_be_mistake
+            )
             self._stage("menu")
             self.app.screen_keys.changed(self)
 
@@ -152,8 +159,13 @@ class SessionScreen(KeysScreen):
             self.call_after_refresh(self.query_one(BigPrompt).prepare, to_come)
 
     def _warn(self) -> None:
-        """Tell a therapist who is there, once and never in a trial, that markers are lost or tones not heard."""
-        trouble, in_trial = self._live.trouble, self._waiting is None or self._waiting.stage == "trial"
+        """Tell a therapist who is there, once and never in a trial, that markers are lost or tones
+        not heard.
+        """
+        trouble, in_trial = (
+            self._live.trouble,
+            self._waiting is None or self._waiting.stage == "trial",
+        )
         if trouble and trouble != self._warned_of and not in_trial and not self.app.patient:
             self._warned_of, self._has_warned = trouble, True
             self.app.notify(trouble, severity="warning", timeout=30)
@@ -191,11 +203,15 @@ class SessionScreen(KeysScreen):
             self.query_one(Summary).wait(awaits_goodbye=self._awaits_goodbye)
 
     def _compare(self, attempts: Sequence[AttemptEnded]) -> None:
-        """Add the last comparable session to the summary. Runs in a thread: it reads all of the person's sessions."""
+        """Add the last comparable session to the summary. Runs in a thread: it reads all of the
+        person's sessions.
+        """
         from sar_tui.runs.previous import beside_earlier_sessions
 
         run = self._live.run
-        if words := beside_earlier_sessions(self.app.folder, run.session.task, run.id, attempts, self.tr):
+        if words := beside_earlier_sessions(
+            self.app.folder, run.session.task, run.id, attempts, self.tr
+        ):
             self.app.call_from_thread(self.query_one(Summary).compare, words)
 
     def _broken(self, error: str) -> None:
@@ -203,5 +219,6 @@ class SessionScreen(KeysScreen):
         self._gc.end_attempt()
         self.app.screen_keys.changed(self)
         self.app.failure = (
-            f"The task {self._live.run.session.task.name} failed ({error}). What was done so far is kept."
+            f"The task {self._live.run.session.task.name} failed ({error}). What "
+            "was done so far is kept."
         )

@@ -12,7 +12,9 @@ from sar_tui.model.units import SECOND
 from sar_tui.tui.gc_control import GcControl
 
 _IN_VAIN = 3
-"""Presses of Enter, for one that is awaited, after which the participant is asked to let go of it."""
+"""Presses of Enter, for one that is awaited, after which the participant is asked to let go of
+it.
+"""
 
 
 class KeysScreen(PausingScreen):
@@ -26,7 +28,9 @@ class KeysScreen(PausingScreen):
 
     @property
     def help_text(self) -> str:
-        """Instructions of the task, and the keys to pause, ask for feedback and, for a therapist, mark a trial."""
+        """Instructions of the task, and the keys to pause, ask for feedback and, for a therapist,
+        mark a trial.
+        """
         return help_text(self._live.run.session.task, self.tr, with_marks=not self.app.patient)
 
     @property
@@ -63,7 +67,8 @@ class KeysScreen(PausingScreen):
 
     @property
     def _awaits_goodbye(self) -> bool:
-        """True while an operator may still veto the goodbye, and then until it is said: all that is due is given.
+        """True while an operator may still veto the goodbye, and then until it is said: all that is
+        due is given.
 
         A broken session says no goodbye.
         """
@@ -73,7 +78,9 @@ class KeysScreen(PausingScreen):
         return session.awaits_operator or (self._is_goodbye_held and session.is_agent_acting)
 
     def _press_mark(self, key: str, waiting: Waiting) -> None:
-        """Mark the trial, or ask for the key again if it would replace another mark. Do nothing in patient mode."""
+        """Mark the trial, or ask for the key again if it would replace another mark. Do nothing in
+        patient mode.
+        """
         if self.app.patient:
             return
         if mark := self._marks.press(key):
@@ -82,9 +89,11 @@ class KeysScreen(PausingScreen):
             self._show_position(waiting)
 
     def _correct_key(self, key: str, waiting: Waiting) -> None:
-        """Say which key is awaited after Enter was pressed for the start key, or the other way round.
+        """Say which key is awaited after Enter was pressed for the start key, or the other way
+        round.
 
-        Ask to let go of the keys if Enter has no effect, because it is held or pressed again too soon.
+        Ask to let go of the keys if Enter has no effect, because it is held or pressed again too
+        soon.
         """
         start = self._live.run.session.task.start_key
         wanted = {"enter": "enter", "start": start}.get(waiting.what)
@@ -95,7 +104,9 @@ class KeysScreen(PausingScreen):
             last, count = self._enters
             self._enters = waiting, count + 1 if waiting is last else 1
             if self._enters[1] == _IN_VAIN:
-                self.query_one(MessagePanel).correct(self.tr("Please let go of the keys for a moment."))
+                self.query_one(MessagePanel).correct(
+                    self.tr("Please let go of the keys for a moment.")
+                )
 
     def on_paste(self, event: events.Paste) -> None:
         event.stop()

@@ -1,4 +1,6 @@
-"""The parts of a session's screen: its top line, the widgets in the middle, the agent, and the progress below."""
+"""The parts of a session's screen: its top line, the widgets in the middle, the agent, and the
+progress below.
+"""
 
 import functools
 
@@ -22,7 +24,9 @@ from sar_tui.widgets.prompt_pictures import Pictures
 
 
 class LayoutScreen(AgentScreen):
-    """The part of a session's screen that holds its widgets, and shows one of them in the middle."""
+    """The part of a session's screen that holds its widgets, and shows one of them in the
+    middle.
+    """
 
     def __init__(self, live: LiveSession) -> None:
         super().__init__(live)
@@ -39,7 +43,9 @@ class LayoutScreen(AgentScreen):
 
     @functools.cached_property
     def _pictures(self) -> Pictures | None:
-        """The pictures of the task; None if it draws its prompts itself, or if none can be shown here."""
+        """The pictures of the task; None if it draws its prompts itself, or if none can be shown
+        here.
+        """
         if self.app.picture_way is None or self._live.view.draws_prompts:
             return None
         folder = task_folder(type(self._live.run.session.task))
@@ -61,7 +67,9 @@ class LayoutScreen(AgentScreen):
             yield MessagePanel(id="message")
             yield BigPrompt(id="prompt", draw=self._live.view.prompt_lines, pictures=self._pictures)
             yield PauseMenu(id="menu")
-            yield Summary(session.task.metric, self._live.view.facts, for_participant=True, id="summary")
+            yield Summary(
+                session.task.metric, self._live.view.facts, for_participant=True, id="summary"
+            )
         yield from self.compose_agent()
         with Horizontal(id="progress"):
             yield ProgressLine(id="trials")
@@ -73,14 +81,17 @@ class LayoutScreen(AgentScreen):
         self.set_class(is_roomy(*self.app.size), "roomy")
 
     def _seat_agent(self, where: str) -> None:
-        """Let the agent speak from the middle, ``between`` two attempts or ``drawn`` above a drawing; else from below.
+        """Let the agent speak from the middle, ``between`` two attempts or ``drawn`` above a
+        drawing; else from below.
 
         In a ``pause`` it is silent above the menu.
         """
         if where != self._agent_seat:
             self._agent_seat, stage = where, self.query_one("#stage")
             between = where in ("between", "pause")
-            self.update_classes({"middle": bool(where), "between": between, "pausing": where == "pause"})
+            self.update_classes(
+                {"middle": bool(where), "between": between, "pausing": where == "pause"}
+            )
             if where:
                 self.move_child(self.agent, before=stage)
             else:
@@ -100,10 +111,14 @@ class LayoutScreen(AgentScreen):
 
     def _show_position(self, waiting: Waiting) -> None:
         """Show attempt and level in the corner, and the progress at the bottom."""
-        is_over = waiting.trial > waiting.trials  # after the last attempt: there is no next level to show
+        # after the last attempt: there is no next level to show
+        is_over = waiting.trial > waiting.trials
         self._show_attempts(waiting.attempt - (not is_over))
         if not is_over:
-            self._position = f"{waiting.attempt_name.capitalize()} · {self.tr('level {level}', level=waiting.level)}"
+            self._position = (
+                f"{waiting.attempt_name.capitalize()} · "
+                f"{self.tr('level {level}', level=waiting.level)}"
+            )
         parts = (self._marks.text, "" if self._marks.asks else self._position)
         self.query_one("#where", Static).update(" · ".join(filter(None, parts)))
 
@@ -118,4 +133,6 @@ class LayoutScreen(AgentScreen):
 
     def _show_trials(self, done: int) -> None:
         total = self._waiting.trials if self._waiting else 0
-        self.query_one("#trials", ProgressLine).show(self.tr(self._live.run.session.task.trials), done, total)
+        self.query_one("#trials", ProgressLine).show(
+            self.tr(self._live.run.session.task.trials), done, total
+        )

@@ -1,4 +1,6 @@
-"""The texts of a session's screen: what it waits for, the last result beside its goal, and the rest that is left."""
+"""The texts of a session's screen: what it waits for, the last result beside its goal, and the rest
+that is left.
+"""
 
 from sar_tui.app.live import LiveSession
 from sar_tui.app.screens.large_message import is_roomy
@@ -20,7 +22,9 @@ _FULL_HEIGHT = 40
 
 
 class MessageScreen(LayoutScreen):
-    """The part of a session's screen that tells the participant what it waits for, and how the last attempt went."""
+    """The part of a session's screen that tells the participant what it waits for, and how the last
+    attempt went.
+    """
 
     def __init__(self, live: LiveSession) -> None:
         super().__init__(live)
@@ -56,15 +60,27 @@ class MessageScreen(LayoutScreen):
             self._show_trials(waiting.trial - 1)
         if waiting.stage == "trial" and waiting.what != "agent":
             self.clear_agent("listening")
-        ask = self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr)) if waiting.ask else ""
-        drawing = self._live.view.between_attempts() if waiting.stage in ("attempt", "review") else None
+        ask = (
+            self.tr("Press {key} to hear how it went.", key=key_name(waiting.ask, self.tr))
+            if waiting.ask
+            else ""
+        )
+        drawing = (
+            self._live.view.between_attempts() if waiting.stage in ("attempt", "review") else None
+        )
         is_between = waiting.stage in _BETWEEN and waiting.attempt > 1
         shows_result = is_between and not waiting.step
         bars = [bar for _, bar in sorted(self._bars.items())] if shows_result else []
-        self.query_one(MessagePanel).show(text, bars, drawing, ask or decline_text(waiting.step, self.tr))
-        is_tight = (drawing or waiting.stage == "instructions") and self.app.size.height < _FULL_HEIGHT
+        self.query_one(MessagePanel).show(
+            text, bars, drawing, ask or decline_text(waiting.step, self.tr)
+        )
+        is_tight = (
+            drawing or waiting.stage == "instructions"
+        ) and self.app.size.height < _FULL_HEIGHT
         is_in_middle = is_between or (waiting.stage in _BEFORE and is_roomy(*self.app.size))
-        self._seat_agent("" if not (is_in_middle and self.agent.display) else "drawn" if is_tight else "between")
+        self._seat_agent(
+            "" if not (is_in_middle and self.agent.display) else "drawn" if is_tight else "between"
+        )
         self._stage("message")
         if waiting.stage == "rest" or (waiting.step and waiting.until):
             self._count_down(waiting)
@@ -76,12 +92,19 @@ class MessageScreen(LayoutScreen):
         is_goal_shown = bool(self._bars) and waiting.goal == self._goal
         session = self._live.run.session
         over = session.is_recording_over
-        return waiting_text(waiting, session.task, left=left, is_goal_shown=is_goal_shown, is_recording_over=over)
+        return waiting_text(
+            waiting, session.task, left=left, is_goal_shown=is_goal_shown, is_recording_over=over
+        )
 
     def _show_again(self) -> None:
         """Show the text for the same wait, because the result beside it has changed."""
         waiting = self._waiting
-        if waiting and waiting.stage in _BETWEEN and self._shown == "message" and (text := self._waiting_text(waiting)):
+        if (
+            waiting
+            and waiting.stage in _BETWEEN
+            and self._shown == "message"
+            and (text := self._waiting_text(waiting))
+        ):
             self._show_text(waiting, text)
 
     def _count_down(self, waiting: Waiting) -> None:

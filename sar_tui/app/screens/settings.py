@@ -39,18 +39,24 @@ _LEVELS = ("start_level", "min_level", "max_level")
 _COUNT = 4
 """Columns for the number of settings that differ."""
 _HELP = (
-    "The groups at the left count the settings that differ from the defaults (●) or must be fixed (!). A setting "
-    "marked – has no effect with the rule that is chosen. Below the fields: what the focused one means, and the values "
+    "The groups at the left count the settings that differ from the defaults (●) or must be fixed "
+    "(!). A setting "
+    "marked – has no effect with the rule that is chosen. Below the fields: what the focused one "
+    "means, and the values "
     "it may have.",
-    "Page Down and Page Up go from group to group, the arrows from field to field. / finds a setting by a word (F3 "
+    "Page Down and Page Up go from group to group, the arrows from field to field. / finds a "
+    "setting by a word (F3 "
     "where a text is typed). Ctrl-R resets a setting; on a group, all its settings.",
-    "Nothing is saved until you save, with a reason: the next session then runs with the new version. Earlier versions "
+    "Nothing is saved until you save, with a reason: the next session then runs with the new "
+    "version. Earlier versions "
     "are kept.",
 )
 
 
 class SettingsScreen(DismissedOnce[None]):
-    """Groups at the left, the fields of one group at the right, the help of the focused field below."""
+    """Groups at the left, the fields of one group at the right, the help of the focused field
+    below.
+    """
 
     AUTO_FOCUS = "ParameterField Input, ParameterField Choice"
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -61,7 +67,9 @@ class SettingsScreen(DismissedOnce[None]):
         Binding("down", "app.focus_next", "Next", show=False, id="down"),
         Binding("up", "app.focus_previous", "Previous", show=False, id="up"),
         Binding("pagedown", "group(1)", "Next group", show=False, priority=True, id="next-group"),
-        Binding("pageup", "group(-1)", "Previous group", show=False, priority=True, id="previous-group"),
+        Binding(
+            "pageup", "group(-1)", "Previous group", show=False, priority=True, id="previous-group"
+        ),
     ]
 
     app: Any
@@ -70,7 +78,9 @@ class SettingsScreen(DismissedOnce[None]):
         super().__init__()
         self._participant = participant
         self._motor_task = task
-        self._programme = programmes.newest(self.app.database, self._participant, self._motor_task.name)
+        self._programme = programmes.newest(
+            self.app.database, self._participant, self._motor_task.name
+        )
         self._panels: list[FieldPanel] = []
         self._fields: list[ParameterField] = []
         self._warning = ""
@@ -98,16 +108,26 @@ class SettingsScreen(DismissedOnce[None]):
         for heading, declared in grouped(parameters).items():
             made = [
                 ParameterField(
-                    translated(field, tr), values.get(field.name, field.default), known.get(field.name, ()), tr
+                    translated(field, tr),
+                    values.get(field.name, field.default),
+                    known.get(field.name, ()),
+                    tr,
                 )
                 for field in declared
             ]
             self._fields += made
-            self._panels.append(FieldPanel(tr(heading) if heading else tr(self._motor_task.title), made))
+            self._panels.append(
+                FieldPanel(tr(heading) if heading else tr(self._motor_task.title), made)
+            )
         self._saved = self._shown()
         yield Static(self._title(), id="top", markup=False)
         with Horizontal(id="form"):
-            yield OptionList(*(Option(panel.title) for panel in self._panels), id="groups", markup=False, compact=True)
+            yield OptionList(
+                *(Option(panel.title) for panel in self._panels),
+                id="groups",
+                markup=False,
+                compact=True,
+            )
             with Vertical(id="fields"):
                 yield from self._panels
                 yield Static("", id="meaning", markup=False)
@@ -122,17 +142,24 @@ class SettingsScreen(DismissedOnce[None]):
     async def on_mount(self) -> None:
         await self._show_group(0)
         await self._check()
-        if gone := self._programme.parameters.keys() - {widget.field.name for widget in self._fields}:
+        if gone := self._programme.parameters.keys() - {
+            widget.field.name for widget in self._fields
+        }:
             names = ", ".join(sorted(gone))
-            self.notify(f"These settings do not exist any more: {names}.", severity="warning", timeout=15)
+            self.notify(
+                f"These settings do not exist any more: {names}.", severity="warning", timeout=15
+            )
 
     def _title(self) -> str:
         version = self._programme.version
         saved = self.tr("version {number}", number=version) if version else self.tr("defaults")
         title = self.tr(self._motor_task.title)
-        return self.tr("Settings of {who} for {task}: {saved}", who=self._participant, task=title, saved=saved)
+        return self.tr(
+            "Settings of {who} for {task}: {saved}", who=self._participant, task=title, saved=saved
+        )
 
-    # --- values ----------------------------------------------------------------------------------------------
+    # --- values
+    # ----------------------------------------------------------------------------------------------
 
     def _values(self) -> dict[str, object]:
         return {widget.field.name: widget.value for widget in self._fields}
@@ -145,7 +172,9 @@ class SettingsScreen(DismissedOnce[None]):
         """Check each value, and all of them together, because valid values may conflict."""
         problems, unused = self._problems(), without_effect(self._values())
         for widget in self._fields:
-            widget.show_problem(problems.get(widget.field.name, ""), unused.get(widget.field.name, ""))
+            widget.show_problem(
+                problems.get(widget.field.name, ""), unused.get(widget.field.name, "")
+            )
         self._count()
         self._show_help()
         unsaved = self.tr("not saved") if self._shown() != self._saved else ""
@@ -165,21 +194,32 @@ class SettingsScreen(DismissedOnce[None]):
         return self._language_problem(parameters.language)
 
     def _language_problem(self, language: str) -> dict[str, str]:
-        """Return a problem if the participant's theme has no phrases in this language: a session would be refused."""
+        """Return a problem if the participant's theme has no phrases in this language: a session
+        would be refused.
+        """
         known = self._languages()
         if not known or language.partition("-")[0] in {name.partition("-")[0] for name in known}:
             return {}
-        has = f"The theme {self._programme.theme} has no phrases in {language}; it has: {', '.join(known)}."
-        return {"language": f"{has} Choose one of these, or give the theme a file phrases.{language}.toml."}
+        has = (
+            f"The theme {self._programme.theme} has no phrases in {language}; it has: "
+            f"{', '.join(known)}."
+        )
+        return {
+            "language": f"{has} Choose one of these, or give the theme a file "
+            f"phrases.{language}.toml."
+        }
 
     def _languages(self) -> tuple[str, ...]:
-        """Return the languages of the theme; none if the theme is gone, as another must be chosen anyway."""
+        """Return the languages of the theme; none if the theme is gone, as another must be chosen
+        anyway.
+        """
         try:
             return languages(self.app.catalogue.theme_folder(self._programme.theme))
         except PluginError:
             return ()
 
-    # --- groups and help --------------------------------------------------------------------------------------
+    # --- groups and help
+    # --------------------------------------------------------------------------------------
 
     @property
     def _group(self) -> int:
@@ -257,9 +297,12 @@ class SettingsScreen(DismissedOnce[None]):
                 self._go_to(name)
 
         declared = [widget.field for widget in self._fields]
-        self.app.push_screen(FindSettingScreen(declared, self.tr(self._motor_task.title), self.tr), found)
+        self.app.push_screen(
+            FindSettingScreen(declared, self.tr(self._motor_task.title), self.tr), found
+        )
 
-    # --- saving ---------------------------------------------------------------------------------------------
+    # --- saving
+    # ---------------------------------------------------------------------------------------------
 
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
@@ -300,7 +343,9 @@ class SettingsScreen(DismissedOnce[None]):
             self._warning = str(error)
             self._programme = error.newest
             status.update(self.tr("not saved"))
-            again = self.tr("Save again to see what differs from it, and to put yours on top of it.")
+            again = self.tr(
+                "Save again to see what differs from it, and to put yours on top of it."
+            )
             self.notify(f"{error} {again}", severity="warning", timeout=30)
             return
         except StoreError as error:
@@ -319,13 +364,16 @@ class SettingsScreen(DismissedOnce[None]):
 
         try:
             task = set_up(self._motor_task, parameters)
-            start = start_after(task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT))
+            start = start_after(
+                task, newest_of(self.app.database, self._participant, task.name, LOOKED_AT)
+            )
         except Failed as error:
             return str(error)
         why = f" ({self.tr(start.why)})" if start.why else ""
         return self.tr("The next session starts at level {level}{why}.", level=start.level, why=why)
 
-    # --- presets, defaults, leaving -------------------------------------------------------------------------
+    # --- presets, defaults, leaving
+    # -------------------------------------------------------------------------
 
     @on(Button.Pressed, "#preset")
     def _choose_preset(self) -> None:
@@ -350,16 +398,22 @@ class SettingsScreen(DismissedOnce[None]):
                 if stay := not_applied(self._motor_task, presets[name]):
                     names = ", ".join(translated(field, self.tr).title for field in stay)
                     told = self.tr(
-                        "The preset also names what belongs to the person or the place, and stays: {names}.",
+                        "The preset also names what belongs to the person or the place, and "
+                        "stays: {names}.",
                         names=names,
                     )
                     self.notify(told, severity="warning", timeout=15)
 
         if presets:
-            summaries = {name: preset.summary or self.tr("one of your own") for name, preset in presets.items()}
+            summaries = {
+                name: preset.summary or self.tr("one of your own")
+                for name, preset in presets.items()
+            }
             self.app.push_screen(ChoosePresetScreen(summaries, self.tr), chosen)
         else:
-            self.notify(self.tr("The task {task} has no presets.", task=self.tr(self._motor_task.title)))
+            self.notify(
+                self.tr("The task {task} has no presets.", task=self.tr(self._motor_task.title))
+            )
 
     async def action_reset(self) -> None:
         """Reset the focused field to its default, or all fields of the focused group."""
@@ -383,7 +437,9 @@ class SettingsScreen(DismissedOnce[None]):
             self.dismiss()
 
     def may_quit(self) -> bool:
-        """Return True if nothing is unsaved, or the changes may be discarded; else ask for a second press."""
+        """Return True if nothing is unsaved, or the changes may be discarded; else ask for a second
+        press.
+        """
         if self._shown() == self._saved:
             return True
         self._saved = self._shown()

@@ -22,7 +22,9 @@ def step_text(asked: AskedStep, tr: Language, left: int = 0) -> WaitingText:
     """Return the text for a step; ``left``: time that is left of a rest or a calibration (ns)."""
     step = asked.step
     if step.kind in TIMED:
-        return WaitingText(step.text, tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)), "")
+        return WaitingText(
+            step.text, tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)), ""
+        )
     if not step.is_question:
         return WaitingText("", step.text, tr("Press Enter to go on."), tr("Enter"))
     missing = {
@@ -30,11 +32,15 @@ def step_text(asked: AskedStep, tr: Language, left: int = 0) -> WaitingText:
         "choices": tr("Please choose at least one, then press Enter."),
     }.get(step.kind, tr("Please choose first, then press Enter."))
     question = tr("{who}: {words}", who=asked.who, words=step.text) if asked.who else step.text
-    return WaitingText(question, _options(asked), missing if asked.entry.is_missing else _how(asked, tr))
+    return WaitingText(
+        question, _options(asked), missing if asked.entry.is_missing else _how(asked, tr)
+    )
 
 
 def decline_text(asked: AskedStep | None, tr: Language) -> str:
-    """Return how to give no answer to a question; empty if nothing is asked, or a long scale takes its place."""
+    """Return how to give no answer to a question; empty if nothing is asked, or a long scale takes
+    its place.
+    """
     is_said = asked is not None and asked.step.is_question and asked.step.kind != "borg"
     return tr("Tab: I would rather not say.") if is_said else ""
 
@@ -71,7 +77,9 @@ def _typed(text: str) -> str:
 
 
 def _row(asked: AskedStep) -> str:
-    """Return the numbers of a scale beside each other, the chosen one in brackets, above the words at its ends."""
+    """Return the numbers of a scale beside each other, the chosen one in brackets, above the words
+    at its ends.
+    """
     cells = []
     for index, point in enumerate(points(asked.step)):
         mark = f"[{point.typed}]" if index in asked.entry.chosen else point.typed
@@ -100,7 +108,9 @@ def _with_ends(row: str, labels: tuple[str, ...]) -> str:
 
 
 def _list(asked: AskedStep) -> str:
-    """Return the options one below the other, or in columns, with an arrow before what is chosen or pointed at."""
+    """Return the options one below the other, or in columns, with an arrow before what is chosen or
+    pointed at.
+    """
     step, entry = asked.step, asked.entry
     several = step.kind == "choices"
     digits = max(len(point.typed) for point in points(step))
@@ -109,14 +119,20 @@ def _list(asked: AskedStep) -> str:
         is_chosen = index in entry.chosen
         box = ("[x] " if is_chosen else "[ ] ") if several else ""
         is_at = index == entry.place if several else is_chosen
-        lines.append(f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  {point.label}".rstrip())
+        lines.append(
+            f"{'▶' if is_at else ' '} {box}{point.typed.rjust(digits)}  {point.label}".rstrip()
+        )
     width = max(map(len, lines))
     if len(lines) <= _TALL:
         return _block(lines, width)
     columns = [lines[start : start + _COLUMN_ROWS] for start in range(0, len(lines), _COLUMN_ROWS)]
     widths = [max(map(len, column)) for column in columns]
     rows = [
-        "  ".join(column[row].ljust(width) for column, width in zip(columns, widths, strict=True) if row < len(column))
+        "  ".join(
+            column[row].ljust(width)
+            for column, width in zip(columns, widths, strict=True)
+            if row < len(column)
+        )
         for row in range(_COLUMN_ROWS)
     ]
     return _block(rows, max(map(len, rows)))

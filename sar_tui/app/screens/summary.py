@@ -1,4 +1,6 @@
-"""The summary of a session in words and as a plot: for its participant the goals reached, for others the results."""
+"""The summary of a session in words and as a plot: for its participant the goals reached, for
+others the results.
+"""
 
 from collections.abc import Callable, Sequence
 from itertools import accumulate
@@ -27,9 +29,10 @@ class Summary(Vertical):
     Args:
         metric: the task's metric.
         more_facts: sentences that the task's view adds for one seat's attempts.
-        for_participant: True to plot the goals reached so far, a line that never falls: results get worse as the level
-            rises, so that a session that went well would look like a decline. Without a goal nothing is plotted.
-            False to plot results and levels over attempts (Figure 4.4 of the thesis).
+        for_participant: True to plot the goals reached so far, a line that never falls: results get
+            worse as the level rises, so that a session that went well would look like a decline.
+            Without a goal nothing is plotted. False to plot results and levels over attempts
+            (Figure 4.4 of the thesis).
     """
 
     def __init__(
@@ -52,7 +55,12 @@ class Summary(Vertical):
         yield Static("", id="plot")
         yield Static("", id="finish", markup=False)
 
-    def show(self, *attempts: Sequence[AttemptEnded], status: str = "completed", names: Sequence[str] = ()) -> None:
+    def show(
+        self,
+        *attempts: Sequence[AttemptEnded],
+        status: str = "completed",
+        names: Sequence[str] = (),
+    ) -> None:
         """Show the scored attempts, of each seat if there are several.
 
         Args:
@@ -63,15 +71,22 @@ class Summary(Vertical):
         self._attempts, self._names, tr = attempts, names, language_of(self.app)
         facts = [self._facts(each, status) for each in attempts]
         if names:
-            facts = [tr("{who}: {words}", who=who, words=words) for who, words in zip(names, facts, strict=True)]
+            facts = [
+                tr("{who}: {words}", who=who, words=words)
+                for who, words in zip(names, facts, strict=True)
+            ]
         self.query_one("#facts", Static).update("\n".join(facts))
         self.wait(awaits_goodbye=False)
         self.call_after_refresh(self._draw)
 
     def wait(self, *, awaits_goodbye: bool) -> None:
-        """Say that the end is near, or how to finish: the goodbye that an operator decides on is waited for."""
+        """Say that the end is near, or how to finish: the goodbye that an operator decides on is
+        waited for.
+        """
         tr = language_of(self.app)
-        self.query_one("#finish", Static).update(tr("One moment…") if awaits_goodbye else tr("Press Enter to finish."))
+        self.query_one("#finish", Static).update(
+            tr("One moment…") if awaits_goodbye else tr("Press Enter to finish.")
+        )
 
     def compare(self, words: str) -> None:
         """Add how the session compares with an earlier one."""
@@ -85,15 +100,28 @@ class Summary(Vertical):
     def _facts(self, attempts: Sequence[AttemptEnded], status: str) -> str:
         tr, count = language_of(self.app), len(attempts)
         if status == "refused" and self._for_participant:
-            return tr("That is all right. The session does not begin, and nothing but this answer is kept. Thank you.")
+            return tr(
+                "That is all right. The session does not begin, and nothing but this answer is "
+                "kept. Thank you."
+            )
         if status == "mistake":
             return tr("That is all right. This session does not count.")
         if status == "completed":
-            done = tr("You did 1 attempt") if count == 1 else tr("You did {count} attempts", count=count)
+            done = (
+                tr("You did 1 attempt")
+                if count == 1
+                else tr("You did {count} attempts", count=count)
+            )
         elif status == "running":
-            done = tr("1 attempt so far") if count == 1 else tr("{count} attempts so far", count=count)
+            done = (
+                tr("1 attempt so far") if count == 1 else tr("{count} attempts so far", count=count)
+            )
         else:
-            done = tr("Ended early, after 1 attempt") if count else tr("Ended before the first attempt was finished")
+            done = (
+                tr("Ended early, after 1 attempt")
+                if count
+                else tr("Ended before the first attempt was finished")
+            )
             if count > 1:
                 done = tr("Ended early, after {count} attempts", count=count)
         reached = [a.metric for a in attempts if a.outcome == "success" and a.metric is not None]
@@ -115,7 +143,8 @@ class Summary(Vertical):
         from sar_tui.reports.attempts_plot import BARS
 
         plots = list(self.query("#plot").results(Static))
-        if not self._attempts or not plots:  # none any more if it was removed before the refresh that was waited for
+        # none any more if it was removed before the refresh that was waited for
+        if not self._attempts or not plots:
             return
         (plot,) = plots
         several = len(self._attempts) > 1
@@ -124,15 +153,22 @@ class Summary(Vertical):
         if not all(figures):
             return
         lines = list(map("".join, zip(*figures, strict=True)))
-        text = Text("\n".join([self._legend().rjust(plot.size.width), *lines] if several else lines))
+        text = Text(
+            "\n".join([self._legend().rjust(plot.size.width), *lines] if several else lines)
+        )
         colors = self.app.theme_variables
         text.highlight_regex(f"[{BARS}]+", colors["text-muted"])
         for name, marker in MARKERS.items():
-            text.highlight_regex(f"{marker}+", colors[{"reached": "success", "no goal": "accent"}.get(name, "warning")])
+            text.highlight_regex(
+                f"{marker}+",
+                colors[{"reached": "success", "no goal": "accent"}.get(name, "warning")],
+            )
         plot.update(text)
 
     def _legend(self) -> str:
-        """Return the legend of both participants' plots, which has no room beside either heading."""
+        """Return the legend of both participants' plots, which has no room beside either
+        heading.
+        """
         from sar_tui.reports.attempts_plot import legend
 
         results = [self._result(attempt) for each in self._attempts for attempt in each]
@@ -146,7 +182,8 @@ class Summary(Vertical):
         return "missed" if found == "no result" and self._for_participant else found
 
     def _figure(self, attempts: Sequence[AttemptEnded], width: int, height: int) -> list[str]:
-        """Return the lines of a plot, all ``width`` wide; none if there is nothing to draw, or no room.
+        """Return the lines of a plot, all ``width`` wide; none if there is nothing to draw, or no
+        room.
 
         The plots of two participants share the scale of their left axis.
         """
@@ -179,13 +216,17 @@ class Summary(Vertical):
         )
         return [line.ljust(width) for line in figure.splitlines()]
 
-    def _plotted(self, attempts: Sequence[AttemptEnded]) -> tuple[list[float | None], list[float | None]]:
+    def _plotted(
+        self, attempts: Sequence[AttemptEnded]
+    ) -> tuple[list[float | None], list[float | None]]:
         """Return the plotted values of attempts, and their goals, as people read them."""
         if self._for_participant:
             reached = accumulate(float(attempt.outcome == "success") for attempt in attempts)
             return list(reached), [None] * len(attempts)
         _, factor = axis(self._metric, language_of(self.app))
-        return [_scaled(a.metric, factor) for a in attempts], [_scaled(a.goal, factor) for a in attempts]
+        return [_scaled(a.metric, factor) for a in attempts], [
+            _scaled(a.goal, factor) for a in attempts
+        ]
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

@@ -23,10 +23,11 @@ _PATIENCE = 5 * SECOND
 
 
 class SyncScreen(DismissedOnce[None]):
-    """Covers a session that waits for its first Enter, until the screen has flashed once and a tone was played.
+    """Covers a session that waits for its first Enter, until the screen has flashed once and a tone
+    was played.
 
-    Both are reported to the session with the time at which they happened: the flush of the white frame, and the feeding
-    of the first samples to the sound card. Esc leaves them out.
+    Both are reported to the session with the time at which they happened: the flush of the white
+    frame, and the feeding of the first samples to the sound card. Esc leaves them out.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -48,7 +49,11 @@ class SyncScreen(DismissedOnce[None]):
 
     def on_mount(self) -> None:
         loop = asyncio.get_running_loop()
-        self._sound.join("tone", self._live.clock, lambda report: loop.call_soon_threadsafe(self._reported, report))
+        self._sound.join(
+            "tone",
+            self._live.clock,
+            lambda report: loop.call_soon_threadsafe(self._reported, report),
+        )
         self._sound.get_ready("tone", tones=[TONE])
         tr = language_of(self.app)
         self._show(
@@ -68,7 +73,9 @@ class SyncScreen(DismissedOnce[None]):
             self._sound.tone("sync", TONE)
             clock = self._live.clock
             clock.call_at(clock.now() + FLASH, self._end_flash)
-            clock.call_at(clock.now() + _PATIENCE, lambda: self._end_tone("It was not heard of again."))
+            clock.call_at(
+                clock.now() + _PATIENCE, lambda: self._end_tone("It was not heard of again.")
+            )
         elif self._state == "problem":
             self.dismiss()
 
@@ -84,7 +91,9 @@ class SyncScreen(DismissedOnce[None]):
         if getattr(app._driver, "can_stamp_onset", False):
             app.onset_watch.arm(text, lambda at: self._live.signal("flash", at, "flush"))
         else:
-            self.call_after_refresh(lambda: self._live.signal("flash", self._live.clock.now(), "refresh"))
+            self.call_after_refresh(
+                lambda: self._live.signal("flash", self._live.clock.now(), "refresh")
+            )
         self.add_class("flash")
         self._show(text)
 

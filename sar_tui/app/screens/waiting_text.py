@@ -11,7 +11,9 @@ from sar_tui.tui.language import session_language
 
 
 class WaitingText(NamedTuple):
-    """Headline, text, and the key to press (empty if no key helps). ``key``: its name, if it stands in ``press``."""
+    """Headline, text, and the key to press (empty if no key helps). ``key``: its name, if it stands
+    in ``press``.
+    """
 
     headline: str
     text: str
@@ -20,9 +22,15 @@ class WaitingText(NamedTuple):
 
 
 def waiting_text(  # noqa: PLR0911
-    waiting: Waiting, task: Task, *, left: int = 0, is_goal_shown: bool = False, is_recording_over: bool = False
+    waiting: Waiting,
+    task: Task,
+    *,
+    left: int = 0,
+    is_goal_shown: bool = False,
+    is_recording_over: bool = False,
 ) -> WaitingText | None:
-    """Return the text for a wait; None while the screen shows a prompt, the pause menu or the summary.
+    """Return the text for a wait; None while the screen shows a prompt, the pause menu or the
+    summary.
 
     Args:
         waiting: the wait.
@@ -34,7 +42,9 @@ def waiting_text(  # noqa: PLR0911
     tr = session_language(task)
     match waiting.stage:
         case "instructions":
-            return WaitingText(tr("Welcome"), task.instructions(), tr("Press Enter to go on."), tr("Enter"))
+            return WaitingText(
+                tr("Welcome"), task.instructions(), tr("Press Enter to go on."), tr("Enter")
+            )
         case "attempt":
             return _before_attempt(waiting, tr, is_goal_shown=is_goal_shown)
         case "review":
@@ -43,7 +53,9 @@ def waiting_text(  # noqa: PLR0911
             return WaitingText(tr("All done"), text, press, tr("Enter"))
         case "rest":
             return WaitingText(
-                tr("A short rest"), tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)), ""
+                tr("A short rest"),
+                tr("We go on in {time}.", time=duration_text(-(-left // SECOND), tr)),
+                "",
             )
         case "answer":
             return WaitingText(tr("One moment…"), "", "")
@@ -59,7 +71,9 @@ def waiting_text(  # noqa: PLR0911
         case "broken":
             stopped = tr("Something went wrong in this task, so the session has stopped.")
             text = f"{stopped}\n{tr('Everything you did is kept.')}"
-            return WaitingText(tr("Please fetch the experimenter"), text, tr("Press Enter to close."))
+            return WaitingText(
+                tr("Please fetch the experimenter"), text, tr("Press Enter to close.")
+            )
         case "ended" if waiting.reason == "storage":
             return _no_space(waiting.detail, tr)
         case "ended" if waiting.what == "storage":
@@ -68,7 +82,9 @@ def waiting_text(  # noqa: PLR0911
 
 
 def help_text(task: Task, tr: Language, *, with_marks: bool = True) -> str:
-    """Return the instructions of a task, and the keys to pause, to ask for feedback and to mark a trial."""
+    """Return the instructions of a task, and the keys to pause, to ask for feedback and to mark a
+    trial.
+    """
     pause = tr("When a screen asks you to, press Enter. To pause, press Escape; nothing is lost.")
     parts = [f"{task.instructions()}\n\n{pause}\n"]
     if task.parameters.feedback_schedule == "request":
@@ -90,7 +106,9 @@ def key_name(key: str, tr: Language) -> str:
 
 
 def _before_attempt(waiting: Waiting, tr: Language, *, is_goal_shown: bool) -> WaitingText:
-    """Return what is new, and the key; the number of the attempt and its goal where they are not seen otherwise."""
+    """Return what is new, and the key; the number of the attempt and its goal where they are not
+    seen otherwise.
+    """
     key = tr("Enter")
     if waiting.until:
         press, key = tr("The next one begins by itself."), ""
@@ -105,7 +123,9 @@ def _before_attempt(waiting: Waiting, tr: Language, *, is_goal_shown: bool) -> W
     return WaitingText(headline, text, press, key)
 
 
-def _paused(waiting: Waiting, task: Task, tr: Language, is_recording_over: bool) -> WaitingText | None:
+def _paused(
+    waiting: Waiting, task: Task, tr: Language, is_recording_over: bool
+) -> WaitingText | None:
     match waiting.reason:
         case "interrupted":
             go_on = f"{tr('We go on with {attempt}.', attempt=waiting.attempt_name)} {waiting.goal}"
@@ -115,7 +135,9 @@ def _paused(waiting: Waiting, task: Task, tr: Language, is_recording_over: bool)
             if waiting.detail:
                 told = tr("For the experimenter: {words}", words=waiting.detail)
                 return WaitingText(
-                    tr("Please fetch the experimenter"), f"{saved}\n\n{told}", tr("Press Enter to go on.")
+                    tr("Please fetch the experimenter"),
+                    f"{saved}\n\n{told}",
+                    tr("Press Enter to go on."),
                 )
             return WaitingText(tr("Thank you for waiting"), saved, tr("Press Enter to go on."))
         case "storage":
@@ -125,9 +147,14 @@ def _paused(waiting: Waiting, task: Task, tr: Language, is_recording_over: bool)
             silent = tr("The sensor on your hand sends no data just now. Nothing is lost.")
             if len(task.seats) > 1 and waiting.seat:
                 silent = f"{task.display_name(waiting.seat)}: {silent}"
-            then = tr("The session goes on by itself once the sensor sends data again. To end it: Escape.")
+            then = tr(
+                "The session goes on by itself once the sensor sends data again. To end it: Escape."
+            )
             if is_recording_over:
-                then = tr("A recording replaces the sensor, so the session cannot go on. To end it: Escape.")
+                then = tr(
+                    "A recording replaces the sensor, so the session cannot go on. To end it: "
+                    "Escape."
+                )
             return WaitingText(
                 tr("Please wait"),
                 f"{silent}\n\n{tr('For the experimenter: {words}', words=why)}\n{then}",

@@ -19,10 +19,14 @@ from sar_tui.tui.language import translated
 from sar_tui.widgets.key_footer import KeyFooter
 
 _TEN_KEYS = ("t", "d", "x")
-"""Keys for 10: of ten, of Spanish diez, and the Roman number. The screen names that of its language."""
+"""Keys for 10: of ten, of Spanish diez, and the Roman number. The screen names that of its
+language.
+"""
 _NOT_SAID_KEY = "n"
 _GO_ON_KEY = "g"
-"""Goes on in spite of the advice not to. It answers no question, so that nobody presses it by habit."""
+"""Goes on in spite of the advice not to. It answers no question, so that nobody presses it by
+habit.
+"""
 
 PLACES = {
     "1": "left hand",
@@ -59,7 +63,8 @@ TELL_OF_PAIN = "Rest, and tell your therapist about the pain now."
 ALONE = "Nobody is watching this screen, and it calls nobody. Please tell them yourself."
 _CALLS_NOBODY: dict[Moment, str] = {
     "before": ALONE,
-    "pause": "This screen calls nobody. Please tell them yourself.",  # there may be an operator, and none may show
+    # there may be an operator, and none may show
+    "pause": "This screen calls nobody. Please tell them yourself.",
     "after": ALONE,
 }
 _STOP: dict[Moment, str] = {
@@ -75,7 +80,9 @@ _GO_ON: dict[Moment, str] = {
 
 
 class Person(NamedTuple):
-    """A participant who is asked. ``name``: shown above the questions if there are two. ``pain_before``: for a rule."""
+    """A participant who is asked. ``name``: shown above the questions if there are two.
+    ``pain_before``: for a rule.
+    """
 
     seat: str
     code: str
@@ -88,9 +95,11 @@ Save = Callable[[Person, Question, str], None]
 
 
 class WellbeingScreen(DismissedOnce[bool]):
-    """Asks each participant; the result is True to go on, False not to begin the session, or to end it in a pause.
+    """Asks each participant; the result is True to go on, False not to begin the session, or to end
+    it in a pause.
 
-    Pain above the limits leads to the advice not to train. Enter follows it; to go on takes another key, and is stored.
+    Pain above the limits leads to the advice not to train. Enter follows it; to go on takes another
+    key, and is stored.
 
     Args:
         moment: before or after the session, or in a pause for pain, where only pain is asked.
@@ -98,7 +107,8 @@ class WellbeingScreen(DismissedOnce[bool]):
         limits: of pain, as the therapist set them.
         save: stores each answer as soon as it is given.
         tr: language of the session.
-        told: pain above the limits that the first of them has told already: the screen begins with the advice.
+        told: pain above the limits that the first of them has told already: the screen begins with
+            the advice.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -138,12 +148,15 @@ class WellbeingScreen(DismissedOnce[bool]):
         is_silent = live is None or set(live.run.session.task.parameters.outputs) <= {"screen"}
         names = {"back": self.tr("Backspace")}
         return {
-            key: active._replace(binding=replace(active.binding, key_display=names.get(active.binding.id or "")))
-            for key, active in keys_in_mode(self.app, translated(super().active_bindings, self.tr)).items()
+            key: active._replace(
+                binding=replace(active.binding, key_display=names.get(active.binding.id or ""))
+            )
+            for key, active in keys_in_mode(
+                self.app, translated(super().active_bindings, self.tr)
+            ).items()
             if not (is_silent and active.binding.id == "stop")
-            and not (
-                self._is_advising and active.binding.id == "leave"
-            )  # Escape does as Enter there, and skips nothing
+            # Escape does as Enter there, and skips nothing
+            and not (self._is_advising and active.binding.id == "leave")
         }
 
     @property
@@ -163,10 +176,12 @@ class WellbeingScreen(DismissedOnce[bool]):
         else:
             self._show()
 
-    # --- answers ------------------------------------------------------------------------------------------
+    # --- answers
+    # ------------------------------------------------------------------------------------------
 
     def completes_answer(self, key: str) -> bool:
-        """Return True if a key makes 10 of the 1 before it: so the worst pain is often typed, and would be taken for 1.
+        """Return True if a key makes 10 of the 1 before it: so the worst pain is often typed, and
+        would be taken for 1.
 
         No place has the key 0, and the key may follow the 1 sooner than the screen can be read.
         """
@@ -264,7 +279,8 @@ class WellbeingScreen(DismissedOnce[bool]):
         else:
             self._finish()
 
-    # --- the screen ------------------------------------------------------------------------------------------
+    # --- the screen
+    # ------------------------------------------------------------------------------------------
 
     def _show(self, *, hint: bool = False) -> None:
         person, question = self._asked[-1]
@@ -284,7 +300,9 @@ class WellbeingScreen(DismissedOnce[bool]):
             "question": self.tr(_QUESTIONS[question]),
             "scale": self._places() if question == "place" else self._scale(question),
             "keys": self._keys(question),
-            "given": self.tr("Nothing is chosen yet. Please press one of these keys.") if hint else given,
+            "given": self.tr("Nothing is chosen yet. Please press one of these keys.")
+            if hint
+            else given,
         }
 
     def _advice(self) -> dict[str, str]:

@@ -1,4 +1,6 @@
-"""``sar-tui doctor``: check this machine and this installation, and say how to fix what does not work."""
+"""``sar-tui doctor``: check this machine and this installation, and say how to fix what does not
+work.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -13,7 +15,9 @@ if TYPE_CHECKING:
 _MARKS = {"ok": "✓", "care": "!", "bad": "✗"}
 
 
-def doctor(context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None) -> None:
+def doctor(
+    context: typer.Context, as_json: AsJson = False, data: Data = None, tasks: Tasks = None
+) -> None:
     """Check what works on this machine, and how to fix what does not."""
     from sar_tui.cli.doctor.examination import examine
 
@@ -39,4 +43,8 @@ def _print(findings: "list[Finding]") -> None:
         print(textwrap.fill(finding.found, width, initial_indent=head, subsequent_indent=margin))
         if finding.advice:
             arrow = f"{margin}→ "
-            print(textwrap.fill(finding.advice, width, initial_indent=arrow, subsequent_indent=f"{margin}  "))
+            print(
+                textwrap.fill(
+                    finding.advice, width, initial_indent=arrow, subsequent_indent=f"{margin}  "
+                )
+            )

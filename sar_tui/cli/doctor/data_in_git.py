@@ -1,4 +1,6 @@
-"""People's data that git tracks or would take: in the data folder, and in the checkout of the program."""
+"""People's data that git tracks or would take: in the data folder, and in the checkout of the
+program.
+"""
 
 import csv
 from collections.abc import Sequence
@@ -11,12 +13,22 @@ from sar_tui.cli.doctor.finding import Finding
 _LISTED = 3
 _SAMPLE = ("README.md", "make_recording.py", "table-4.1.csv")
 """Files in ``data`` of a checkout that belong to the program."""
-_OF_PEOPLE = ("*.db", "*.db-wal", "*.db-shm", "*.sar-link", "*.key", "passphrase.json", "passphrase.log")
+_OF_PEOPLE = (
+    "*.db",
+    "*.db-wal",
+    "*.db-shm",
+    "*.sar-link",
+    "*.key",
+    "passphrase.json",
+    "passphrase.log",
+)
 """Names of databases, invitations and keys, which the program has none of."""
 
 
 class DataInGit(NamedTuple):
-    """Files of people, relative to the checkout where they are in it: those git tracks, those ``git add .`` takes."""
+    """Files of people, relative to the checkout where they are in it: those git tracks, those ``git
+    add .`` takes.
+    """
 
     tracked: tuple[Path, ...] = ()
     would_add: tuple[Path, ...] = ()
@@ -36,7 +48,8 @@ def examine_data_in_git(folder: Path) -> Finding:
     advice = "Add them to .gitignore."
     if found.tracked:
         advice = (
-            "Do not push: whoever gets the repository gets the data. `git rm --cached FILE` keeps a file and takes it "
+            "Do not push: whoever gets the repository gets the data. `git rm --cached FILE` keeps "
+            "a file and takes it "
             "out of the next commit; earlier commits still hold it."
         )
     return Finding(name, "care", f"{', and '.join(said)}: data of people", advice)
@@ -48,18 +61,26 @@ def _listed(paths: Sequence[Path]) -> str:
 
 
 def checkout() -> Path | None:
-    """Return the folder of the checkout that the program runs from; None if it is installed elsewhere."""
+    """Return the folder of the checkout that the program runs from; None if it is installed
+    elsewhere.
+    """
     folder = Path(sar_tui.__file__).parents[1]
     return folder if (folder / ".git").exists() else None
 
 
 def data_in_git(checkout: Path | None, data: Path | None) -> DataInGit:
-    """Return the files of people that git knows in a checkout, and in a data folder, wherever that is."""
+    """Return the files of people that git knows in a checkout, and in a data folder, wherever that
+    is.
+    """
     from sar_tui.drivers.git import tracked, would_add
 
     found = []
     for list_files in (tracked, would_add):
-        in_checkout = [path for path in list_files(checkout) if _is_of_people(path, checkout)] if checkout else []
+        in_checkout = (
+            [path for path in list_files(checkout) if _is_of_people(path, checkout)]
+            if checkout
+            else []
+        )
         in_data = list_files(data.resolve()) if data is not None and data.is_dir() else []
         both = (*in_checkout, *(path for path in in_data if path.name not in _SAMPLE))
         found.append(tuple(sorted({_named(path, checkout) for path in both})))
@@ -72,7 +93,11 @@ def _is_of_people(path: Path, checkout: Path) -> bool:
 
     if path.parent == checkout / "data":
         return path.name not in _SAMPLE
-    if checkout / "data" in path.parents or path.name == MANIFEST or any(map(path.match, _OF_PEOPLE)):
+    if (
+        checkout / "data" in path.parents
+        or path.name == MANIFEST
+        or any(map(path.match, _OF_PEOPLE))
+    ):
         return True
     return path.suffix == ".csv" and _head(path) in (HEAD, EARLIER_HEAD)
 

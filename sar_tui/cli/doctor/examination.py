@@ -33,7 +33,9 @@ def examine(home: Home) -> Iterator[Finding]:
 
 
 def _checks(home: Home, pool: Executor) -> Sequence[tuple[str, Check]]:
-    """Return the checks by name, in the order of their findings. Those that wait are started in the pool."""
+    """Return the checks by name, in the order of their findings. Those that wait are started in the
+    pool.
+    """
     voice = pool.submit(examine_voice).result
     return (
         ("Python", python),

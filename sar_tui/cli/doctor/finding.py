@@ -8,7 +8,9 @@ State = Literal["ok", "care", "bad"]
 
 
 class Finding(msgspec.Struct, frozen=True, rename={"advice": "mend"}):
-    """The state of one thing. ``care``: it works, but could work better. ``advice``: what to do about it."""
+    """The state of one thing. ``care``: it works, but could work better. ``advice``: what to do
+    about it.
+    """
 
     name: str
     state: State

@@ -26,20 +26,28 @@ def tasks(home: Home) -> Finding:
         catalogue = home.catalogue()
     except PluginError as error:
         return Finding("Tasks", "bad", str(error), "Name a folder that exists with --tasks.")
-    found = _loaded("Tasks", catalogue.task_names(), catalogue.task, "`sar-tui tasks check FOLDER` says more.")
+    found = _loaded(
+        "Tasks", catalogue.task_names(), catalogue.task, "`sar-tui tasks check FOLDER` says more."
+    )
     if found.state == "ok" and (lines := replaced_lines(catalogue.replaced_tasks())):
-        return Finding("Tasks", "care", " ".join(lines), "Give it a name of its own if this is not meant.")
+        return Finding(
+            "Tasks", "care", " ".join(lines), "Give it a name of its own if this is not meant."
+        )
     return found
 
 
 def themes(home: Home) -> Finding:
     """Load every theme."""
     catalogue = home._replace(tasks=()).catalogue()
-    return _loaded("Themes", catalogue.theme_names(), catalogue.theme, "Fix its folder, or remove it.")
+    return _loaded(
+        "Themes", catalogue.theme_names(), catalogue.theme, "Fix its folder, or remove it."
+    )
 
 
 def outputs() -> Finding:
-    """Load the plug-ins among the outputs. None is opened, because only a session knows its address."""
+    """Load the plug-ins among the outputs. None is opened, because only a session knows its
+    address.
+    """
     from importlib.metadata import entry_points
 
     from sar_tui.outputs.outputs import GROUP, output_names
@@ -51,10 +59,13 @@ def outputs() -> Finding:
             entry.load()
         except PLUGIN_ERRORS as error:
             problems.append(
-                f"The output {entry.name} ({entry.value}) cannot be loaded: {type(error).__name__}: {error}."
+                f"The output {entry.name} ({entry.value}) cannot be loaded: "
+                f"{type(error).__name__}: {error}."
             )
     if problems:
-        return Finding("Outputs", "bad", " ".join(problems), "Install its package again, or remove it.")
+        return Finding(
+            "Outputs", "bad", " ".join(problems), "Install its package again, or remove it."
+        )
     return Finding("Outputs", "ok", ", ".join(output_names()))
 
 

@@ -1,4 +1,6 @@
-"""Checks of `sar-tui doctor` on how operators join: on this machine, over the network, and in a browser."""
+"""Checks of `sar-tui doctor` on how operators join: on this machine, over the network, and in a
+browser.
+"""
 
 import os
 import socket
@@ -20,7 +22,9 @@ _NO_OPERATOR = "Only sessions with an operator need it."
 
 
 def operator_here() -> Finding:
-    """Check whether an operator on this machine can join a session, by opening a socket in the folder."""
+    """Check whether an operator on this machine can join a session, by opening a socket in the
+    folder.
+    """
     from sar_tui.link.discovery import live_sessions, socket_path
     from sar_tui.link.errors import LinkError, need_packages
 
@@ -39,15 +43,21 @@ def operator_here() -> Finding:
             opened.bind(str(path))
     except OSError as error:
         why = f"no socket can be opened in {path.parent}: {error.strerror}"
-        return Finding(name, "care", why, "Set XDG_RUNTIME_DIR to a folder of yours on a local disk.")
+        return Finding(
+            name, "care", why, "Set XDG_RUNTIME_DIR to a folder of yours on a local disk."
+        )
     finally:
         path.unlink(missing_ok=True)
-    count = "no session" if not found else "1 session" if len(found) == 1 else f"{len(found)} sessions"
+    count = (
+        "no session" if not found else "1 session" if len(found) == 1 else f"{len(found)} sessions"
+    )
     return Finding(name, "ok", f"through {path.parent}, private to you; {count} can be joined now")
 
 
 def invitations(folder: Path, now: datetime | None = None) -> Finding:
-    """Check the invitations to a data folder's sessions, their expiry, and whether its keys are private."""
+    """Check the invitations to a data folder's sessions, their expiry, and whether its keys are
+    private.
+    """
     from sar_tui.link.authority import FOLDER, Authority
     from sar_tui.link.errors import LinkError
 
@@ -64,7 +74,8 @@ def invitations(folder: Path, now: datetime | None = None) -> Finding:
             name,
             "care",
             f"other users can read {keys}, which holds the certificate authority",
-            f"Run chmod 700 {keys}. If somebody may have read it, move it away and make all invitations again.",
+            f"Run chmod 700 {keys}. If somebody may have read it, move it away and make all "
+            "invitations again.",
         )
     return _check_expiry(name, issued, now or datetime.now(UTC))
 
@@ -74,7 +85,9 @@ def browser() -> Finding:
     from sar_tui.link.errors import LinkError, need_packages
 
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
-        return _not_installed("Browser", pip_install_extra("serve"), "Only `sar-tui serve` needs it.")
+        return _not_installed(
+            "Browser", pip_install_extra("serve"), "Only `sar-tui serve` needs it."
+        )
     try:
         need_packages()
     except LinkError as error:
@@ -89,10 +102,16 @@ def _check_expiry(name: str, issued: "tuple[IssuedInvitation, ...]", now: dateti
     found = f"{len(valid)} valid: {', '.join(str(each.guest) for each in valid)}"
     if soon := [each for each in valid if each.expires - now < _SOON]:
         ends = ", ".join(f"{each.name} on {each.expires:%Y-%m-%d}" for each in soon)
-        return Finding(name, "care", f"{found}; expiring soon: {ends}", "Invite them again under a new name.")
+        return Finding(
+            name, "care", f"{found}; expiring soon: {ends}", "Invite them again under a new name."
+        )
     return Finding(name, "ok", found)
 
 
 def _not_installed(name: str, how: str, note: str) -> Finding:
-    """Return the finding that an optional package is not installed; the command follows the last colon of ``how``."""
-    return Finding(name, "ok", f"not installed. {note}", f"To install it: {how.rpartition(': ')[2]}")
+    """Return the finding that an optional package is not installed; the command follows the last
+    colon of ``how``.
+    """
+    return Finding(
+        name, "ok", f"not installed. {note}", f"To install it: {how.rpartition(': ')[2]}"
+    )

@@ -22,8 +22,14 @@ def lsl_markers() -> Finding:
     offset_ns = clock_offset_ns(pylsl)
     found = f"LSL {pylsl.library_version() / 100:.2f}"
     if abs(offset_ns) < SAME_CLOCK_NS:
-        return Finding(name, "ok", f"{found}; its clock is the session's (differs by {offset_ns} ns)")
-    return Finding(name, "ok", f"{found}; its clock is another one, {offset_ns} ns ahead, which is added to stamps")
+        return Finding(
+            name, "ok", f"{found}; its clock is the session's (differs by {offset_ns} ns)"
+        )
+    return Finding(
+        name,
+        "ok",
+        f"{found}; its clock is another one, {offset_ns} ns ahead, which is added to stamps",
+    )
 
 
 def serial_markers() -> Finding:
@@ -38,8 +44,14 @@ def serial_markers() -> Finding:
     from serial.tools.list_ports import comports
 
     ports = sorted(port.device for port in comports())
-    return Finding(name, "ok", f"ports: {', '.join(ports)}" if ports else "installed; there is no serial port now")
+    return Finding(
+        name,
+        "ok",
+        f"ports: {', '.join(ports)}" if ports else "installed; there is no serial port now",
+    )
 
 
 def _not_installed(name: str, how: str) -> Finding:
-    return Finding(name, "ok", f"not installed. {_NOTE}", f"To install it: {how.rpartition(': ')[2]}")
+    return Finding(
+        name, "ok", f"not installed. {_NOTE}", f"To install it: {how.rpartition(': ')[2]}"
+    )

@@ -10,7 +10,12 @@ from sar_tui.cli.doctor.finding import Finding
 
 _SENSOR_S = 0.5
 """Time to wait for a motion sensor; one that is plugged in attaches within 100 ms."""
-_UDEV = tuple(map(Path, ("/etc/udev/rules.d", "/run/udev/rules.d", "/usr/lib/udev/rules.d", "/lib/udev/rules.d")))
+_UDEV = tuple(
+    map(
+        Path,
+        ("/etc/udev/rules.d", "/run/udev/rules.d", "/usr/lib/udev/rules.d", "/lib/udev/rules.d"),
+    )
+)
 _NO_SENSOR = "Only tasks that measure movement need one; `--imu simulated` tries them without."
 
 
@@ -58,7 +63,10 @@ def motion_sensor() -> Finding:
                 return Finding("Motion sensor", "care", status.detail, _NO_SENSOR)
     finally:
         source.stop()
-    found = f"none plugged in, or another program uses it, such as the Phidget Control Panel. {_NO_SENSOR}"
+    found = (
+        "none plugged in, or another program uses it, such as the Phidget Control Panel. "
+        f"{_NO_SENSOR}"
+    )
     if sys.platform != "linux":
         return Finding("Motion sensor", "ok", f"{found} No permission is needed on this system.")
     if os.geteuid() == 0 or _has_udev_rule():
@@ -70,7 +78,11 @@ def motion_sensor() -> Finding:
 def _has_udev_rule(folders: tuple[Path, ...] = _UDEV) -> bool:
     """Return True if this system has a udev rule for Phidgets."""
     rules = (rule for folder in folders for rule in folder.glob("*.rules"))
-    return any("06c2" in rule.read_text(errors="replace").lower() for rule in rules if os.access(rule, os.R_OK))
+    return any(
+        "06c2" in rule.read_text(errors="replace").lower()
+        for rule in rules
+        if os.access(rule, os.R_OK)
+    )
 
 
 def _capitalized(text: str) -> str:

@@ -19,7 +19,9 @@ def servo_controller() -> Finding:
     if plugged_in() is False:
         return Finding(_NAME, "ok", f"none plugged in. {_NO_SERVO}")
     if usb_denied():
-        return Finding(_NAME, "care", "a Phidget is plugged in that you may not use", "See: Motion sensor.")
+        return Finding(
+            _NAME, "care", "a Phidget is plugged in that you may not use", "See: Motion sensor."
+        )
     address = parse("")
     changed = threading.Event()
     servo = ServoChannel(address.joint_channels[0], address, failsafe=True, changed=changed.set)
@@ -32,8 +34,17 @@ def servo_controller() -> Finding:
     finally:
         servo.close()
     if not attached:
-        return Finding(_NAME, "ok", found or f"none plugged in, or another program uses it. {_NO_SERVO}")
+        return Finding(
+            _NAME, "ok", found or f"none plugged in, or another program uses it. {_NO_SERVO}"
+        )
     if servo.has_failsafe:
-        return Finding(_NAME, "ok", f"{found}makes its motors limp {FAILSAFE_MS} ms after a program that uses it hangs")
-    advice = "If the program is killed during a gesture, unplug the controller's power to make its motors limp."
+        return Finding(
+            _NAME,
+            "ok",
+            f"{found}makes its motors limp {FAILSAFE_MS} ms after a program that uses it hangs",
+        )
+    advice = (
+        "If the program is killed during a gesture, unplug the controller's power to make "
+        "its motors limp."
+    )
     return Finding(_NAME, "care", f"{found}has no failsafe", advice)

@@ -12,11 +12,15 @@ _PATIENCE_S = 2.0
 """Time to wait for the child process, which answers within half a second."""
 _LANGUAGES = {"en": "English", "es": "Spanish"}
 _NO_WORDS = "Without it, the agent's words are on the screen only."
-_NO_SOUND = "Without it nothing is heard; `--speech file:FOLDER` writes what the agent says to WAV files."
+_NO_SOUND = (
+    "Without it nothing is heard; `--speech file:FOLDER` writes what the agent says to WAV files."
+)
 
 
 def examine_voice(program: Sequence[str] = (), backends: Sequence[str] = ()) -> "Examined":
-    """Ask the child process that would speak and play what it can do. Raises SoundError if it does not answer."""
+    """Ask the child process that would speak and play what it can do. Raises SoundError if it does
+    not answer.
+    """
     from sar_tui.outputs.sound.mixer import examine
     from sar_tui.outputs.sound.voice_process import PROGRAM
 
@@ -30,7 +34,11 @@ def speech_engine(examined: "Callable[[], Examined]") -> Finding:
         return found
     if found.no_voices:
         return _care("Speech", found.no_voices, _NO_WORDS)
-    missing = [name for code, name in _LANGUAGES.items() if not any(voice.speaks(code) for voice in found.voices)]
+    missing = [
+        name
+        for code, name in _LANGUAGES.items()
+        if not any(voice.speaks(code) for voice in found.voices)
+    ]
     count = f"{len(found.voices)} voice{'' if len(found.voices) == 1 else 's'}"
     if missing:
         advice = "Add such a voice in the system's speech settings, or install espeak-ng."
@@ -55,7 +63,9 @@ def _answer(name: str, examined: "Callable[[], Examined]") -> "Examined | Findin
     try:
         return examined()
     except SoundError as error:
-        return Finding(name, "care", str(error), f"Restart the computer, and try again. {_NO_WORDS}")
+        return Finding(
+            name, "care", str(error), f"Restart the computer, and try again. {_NO_WORDS}"
+        )
 
 
 def _care(name: str, problem: str, without: str) -> Finding:

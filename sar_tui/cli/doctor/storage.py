@@ -21,7 +21,9 @@ def database(home: Home) -> Finding:
             (version,) = opened.execute("PRAGMA user_version").fetchone()
             (state,) = opened.execute("PRAGMA quick_check(1)").fetchone()
     except StoreError as error:
-        return Finding("Data", "bad", str(error), "Choose another folder with --data or SAR_TUI_DATA.")
+        return Finding(
+            "Data", "bad", str(error), "Choose another folder with --data or SAR_TUI_DATA."
+        )
     path = home.folder / FILE
     if state != "ok":
         return Finding(
@@ -52,16 +54,28 @@ def saved_data(folder: Path) -> Finding:
     if not lost:
         return Finding("Saved data", "ok", "all that was saved is in the database")
     notes = " and ".join(str(loss.note) for loss in lost)
-    advice = f"The log of the database was damaged or deleted. Restore a backup, or delete {notes} to accept it."
+    advice = (
+        "The log of the database was damaged or deleted. Restore a backup, or delete "
+        f"{notes} to accept it."
+    )
     return Finding("Saved data", "bad", " ".join(map(str, lost)), advice)
 
 
 def disk_space(folder: Path) -> Finding:
     """Check that the disk of the data folder has room."""
-    place = next(existing for existing in (folder.resolve(), *folder.resolve().parents) if existing.exists())
+    place = next(
+        existing for existing in (folder.resolve(), *folder.resolve().parents) if existing.exists()
+    )
     free = shutil.disk_usage(place).free
-    found = f"{free / 1000 / _MEGABYTE:.1f} GB free" if free > 1000 * _MEGABYTE else f"{free / _MEGABYTE:.0f} MB free"
+    found = (
+        f"{free / 1000 / _MEGABYTE:.1f} GB free"
+        if free > 1000 * _MEGABYTE
+        else f"{free / _MEGABYTE:.0f} MB free"
+    )
     state: State = "bad" if free < _TOO_LITTLE else "care" if free < _LITTLE else "ok"
     return Finding(
-        "Disk space", state, found, "" if state == "ok" else "Free some space: a full disk pauses a session."
+        "Disk space",
+        state,
+        found,
+        "" if state == "ok" else "Free some space: a full disk pauses a session.",
     )

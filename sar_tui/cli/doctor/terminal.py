@@ -15,13 +15,28 @@ def terminal() -> Finding:
     """Check that the program runs in a terminal that can place text."""
     term = terminal_kind()
     if term in CANNOT_PLACE_TEXT:
-        return Finding("Terminal", "bad", f"TERM={term}: it cannot place text.", "Use another terminal program.")
-    if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         return Finding(
-            "Terminal", "care", "Input or output is redirected here.", "The app needs a terminal; simulate does not."
+            "Terminal",
+            "bad",
+            f"TERM={term}: it cannot place text.",
+            "Use another terminal program.",
+        )
+    if not all(
+        stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)
+    ):
+        return Finding(
+            "Terminal",
+            "care",
+            "Input or output is redirected here.",
+            "The app needs a terminal; simulate does not.",
         )
     if not term:
-        return Finding("Terminal", "bad", "TERM is empty.", "Set it to your terminal's kind, such as xterm-256color.")
+        return Finding(
+            "Terminal",
+            "bad",
+            "TERM is empty.",
+            "Set it to your terminal's kind, such as xterm-256color.",
+        )
     return Finding("Terminal", "ok", os.environ.get("TERM_PROGRAM") or term)
 
 
@@ -30,7 +45,10 @@ def size() -> Finding:
     columns, lines = shutil.get_terminal_size(SMALLEST)
     if columns < SMALLEST[0] or lines < SMALLEST[1]:
         return Finding(
-            "Terminal size", "care", f"{columns}×{lines}", f"Make the window {SMALLEST[0]}×{SMALLEST[1]} or larger."
+            "Terminal size",
+            "care",
+            f"{columns}×{lines}",
+            f"Make the window {SMALLEST[0]}×{SMALLEST[1]} or larger.",
         )
     return Finding("Terminal size", "ok", f"{columns}×{lines}")
 
@@ -41,7 +59,9 @@ def colours() -> Finding:
 
     if "NO_COLOR" in os.environ:
         return Finding(
-            "Colours", "ok", "off, as NO_COLOR asks; only tasks whose prompts have colours cannot be done here"
+            "Colours",
+            "ok",
+            "off, as NO_COLOR asks; only tasks whose prompts have colours cannot be done here",
         )
     system = Console(force_terminal=True).color_system
     if system in (None, "standard"):
@@ -61,9 +81,13 @@ def pictures() -> Finding:
     way = find_way()
     if way is None:
         how = f"To install it: {no_package().rpartition(': ')[2]}"
-        return Finding("Pictures", "ok", "not installed. Only tasks whose prompts have pictures need it.", how)
+        return Finding(
+            "Pictures", "ok", "not installed. Only tasks whose prompts have pictures need it.", how
+        )
     as_they_are = {"kitty": "by kitty's graphics", "sixel": "by sixel graphics"}
-    return Finding("Pictures", "ok", as_they_are.get(way) or f"in {way}, as this terminal has no graphics")
+    return Finding(
+        "Pictures", "ok", as_they_are.get(way) or f"in {way}, as this terminal has no graphics"
+    )
 
 
 def connection() -> Finding:

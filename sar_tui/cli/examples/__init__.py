@@ -1,1 +1,3 @@
-"""Tasks that `sar-tui tasks new` starts from, a folder for each. They are copied, under the new task's name."""
+"""Tasks that `sar-tui tasks new` starts from, a folder for each. They are copied, under the new
+task's name.
+"""

@@ -1,4 +1,6 @@
-"""A CSV file a table (RFC 4180), and ``datapackage.json``, which describes every column (Table Schema)."""
+"""A CSV file a table (RFC 4180), and ``datapackage.json``, which describes every column (Table
+Schema).
+"""
 
 import hashlib
 import re
@@ -21,10 +23,11 @@ _PLAIN = re.compile("[A-Za-z0-9_-]+")
 
 
 class CsvFormat:
-    """UTF-8, a header line, lines that end with CR LF. A missing value is an empty field, booleans are true or false.
+    """UTF-8, a header line, lines that end with CR LF. A missing value is an empty field, booleans
+    are true or false.
 
-    Numbers have all digits that the database has: whole numbers as such, others in the shortest form that is read back
-    as the same double.
+    Numbers have all digits that the database has: whole numbers as such, others in the shortest
+    form that is read back as the same double.
     """
 
     name = "csv"
@@ -41,7 +44,9 @@ class CsvFormat:
             "sar_tui": __version__,
             "resources": [_resource(table, folder / _file(table)) for table in contents.tables],
         }
-        (folder / "datapackage.json").write_bytes(msgspec.json.format(msgspec.json.encode(package)) + b"\n")
+        (folder / "datapackage.json").write_bytes(
+            msgspec.json.format(msgspec.json.encode(package)) + b"\n"
+        )
 
 
 def write_table(path: Path, table: Table, contents: Contents, progress: Callable[[], None]) -> None:
@@ -62,11 +67,14 @@ def write_table(path: Path, table: Table, contents: Contents, progress: Callable
 def _is_numeric(table: Table) -> bool:
     """Return True if a table has a session in its first column, and numbers in all others."""
     first, *others = table.columns
-    return first.name == "session" and all(column.type in ("integer", "number") for column in others)
+    return first.name == "session" and all(
+        column.type in ("integer", "number") for column in others
+    )
 
 
 def numeric_lines(rows: Iterator[Values], session: str) -> Iterator[str]:
-    """Yield rows of finite numbers as lines of a file, many at a time: in a third of the time of Python's csv.
+    """Yield rows of finite numbers as lines of a file, many at a time: in a third of the time of
+    Python's csv.
 
     JSON has the shortest form of a double that is read back as the same one, too.
     """
@@ -106,7 +114,13 @@ def _resource(table: Table, path: Path) -> dict[str, Any]:
         "encoding": "utf-8",
         "bytes": path.stat().st_size,
         "hash": f"sha256:{digest}",
-        "dialect": {"delimiter": ",", "lineTerminator": "\r\n", "quoteChar": '"', "doubleQuote": True, "header": True},
+        "dialect": {
+            "delimiter": ",",
+            "lineTerminator": "\r\n",
+            "quoteChar": '"',
+            "doubleQuote": True,
+            "header": True,
+        },
         "schema": {
             "fields": [_field(column) for column in table.columns],
             "missingValues": [""],

@@ -1,4 +1,6 @@
-"""Documents of ELAN (EAF 3.0, Max Planck Institute for Psycholinguistics): tiers of annotations on a time line."""
+"""Documents of ELAN (EAF 3.0, Max Planck Institute for Psycholinguistics): tiers of annotations on
+a time line.
+"""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -57,15 +59,24 @@ def document(tiers: Iterable[Tier], date: str) -> ElementTree.ElementTree:
     times = ElementTree.SubElement(root, "TIME_ORDER")
     lines = [line for tier in tiers for line in _without_overlap(tier)]
     numbered = dict(enumerate((each for line in lines for each in line.annotations), 1))
-    # Each end has a slot of its own: annotations that share one move together when it is dragged in ELAN.
-    ends = sorted((time, number, end) for number, each in numbered.items() for end, time in enumerate(each.times))
+    # Each end has a slot of its own: annotations that share one move together when it is dragged in
+    # ELAN.
+    ends = sorted(
+        (time, number, end)
+        for number, each in numbered.items()
+        for end, time in enumerate(each.times)
+    )
     slots = {(number, end): f"ts{slot}" for slot, (_, number, end) in enumerate(ends, 1)}
     for time, number, end in ends:
-        ElementTree.SubElement(times, "TIME_SLOT", TIME_SLOT_ID=slots[number, end], TIME_VALUE=str(time))
+        ElementTree.SubElement(
+            times, "TIME_SLOT", TIME_SLOT_ID=slots[number, end], TIME_VALUE=str(time)
+        )
     numbers = iter(numbered)
     for line in lines:
         whose = {"PARTICIPANT": line.participant} if line.participant else {}
-        tier = ElementTree.SubElement(root, "TIER", {"LINGUISTIC_TYPE_REF": _TYPE, "TIER_ID": line.name, **whose})
+        tier = ElementTree.SubElement(
+            root, "TIER", {"LINGUISTIC_TYPE_REF": _TYPE, "TIER_ID": line.name, **whose}
+        )
         for each, number in zip(line.annotations, numbers, strict=False):
             found = ElementTree.SubElement(
                 ElementTree.SubElement(tier, "ANNOTATION"),
@@ -78,14 +89,20 @@ def document(tiers: Iterable[Tier], date: str) -> ElementTree.ElementTree:
     last = ElementTree.SubElement(header, "PROPERTY", NAME="lastUsedAnnotationId")
     last.text = str(len(numbered))
     ElementTree.SubElement(
-        root, "LINGUISTIC_TYPE", GRAPHIC_REFERENCES="false", LINGUISTIC_TYPE_ID=_TYPE, TIME_ALIGNABLE="true"
+        root,
+        "LINGUISTIC_TYPE",
+        GRAPHIC_REFERENCES="false",
+        LINGUISTIC_TYPE_ID=_TYPE,
+        TIME_ALIGNABLE="true",
     )
     ElementTree.indent(root)
     return ElementTree.ElementTree(root)
 
 
 def _without_overlap(tier: Tier) -> list[Tier]:
-    """Return a tier, and others for what overlaps in it, which ELAN does not allow: "notes", "notes 2", …"""
+    """Return a tier, and others for what overlaps in it, which ELAN does not allow: "notes", "notes
+    2", …
+    """
     lines: list[list[Annotation]] = [[]]
     for each in sorted(tier.annotations):
         line = next((line for line in lines if not line or line[-1].end <= each.start), None)

@@ -23,7 +23,8 @@ _OWN = {"go": "go signal", "end": "end of the attempt", "cue": "cue"}
 
 
 class ElanFormat:
-    """Tiers of signals for cameras, attempts and trials, what the agent did, decisions, notes and faults.
+    """Tiers of signals for cameras, attempts and trials, what the agent did, decisions, notes and
+    faults.
 
     Time 0 is when the first run of the session began. Times are rounded to ms.
     """
@@ -44,7 +45,8 @@ class ElanFormat:
             made.write(folder / f"session_{session}.eaf", encoding="utf-8", xml_declaration=True)
             if found.unplaced:
                 contents.problems.append(
-                    f"Session {session}: the start of a run is not stored, and its acts are left out "
+                    f"Session {session}: the start of a run is not stored, and its acts are left "
+                    "out "
                     f"({found.unplaced})."
                 )
             for _ in of_sessions:
@@ -68,9 +70,13 @@ class _Session:
         self.unplaced = 0
 
     def tiers(self) -> Iterator[Tier]:
-        """Yield all tiers, those without annotations as well: files of all sessions have the same."""
+        """Yield all tiers, those without annotations as well: files of all sessions have the
+        same.
+        """
         runs = [(row, f"run {row['run']}", row["clock_ns"], None) for row in self._rows("runs")]
-        signals = [(row, row["what"] or "signal", row["at_ns"], None) for row in self._rows("sync_signals")]
+        signals = [
+            (row, row["what"] or "signal", row["at_ns"], None) for row in self._rows("sync_signals")
+        ]
         yield Tier("session", self._placed([*runs, *signals]))
         seats = {"A": self._row["participant"], "B": self._row["partner"]}
         trials, answers = self._rows("trials"), self._rows("answers")
@@ -78,15 +84,24 @@ class _Session:
             if seat == "A" or code:
                 own = [row for row in trials if row["seat"] == seat]
                 yield Tier(f"{seat} attempts", self._attempts(seat), code or "")
-                yield Tier(f"{seat} trials", self._placed((row, _trial(row), *_times(row)) for row in own), code or "")
+                yield Tier(
+                    f"{seat} trials",
+                    self._placed((row, _trial(row), *_times(row)) for row in own),
+                    code or "",
+                )
             if asked := [row for row in answers if row["seat"] == seat]:
                 told = ((row, _answer(row), row["shown_ns"], row["answered_ns"]) for row in asked)
                 yield Tier(f"{seat} questions", self._placed(told), code or "")
         yield from self._agent()
         yield Tier("operator", self._decisions())
-        yield Tier("notes", self._placed((row, _note(row), row["at_ns"], None) for row in self._rows("notes")))
+        yield Tier(
+            "notes",
+            self._placed((row, _note(row), row["at_ns"], None) for row in self._rows("notes")),
+        )
         if faults := self._rows("sensor_faults"):
-            yield Tier("sensors", self._placed((row, _fault(row), row["at_ns"], None) for row in faults))
+            yield Tier(
+                "sensors", self._placed((row, _fault(row), row["at_ns"], None) for row in faults)
+            )
 
     def _rows(self, name: str) -> list[dict[str, Any]]:
         (table,) = (table for table in self._contents.tables if table.name == name)
@@ -119,7 +134,11 @@ class _Session:
             if start is None:
                 self.unplaced += 1
             else:
-                found.append(annotation(start, self._clock.milliseconds(row["run"], row["ended_ns"]), _attempt(row)))
+                found.append(
+                    annotation(
+                        start, self._clock.milliseconds(row["run"], row["ended_ns"]), _attempt(row)
+                    )
+                )
         return found
 
     def _agent(self) -> Iterator[Tier]:
@@ -172,8 +191,12 @@ def _trial(row: Row) -> str:
 
 
 def _answer(row: Row) -> str:
-    """Return a question, or another step, and its answer; words that were typed only if they leave."""
-    given = next((row[name] for name in ("value", "chosen", "words") if row.get(name) is not None), None)
+    """Return a question, or another step, and its answer; words that were typed only if they
+    leave.
+    """
+    given = next(
+        (row[name] for name in ("value", "chosen", "words") if row.get(name) is not None), None
+    )
     said = row["status"] if given is None else f"{given:g}" if isinstance(given, float) else given
     return f"{row['step']}: {said}"
 

@@ -21,21 +21,34 @@ from sar_tui.export.formats.mat_codebook import (
     seconds_name,
     write_codebook,
 )
-from sar_tui.export.formats.mat_values import column_of, names_row, numbers, short_names, stacked, stamps, struct_row
+from sar_tui.export.formats.mat_values import (
+    column_of,
+    names_row,
+    numbers,
+    short_names,
+    stacked,
+    stamps,
+    struct_row,
+)
 from sar_tui.export.session_clock import SessionClock, session_clock
 
 _HEAD, _HEAD_LENGTH = b"MATLAB 5.0 MAT-file, exported by sar-tui", 116
 _SAMPLES = "imu"
 _BLOCK = 1 << 16
 """Number of samples that become a matrix at once."""
-_TOO_LARGE = "Session {} is left out: it is larger than a MATLAB file of version 5 can be (4 GB). Export it as csv."
+_TOO_LARGE = (
+    "Session {} is left out: it is larger than a MATLAB file of version 5 can be (4 GB). "
+    "Export it as csv."
+)
 
 
 class MatFormat:
-    """A struct a session (MAT-file version 5) with a struct for each table, whose fields are its columns.
+    """A struct a session (MAT-file version 5) with a struct for each table, whose fields are its
+    columns.
 
-    Stamps in ns are int64, and in seconds since the session began doubles; other numbers and booleans are doubles,
-    NaN if missing; texts are cells. The samples of a sensor are one matrix. A session is in memory while it is written.
+    Stamps in ns are int64, and in seconds since the session began doubles; other numbers and
+    booleans are doubles, NaN if missing; texts are cells. The samples of a sensor are one matrix. A
+    session is in memory while it is written.
     """
 
     name = "mat"
@@ -48,7 +61,8 @@ class MatFormat:
             from scipy.io.matlab import MatWriteError
         except ImportError as error:
             raise ExportError(
-                f"The format mat needs the package scipy. Install it with: {pip_install_extra('export')}"
+                "The format mat needs the package scipy. Install it with: "
+                f"{pip_install_extra('export')}"
             ) from error
         of_persons = [table for table in contents.tables if table.of == "participant"]
         of_sessions = [table for table in contents.tables if table.of == "session"]
@@ -64,12 +78,17 @@ class MatFormat:
                 contents.problems.append(_TOO_LARGE.format(session))
             else:
                 _replace_head(path)
-        lines = (sample_entries(table) if table.name == _SAMPLES else entries(table) for table in contents.tables)
+        lines = (
+            sample_entries(table) if table.name == _SAMPLES else entries(table)
+            for table in contents.tables
+        )
         write_codebook(folder / "codebook.csv", chain.from_iterable(lines))
 
 
 def _replace_head(path: Path) -> None:
-    """Replace the words at the beginning of a MATLAB file: those of scipy have the date of the export."""
+    """Replace the words at the beginning of a MATLAB file: those of scipy have the date of the
+    export.
+    """
     with path.open("r+b") as file:
         file.write(_HEAD.ljust(_HEAD_LENGTH))
 
@@ -77,12 +96,18 @@ def _replace_head(path: Path) -> None:
 def _participants(contents: Contents, tables: Sequence[Table], progress: Callable[[], None]) -> Any:
     fields = {}
     for table in tables:
-        rows = [row for person in contents.owners(table) for row in _read(contents, table, person, progress)]
+        rows = [
+            row
+            for person in contents.owners(table)
+            for row in _read(contents, table, person, progress)
+        ]
         fields[table.name] = _table(table, rows)
     return _with_units(fields, tables)
 
 
-def _session(contents: Contents, session: str, tables: Sequence[Table], progress: Callable[[], None]) -> Any:
+def _session(
+    contents: Contents, session: str, tables: Sequence[Table], progress: Callable[[], None]
+) -> Any:
     clock = session_clock(contents, session)
     fields: dict[str, Any] = {}
     runs: dict[int, int] = {}
@@ -99,7 +124,9 @@ def _session(contents: Contents, session: str, tables: Sequence[Table], progress
     return _with_units(fields, tables)
 
 
-def _read(contents: Contents, table: Table, owner: str, progress: Callable[[], None]) -> Iterator[Values]:
+def _read(
+    contents: Contents, table: Table, owner: str, progress: Callable[[], None]
+) -> Iterator[Values]:
     yield from contents.rows(table, owner)
     progress()
 
@@ -115,7 +142,9 @@ def _with_units(fields: Mapping[str, Any], tables: Iterable[Table]) -> Any:
 
 
 def _table(table: Table, rows: Sequence[Values], clock: SessionClock | None = None) -> Any:
-    """Return the struct of a table: a field for each column, and one in seconds for each of its stamps."""
+    """Return the struct of a table: a field for each column, and one in seconds for each of its
+    stamps.
+    """
     values = list(zip(*rows, strict=True)) or [()] * len(table.columns)
     names = [column.name for column in table.columns]
     short = short_names(names)
@@ -123,13 +152,18 @@ def _table(table: Table, rows: Sequence[Values], clock: SessionClock | None = No
     for column, found in zip(table.columns, values, strict=True):
         made[short[column.name]] = column_of(column, found)
         if clock is not None and in_seconds(table, column):
-            own = f"{column.name.removesuffix('_ns')}_run"  # an attempt may have begun in an earlier run
+            # an attempt may have begun in an earlier run
+            own = f"{column.name.removesuffix('_ns')}_run"
             runs = values[names.index(own if own in names else "run")]
-            made[seconds_name(column)] = numbers([clock.seconds(*each) for each in zip(runs, found, strict=True)])
+            made[seconds_name(column)] = numbers(
+                [clock.seconds(*each) for each in zip(runs, found, strict=True)]
+            )
     return made
 
 
-def _streams(table: Table, rows: Iterable[Values], clock: SessionClock, runs: Mapping[int, int]) -> Any:
+def _streams(
+    table: Table, rows: Iterable[Values], clock: SessionClock, runs: Mapping[int, int]
+) -> Any:
     """Return the samples of a session, a struct for each of its sensors.
 
     Args:
@@ -149,7 +183,9 @@ def _streams(table: Table, rows: Iterable[Values], clock: SessionClock, runs: Ma
             at_ns.append(stamps([row[at] for row in block]))
             host_ns.append(stamps([row[host] for row in block]))
             at_s = np.full((len(block), 1), np.nan) if zero is None else (at_ns[-1] - zero) / 1e9
-            data.append(np.hstack([at_s, numbers([pick(row) for row in block]).reshape(len(block), -1)]))
+            data.append(
+                np.hstack([at_s, numbers([pick(row) for row in block]).reshape(len(block), -1)])
+            )
         made.append(
             {
                 "stream": float(stream),

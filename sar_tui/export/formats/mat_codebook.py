@@ -46,7 +46,13 @@ def entries(table: Table) -> Iterator[Entry]:
     short = short_names(column.name for column in table.columns)
     for column in table.columns:
         yield _entry(
-            table, short[column.name], column.name, matlab_type(column), column.unit, column.meaning, column.levels
+            table,
+            short[column.name],
+            column.name,
+            matlab_type(column),
+            column.unit,
+            column.meaning,
+            column.levels,
         )
         if in_seconds(table, column):
             meaning = f"{column.name} in seconds since the first run of the session began."
@@ -60,7 +66,9 @@ def sample_entries(table: Table) -> Iterator[Entry]:
     began = "When it was measured, in seconds since the first run of the session began."
     yield _entry(table, "data(:, 1)", "at_s", "double", "s", began)
     for number, column in enumerate(measured(table), 2):
-        yield _entry(table, f"data(:, {number})", column.name, "double", column.unit, column.meaning)
+        yield _entry(
+            table, f"data(:, {number})", column.name, "double", column.unit, column.meaning
+        )
 
 
 def measured(table: Table) -> list[Column]:
@@ -69,7 +77,9 @@ def measured(table: Table) -> list[Column]:
 
 
 def in_seconds(table: Table, column: Column) -> bool:
-    """Return True if the stamps of a column leave in seconds as well. Those in details and data may be durations."""
+    """Return True if the stamps of a column leave in seconds as well. Those in details and data may
+    be durations.
+    """
     is_clock = is_stamp(column) and not column.name.startswith(("details_", "data_", "qualities_"))
     return is_clock and any(other.name == "run" for other in table.columns)
 
@@ -88,7 +98,23 @@ def write_codebook(path: Path, lines: Iterable[Entry]) -> None:
 
 
 def _entry(
-    table: Table, name: str, full_name: str, type: str, unit: str, meaning: str, levels: Sequence[str] = ()
+    table: Table,
+    name: str,
+    full_name: str,
+    type: str,
+    unit: str,
+    meaning: str,
+    levels: Sequence[str] = (),
 ) -> Entry:
     variable = "participants" if table.of == "participant" else "session"
-    return Entry(variable, table.name, name, full_name, type, _MISSING[type], unit, "; ".join(levels), meaning)
+    return Entry(
+        variable,
+        table.name,
+        name,
+        full_name,
+        type,
+        _MISSING[type],
+        unit,
+        "; ".join(levels),
+        meaning,
+    )

@@ -1,4 +1,6 @@
-"""Columns as MATLAB has them: matrices of numbers, cells of texts, names of at most 31 characters."""
+"""Columns as MATLAB has them: matrices of numbers, cells of texts, names of at most 31
+characters.
+"""
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
@@ -95,7 +97,9 @@ def text(value: str) -> "str | Array":
 
 
 def stacked(blocks: list[Array]) -> Array:
-    """Return matrices below each other. The list is emptied, so that the rows are in memory once."""
+    """Return matrices below each other. The list is emptied, so that the rows are in memory
+    once.
+    """
     row = sum(map(len, blocks))
     made = np.empty((row, blocks[0].shape[1]), dtype=blocks[0].dtype, order="F")
     while blocks:
@@ -113,7 +117,9 @@ def names_row(names: Sequence[str]) -> Array:
 
 
 def struct_row(elements: Sequence[Mapping[str, Any]], names: Iterable[str]) -> Array:
-    """Return a row of structs that have these fields; scipy makes a single one from a dictionary."""
+    """Return a row of structs that have these fields; scipy makes a single one from a
+    dictionary.
+    """
     made = np.empty((1, len(elements)), dtype=[(name, object) for name in names])
     for number, element in enumerate(elements):
         for name in names:

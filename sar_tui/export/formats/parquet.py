@@ -23,14 +23,21 @@ _BLOCKS = 32
 """Blocks of so many rows that are written together, as a row group."""
 _NO_MONTH = "__HIVE_DEFAULT_PARTITION__"
 """The name that DuckDB, Spark and others read as missing."""
-_TYPES: dict[Type, str] = {"string": "string", "integer": "int64", "number": "float64", "boolean": "bool_"}
+_TYPES: dict[Type, str] = {
+    "string": "string",
+    "integer": "int64",
+    "number": "float64",
+    "boolean": "bool_",
+}
 
 
 class ParquetFormat:
-    """The same columns with the same types in every export, whatever it holds, so that all are one data set.
+    """The same columns with the same types in every export, whatever it holds, so that all are one
+    data set.
 
-    Columns that differ between tasks (details of trials and data of their prompts, qualities of attempts) are one
-    column each, a JSON object. Columns that do not leave are there, and empty. Missing values are null.
+    Columns that differ between tasks (details of trials and data of their prompts, qualities of
+    attempts) are one column each, a JSON object. Columns that do not leave are there, and empty.
+    Missing values are null.
     """
 
     name = "parquet"
@@ -46,36 +53,53 @@ class ParquetFormat:
             ) from None
 
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
-        """Write a folder for each table; in it one for the site, and in that one for each month of sessions."""
+        """Write a folder for each table; in it one for the site, and in that one for each month of
+        sessions.
+        """
         for table in contents.tables:
             shape = _Shape(contents.whole(table), table, contents.problems.append)
             for month, owners in contents.by_month(table):
-                path = folder / table.name / f"site={contents.site}" / _file(table, contents.site, month)
+                path = (
+                    folder
+                    / table.name
+                    / f"site={contents.site}"
+                    / _file(table, contents.site, month)
+                )
                 _write(path, shape, _rows(contents, table, owners, progress))
 
 
 def _file(table: Table, site: str, month: str) -> str:
-    """Return the path of a file in the folder of a site. Its name is unique in the whole data set."""
+    """Return the path of a file in the folder of a site. Its name is unique in the whole data
+    set.
+    """
     if table.of == "participant":
         return f"{table.name}-{site}.parquet"
     return f"month={month or _NO_MONTH}/{table.name}-{site}-{month or 'none'}.parquet"
 
 
-def _rows(contents: Contents, table: Table, owners: Iterable[str], progress: Callable[[], None]) -> Iterator[Values]:
+def _rows(
+    contents: Contents, table: Table, owners: Iterable[str], progress: Callable[[], None]
+) -> Iterator[Values]:
     for owner in owners:
         yield from contents.rows(table, owner)
         progress()
 
 
 class _Shape:
-    """Columns of a table in Parquet, and the way from a row to their values. The site is in the names of folders."""
+    """Columns of a table in Parquet, and the way from a row to their values. The site is in the
+    names of folders.
+    """
 
     def __init__(self, whole: Table, leaving: Table, report: Callable[[str], None]) -> None:
         self._name, self._report = whole.name, report
         self._places = {column.name: index for index, column in enumerate(leaving.columns)}
-        self.plain = [column for column in whole.columns if column.tasks is None and column.name != "site"]
+        self.plain = [
+            column for column in whole.columns if column.tasks is None and column.name != "site"
+        ]
         objects = [column for column in whole.columns if column.tasks is not None]
-        self._objects: dict[str, list[tuple[str, int]]] = {name: [] for name in _OBJECTS.get(whole.name, ())}
+        self._objects: dict[str, list[tuple[str, int]]] = {
+            name: [] for name in _OBJECTS.get(whole.name, ())
+        }
         for column in objects:
             if column.name in self._places:
                 self._objects[_object(column)].append((_key(column), self._places[column.name]))
@@ -86,10 +110,15 @@ class _Shape:
 
         fields = [_field(column) for column in self.plain]
         fields += [
-            pa.field(name, pa.string(), metadata={"meaning": "What the task keeps of it, a JSON object."})
+            pa.field(
+                name, pa.string(), metadata={"meaning": "What the task keeps of it, a JSON object."}
+            )
             for name in self._objects
         ]
-        return pa.schema(fields, metadata={"title": whole.title, "key": ", ".join(whole.key), "sar_tui": __version__})
+        return pa.schema(
+            fields,
+            metadata={"title": whole.title, "key": ", ".join(whole.key), "sar_tui": __version__},
+        )
 
     def columns(self, rows: list[Values]) -> "list[pyarrow.Array]":
         """Return the values of rows by column."""
@@ -103,20 +132,30 @@ class _Shape:
             if column.type == "datetime":
                 values = tuple(map(_moment, values))
             arrays.append(self._array(column, values, field.type))
-        objects = (pa.array([_json(row, places) for row in rows], pa.string()) for places in self._objects.values())
+        objects = (
+            pa.array([_json(row, places) for row in rows], pa.string())
+            for places in self._objects.values()
+        )
         return [*arrays, *objects]
 
-    def _array(self, column: Column, values: Sequence[Any], kind: "pyarrow.DataType") -> "pyarrow.Array":
-        """Return the values of a column. Those of another type, which are damaged, are missing, and reported."""
+    def _array(
+        self, column: Column, values: Sequence[Any], kind: "pyarrow.DataType"
+    ) -> "pyarrow.Array":
+        """Return the values of a column. Those of another type, which are damaged, are missing, and
+        reported.
+        """
         import pyarrow as pa
 
         try:
             return pa.array(values, kind)
         except (pa.ArrowException, OverflowError):
             kept = [value if _fits(value, kind) else None for value in values]
-            lost = sum(value is not None for value in values) - sum(value is not None for value in kept)
+            lost = sum(value is not None for value in values) - sum(
+                value is not None for value in kept
+            )
             self._report(
-                f"{self._name}.{column.name}: {lost} value{'' if lost == 1 else 's'} of another type than "
+                f"{self._name}.{column.name}: {lost} value{'' if lost == 1 else 's'} of another "
+                "type than "
                 f"{column.type} cannot be in a Parquet file, and left out."
             )
             return pa.array(kept, kind)
@@ -145,13 +184,19 @@ def _key(column: Column) -> str:
 
 
 def _json(row: Values, places: list[tuple[str, int]]) -> str:
-    return msgspec.json.encode({key: row[place] for key, place in places if row[place] is not None}).decode()
+    return msgspec.json.encode(
+        {key: row[place] for key, place in places if row[place] is not None}
+    ).decode()
 
 
 def _field(column: Column) -> "pyarrow.Field":
     import pyarrow as pa
 
-    kind = pa.timestamp("us", tz="UTC") if column.type == "datetime" else getattr(pa, _TYPES[column.type])()
+    kind = (
+        pa.timestamp("us", tz="UTC")
+        if column.type == "datetime"
+        else getattr(pa, _TYPES[column.type])()
+    )
     about: dict[str, Any] = {"meaning": column.meaning}
     if column.unit:
         about["unit"] = column.unit
@@ -174,8 +219,14 @@ def _write(path: Path, shape: _Shape, rows: Iterator[Values]) -> None:
     from pyarrow import parquet
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    texts = [field.name for field in shape.schema if field.type == pa.string()]  # the same ones in many rows
-    with parquet.ParquetWriter(path, shape.schema, compression="zstd", use_dictionary=texts) as file:
+    # the same ones in many rows
+    texts = [field.name for field in shape.schema if field.type == pa.string()]
+    with parquet.ParquetWriter(
+        path, shape.schema, compression="zstd", use_dictionary=texts
+    ) as file:
         blocks = iter(lambda: list(islice(rows, ROWS)), [])
-        while group := [pa.record_batch(shape.columns(each), schema=shape.schema) for each in islice(blocks, _BLOCKS)]:
+        while group := [
+            pa.record_batch(shape.columns(each), schema=shape.schema)
+            for each in islice(blocks, _BLOCKS)
+        ]:
             file.write_table(pa.Table.from_batches(group).combine_chunks())

@@ -1,4 +1,6 @@
-"""Psych-DS: a CSV file a table with keywords in its name, and JSON-LD that describes every column."""
+"""Psych-DS: a CSV file a table with keywords in its name, and JSON-LD that describes every
+column.
+"""
 
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -40,7 +42,9 @@ Add the authors, the licence and keywords to `dataset_description.json` before y
 
 
 class PsychDsFormat:
-    """A Psych-DS data set: the files of the format ``csv`` with other names, and another description."""
+    """A Psych-DS data set: the files of the format ``csv`` with other names, and another
+    description.
+    """
 
     name = "psych-ds"
     title = "a Psych-DS data set: a CSV file a table, with JSON-LD"
@@ -67,12 +71,19 @@ class PsychDsFormat:
                 "variableMeasured": _all_variables(contents.tables),
             },
         )
-        rows = (f"| `{_file(table)}` | {table.title} | {', '.join(table.key) or 'none'} |" for table in contents.tables)
+        rows = (
+            f"| `{_file(table)}` | {table.title} | {', '.join(table.key) or 'none'} |"
+            for table in contents.tables
+        )
         readme = _README.format(name=name, description=description, tables="\n".join(rows))
         if contents.notices:
-            readme += "".join(["\n## Not described\n\n", *(f"- {notice}\n" for notice in contents.notices)])
+            readme += "".join(
+                ["\n## Not described\n\n", *(f"- {notice}\n" for notice in contents.notices)]
+            )
         (folder / "README.md").write_text(readme, encoding="utf-8")
-        (folder / ".psychdsignore").write_text("".join(f"{each}\n" for each in _BESIDE), encoding="utf-8")
+        (folder / ".psychdsignore").write_text(
+            "".join(f"{each}\n" for each in _BESIDE), encoding="utf-8"
+        )
 
 
 def _file(table: Table) -> str:
@@ -84,7 +95,9 @@ def _file(table: Table) -> str:
 def _modes(contents: Contents) -> set[str]:
     (table,) = (table for table in contents.tables if table.name == "sessions")
     mode = [column.name for column in table.columns].index("mode")
-    return {row[mode] for session in contents.owners(table) for row in contents.rows(table, session)}
+    return {
+        row[mode] for session in contents.owners(table) for row in contents.rows(table, session)
+    }
 
 
 def _all_variables(tables: Iterable[Table]) -> list[Mapping[str, Any]]:
@@ -98,13 +111,17 @@ def _all_variables(tables: Iterable[Table]) -> list[Mapping[str, Any]]:
     return [
         _variable(name, next(iter(told)), columns[name])
         if len(told) == 1
-        else _variable(name, " ".join(f"In {', '.join(where)}: {meaning}" for meaning, where in told.items()))
+        else _variable(
+            name, " ".join(f"In {', '.join(where)}: {meaning}" for meaning, where in told.items())
+        )
         for name, told in meanings.items()
     ]
 
 
 def _variable(name: str, meaning: str, column: Column | None = None) -> Mapping[str, Any]:
-    """Return the description of a column by schema.org; of one with several meanings only the name and the meanings."""
+    """Return the description of a column by schema.org; of one with several meanings only the name
+    and the meanings.
+    """
     return {
         "@type": "PropertyValue",
         "name": name,

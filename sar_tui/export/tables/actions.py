@@ -18,13 +18,17 @@ _PARTS = {
     "tone": stored("actions.proposed.tone", "string", "A tone."),
     "valence": stored("actions.proposed.valence", "string", "Valence of feedback."),
     "degree": stored("actions.proposed.degree", "string", "Degree of feedback."),
-    "evidence": stored("actions.proposed.evidence", "string", "Changes that feedback reports, each with its MDC95."),
+    "evidence": stored(
+        "actions.proposed.evidence", "string", "Changes that feedback reports, each with its MDC95."
+    ),
 }
 
 
 def _parts(prefix: str, of: str) -> list[Column]:
     return [
-        Column(f"{prefix}_{each.name}", f"{of}: {each.meaning}", each.type, treatment=each.treatment)
+        Column(
+            f"{prefix}_{each.name}", f"{of}: {each.meaning}", each.type, treatment=each.treatment
+        )
         for each in _PARTS.values()
     ]
 
@@ -32,7 +36,8 @@ def _parts(prefix: str, of: str) -> list[Column]:
 def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     run = runs_of_actions(database, session, damage)
     for id, kind, proposed, final, decision, actor, *rest in database.execute(
-        "SELECT id, kind, proposed, final, decision, actor, mode, ground, reason, proposed_ns, shown_ns, deadline_ns,"
+        "SELECT id, kind, proposed, final, decision, actor, mode, ground, reason, proposed_ns, "
+        "shown_ns, deadline_ns,"
         " decided_ns, started_ns, ended_ns FROM actions WHERE session=? ORDER BY rowid",
         (session,),
     ):
@@ -55,10 +60,28 @@ def actions(damage: Damage) -> Table:
         title="An action of the agent, or one that was proposed, and the decision on it",
         columns=(
             SESSION,
-            stored("actions.id", "string", "Id of the action in its session.", name="action", required=True),
-            stored("messages.run", "integer", "The run of the program in which it was decided, or else proposed."),
-            stored("actions.kind", "string", "What it is for: greeting, feedback, …; difficulty is a change of level."),
-            stored("actions.proposed.attempt", "integer", "The attempt it belongs to; missing if to none."),
+            stored(
+                "actions.id",
+                "string",
+                "Id of the action in its session.",
+                name="action",
+                required=True,
+            ),
+            stored(
+                "messages.run",
+                "integer",
+                "The run of the program in which it was decided, or else proposed.",
+            ),
+            stored(
+                "actions.kind",
+                "string",
+                "What it is for: greeting, feedback, …; difficulty is a change of level.",
+            ),
+            stored(
+                "actions.proposed.attempt",
+                "integer",
+                "The attempt it belongs to; missing if to none.",
+            ),
             stored(
                 "actions.decision",
                 "string",
@@ -75,12 +98,32 @@ def actions(damage: Damage) -> Table:
             stored("actions.ground", "string", "Ground of the decision."),
             stored("actions.reason", "string", "Why it was dropped."),
             stored("actions.proposed_ns", "integer", "When it was proposed.", unit="ns"),
-            stored("actions.shown_ns", "integer", "When it was first shown on an operator's screen.", unit="ns"),
-            stored("actions.deadline_ns", "integer", "When it is decided without an operator.", unit="ns"),
+            stored(
+                "actions.shown_ns",
+                "integer",
+                "When it was first shown on an operator's screen.",
+                unit="ns",
+            ),
+            stored(
+                "actions.deadline_ns",
+                "integer",
+                "When it is decided without an operator.",
+                unit="ns",
+            ),
             stored("actions.decided_ns", "integer", "When it was decided.", unit="ns"),
             stored("actions.started_ns", "integer", "When the first output started.", unit="ns"),
-            stored("actions.ended_ns", "integer", "When the last output was done, stopped or failed.", unit="ns"),
-            stored("actions.final.level", "integer", "The level that was decided on.", name="final_level"),
+            stored(
+                "actions.ended_ns",
+                "integer",
+                "When the last output was done, stopped or failed.",
+                unit="ns",
+            ),
+            stored(
+                "actions.final.level",
+                "integer",
+                "The level that was decided on.",
+                name="final_level",
+            ),
             *_parts("proposed", "As proposed"),
             *_parts("final", "As it was done"),
         ),

@@ -11,7 +11,18 @@ from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Table
 from sar_tui.export.damage import Damage
 from sar_tui.export.seats import codes_by_seat
 
-_KINDS = ("screen", "rest", "calibration", "number", "likert", "borg", "line", "choice", "choices", "text")
+_KINDS = (
+    "screen",
+    "rest",
+    "calibration",
+    "number",
+    "likert",
+    "borg",
+    "line",
+    "choice",
+    "choices",
+    "text",
+)
 _STATUSES = ("answered", "declined", "skipped", "done")
 _BETWEEN = "; "
 """Stands between several options, or labels, in one value."""
@@ -19,8 +30,22 @@ _BETWEEN = "; "
 
 def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
-    for number, run, attempt, seat, step, kind, text, labels, status, answer, shown, ended in database.execute(
-        "SELECT number, run, attempt, seat, step, kind, text, labels, status, answer, shown_ns, answered_ns"
+    for (
+        number,
+        run,
+        attempt,
+        seat,
+        step,
+        kind,
+        text,
+        labels,
+        status,
+        answer,
+        shown,
+        ended,
+    ) in database.execute(
+        "SELECT number, run, attempt, seat, step, kind, text, labels, status, answer, shown_ns, "
+        "answered_ns"
         " FROM answers WHERE session=? ORDER BY number",
         (session,),
     ):
@@ -58,21 +83,61 @@ def answers(damage: Damage) -> Table:
         title="An answer to a question between attempts, or another step there",
         columns=(
             SESSION,
-            stored("answers.number", "integer", "Number of the step in its session, from 1.", required=True),
+            stored(
+                "answers.number",
+                "integer",
+                "Number of the step in its session, from 1.",
+                required=True,
+            ),
             PARTICIPANT,
             SEAT,
             stored("answers.run", "integer", "The run of the program."),
             stored("answers.attempt", "integer", "Number of attempts before it, without practice."),
             stored("answers.step", "string", "Name of the step.", required=True),
-            stored("answers.kind", "string", "What was asked for, or shown.", levels=_KINDS, required=True),
+            stored(
+                "answers.kind",
+                "string",
+                "What was asked for, or shown.",
+                levels=_KINDS,
+                required=True,
+            ),
             stored("answers.text", "string", "The question, or what was to be read."),
-            stored("answers.labels", "string", "The options, or the words at the ends of a scale; '; ' between two."),
-            stored("answers.status", "string", "What came of it; declined: would rather not say.", levels=_STATUSES),
-            stored("answers.answer.value", "number", "A point of a scale, or 0 to 100 on a line.", name="value"),
-            stored("answers.answer.options", "string", "The option, or several with '; ' between two.", name="chosen"),
+            stored(
+                "answers.labels",
+                "string",
+                "The options, or the words at the ends of a scale; '; ' between two.",
+            ),
+            stored(
+                "answers.status",
+                "string",
+                "What came of it; declined: would rather not say.",
+                levels=_STATUSES,
+            ),
+            stored(
+                "answers.answer.value",
+                "number",
+                "A point of a scale, or 0 to 100 on a line.",
+                name="value",
+            ),
+            stored(
+                "answers.answer.options",
+                "string",
+                "The option, or several with '; ' between two.",
+                name="chosen",
+            ),
             stored("answers.answer.words", "string", "What the participant typed.", name="words"),
-            stored("answers.shown_ns", "integer", "When it was shown, steady clock of the run.", unit="ns"),
-            stored("answers.answered_ns", "integer", "When it was answered or over, same clock.", unit="ns"),
+            stored(
+                "answers.shown_ns",
+                "integer",
+                "When it was shown, steady clock of the run.",
+                unit="ns",
+            ),
+            stored(
+                "answers.answered_ns",
+                "integer",
+                "When it was answered or over, same clock.",
+                unit="ns",
+            ),
         ),
         key=("session", "number"),
         rows=partial(_rows, damage),

@@ -7,7 +7,17 @@ from functools import partial
 from itertools import repeat
 from typing import TYPE_CHECKING
 
-from sar_tui.export.columns import PARTICIPANT, SEAT, SESSION, TO_SESSION, Column, Reference, Table, Values, stored
+from sar_tui.export.columns import (
+    PARTICIPANT,
+    SEAT,
+    SESSION,
+    TO_SESSION,
+    Column,
+    Reference,
+    Table,
+    Values,
+    stored,
+)
 from sar_tui.export.damage import Damage
 from sar_tui.export.messages_of_topic import messages_of_topic
 from sar_tui.export.seats import codes_by_seat
@@ -19,14 +29,17 @@ if TYPE_CHECKING:
 
 _KEY = ("session", "stream")
 _PARTS = ("hand", "trunk")
-_STREAM = stored("imu_streams.stream", "integer", "Number of the stream in its session, from 1.", required=True)
+_STREAM = stored(
+    "imu_streams.stream", "integer", "Number of the stream in its session, from 1.", required=True
+)
 _TO_STREAM = Reference(_KEY, "imu_streams", _KEY)
 
 
 def _streams(database: sqlite3.Connection, session: str) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
     for stream, seat, *rest in database.execute(
-        "SELECT stream, seat, part, run, model, rate_hz, rate_range_rad_s, acceleration_range_m_s2, attached_ns"
+        "SELECT stream, seat, part, run, model, rate_hz, rate_range_rad_s, "
+        "acceleration_range_m_s2, attached_ns"
         " FROM imu_streams WHERE session=? ORDER BY stream",
         (session,),
     ):
@@ -41,18 +54,30 @@ IMU_STREAMS = Table(
         _STREAM,
         PARTICIPANT,
         SEAT,
-        stored("imu_streams.part", "string", "The part of the body with the sensor.", levels=_PARTS),
+        stored(
+            "imu_streams.part", "string", "The part of the body with the sensor.", levels=_PARTS
+        ),
         stored("imu_streams.run", "integer", "The run of the program."),
         stored("imu_streams.model", "string", "Model of the sensor."),
         stored("imu_streams.rate_hz", "number", "Its nominal samples a second.", unit="Hz"),
-        stored("imu_streams.rate_range_rad_s", "number", "Largest angular rate it measures; 0: unknown.", unit="rad/s"),
+        stored(
+            "imu_streams.rate_range_rad_s",
+            "number",
+            "Largest angular rate it measures; 0: unknown.",
+            unit="rad/s",
+        ),
         stored(
             "imu_streams.acceleration_range_m_s2",
             "number",
             "Largest acceleration it measures; 0: unknown.",
             unit="m/s^2",
         ),
-        stored("imu_streams.attached_ns", "integer", "When it was attached, steady clock of the run.", unit="ns"),
+        stored(
+            "imu_streams.attached_ns",
+            "integer",
+            "When it was attached, steady clock of the run.",
+            unit="ns",
+        ),
     ),
     key=_KEY,
     rows=_streams,
@@ -62,7 +87,13 @@ IMU_STREAMS = Table(
 
 def _axes(part: str, meaning: str, unit: str) -> list[Column]:
     return [
-        stored(f"imu_chunks.data.{part}", "number", f"{meaning}, axis {axis}.", name=f"{part}_{axis}", unit=unit)
+        stored(
+            f"imu_chunks.data.{part}",
+            "number",
+            f"{meaning}, axis {axis}.",
+            name=f"{part}_{axis}",
+            unit=unit,
+        )
         for axis in "xyz"
     ]
 
@@ -93,33 +124,52 @@ def imu(report: Callable[[str], None]) -> Table:
     )  # fmt: skip
 
 
-def _samples(report: Callable[[str], None], database: sqlite3.Connection, session: str) -> Iterator[Values]:
+def _samples(
+    report: Callable[[str], None], database: sqlite3.Connection, session: str
+) -> Iterator[Values]:
     from sar_tui.motion.samples import SAMPLE, unpack
 
     _check_layouts(report, database, session)
     for stream, seq, number, crc, data in database.execute(
-        "SELECT stream, seq, n, crc32, data FROM imu_chunks WHERE session=? ORDER BY stream, seq", (session,)
+        "SELECT stream, seq, n, crc32, data FROM imu_chunks WHERE session=? ORDER BY stream, seq",
+        (session,),
     ):
         if zlib.crc32(data) != crc or len(data) != number * SAMPLE.itemsize:
             report(
-                f"Block {seq} of sensor stream {stream} of session {session} is damaged: its {number} samples are left "
+                f"Block {seq} of sensor stream {stream} of session {session} is damaged: its "
+                f"{number} samples are left "
                 "out."
             )
             continue
         samples = unpack(data)
-        measured = [samples["device_ms"], *(samples[name][:, axis] for name in _QUANTITIES for axis in range(3))]
+        measured = [
+            samples["device_ms"],
+            *(samples[name][:, axis] for name in _QUANTITIES for axis in range(3)),
+        ]
         columns = [_numbers(each) for each in measured]
-        yield from zip(repeat(session), repeat(stream), samples["at"].tolist(), samples["host"].tolist(), *columns)
+        yield from zip(
+            repeat(session),
+            repeat(stream),
+            samples["at"].tolist(),
+            samples["host"].tolist(),
+            *columns,
+        )
 
 
-def _check_layouts(report: Callable[[str], None], database: sqlite3.Connection, session: str) -> None:
-    """Report layouts that are damaged: there has only been one, so the samples can be read all the same."""
+def _check_layouts(
+    report: Callable[[str], None], database: sqlite3.Connection, session: str
+) -> None:
+    """Report layouts that are damaged: there has only been one, so the samples can be read all the
+    same.
+    """
     for stream, found in database.execute(
-        "SELECT stream, CAST(layout AS BLOB) FROM imu_streams WHERE session=? ORDER BY stream", (session,)
+        "SELECT stream, CAST(layout AS BLOB) FROM imu_streams WHERE session=? ORDER BY stream",
+        (session,),
     ):
         if found != layout().encode():
             report(
-                f"The layout of sensor stream {stream} of session {session} is damaged: its samples were read as this "
+                f"The layout of sensor stream {stream} of session {session} is damaged: its "
+                "samples were read as this "
                 "version stores them."
             )
 
@@ -132,7 +182,9 @@ def _numbers(values: "Floats") -> list[float | None]:
     found: list[float | None] = values.tolist()
     if is_measured.all():
         return found
-    return [value if known else None for value, known in zip(found, is_measured.tolist(), strict=True)]
+    return [
+        value if known else None for value, known in zip(found, is_measured.tolist(), strict=True)
+    ]
 
 
 _QUANTITIES = ("acceleration", "rate", "field")
@@ -161,14 +213,34 @@ def sensor_faults(damage: Damage) -> Table:
         columns=(
             SESSION,
             stored(
-                "sensor.number", "integer", "Number of the fault in its session, from 1.", name="fault", required=True
+                "sensor.number",
+                "integer",
+                "Number of the fault in its session, from 1.",
+                name="fault",
+                required=True,
             ),
             SEAT,
             stored("sensor.part", "string", "The part of the body with the sensor.", levels=_PARTS),
             stored("messages.run", "integer", "The run of the program."),
-            stored("messages.at_ns", "integer", "When it was noticed, steady clock of the run.", unit="ns"),
-            stored("sensor.state", "string", "What happened; a gap is missing samples.", levels=_STATES, required=True),
-            stored("sensor.count", "integer", "Number of samples that are missing or wrong.", name="samples"),
+            stored(
+                "messages.at_ns",
+                "integer",
+                "When it was noticed, steady clock of the run.",
+                unit="ns",
+            ),
+            stored(
+                "sensor.state",
+                "string",
+                "What happened; a gap is missing samples.",
+                levels=_STATES,
+                required=True,
+            ),
+            stored(
+                "sensor.count",
+                "integer",
+                "Number of samples that are missing or wrong.",
+                name="samples",
+            ),
             stored("sensor.duration_ms", "number", "Duration of the gap.", unit="ms"),
         ),
         key=("session", "fault"),

@@ -12,7 +12,9 @@ from sar_tui.export.run_numbers import runs_of_notes
 
 def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     run = runs_of_notes(database, session, damage)
-    found = database.execute("SELECT at_ns, author, label, text FROM notes WHERE session=? ORDER BY rowid", (session,))
+    found = database.execute(
+        "SELECT at_ns, author, label, text FROM notes WHERE session=? ORDER BY rowid", (session,)
+    )
     for number, (at, author, label, text) in enumerate(found, 1):
         yield session, number, run(at), at, role(author), label, text
 
@@ -24,9 +26,17 @@ def notes(damage: Damage) -> Table:
         title="A note, or an event mark",
         columns=(
             SESSION,
-            stored("notes.number", "integer", "Number of the note in its session, from 1.", name="note", required=True),
+            stored(
+                "notes.number",
+                "integer",
+                "Number of the note in its session, from 1.",
+                name="note",
+                required=True,
+            ),
             stored("messages.run", "integer", "The run of the program."),
-            stored("notes.at_ns", "integer", "When it was written, steady clock of the run.", unit="ns"),
+            stored(
+                "notes.at_ns", "integer", "When it was written, steady clock of the run.", unit="ns"
+            ),
             stored("notes.author.role", "string", "Who wrote it.", name="written_by", levels=ROLES),
             stored("notes.label", "string", "Label of an event mark."),
             stored("notes.text", "string", "The text."),

@@ -50,20 +50,42 @@ def outputs(damage: Damage) -> Table:
         columns=(
             SESSION,
             stored(
-                "output.number", "integer", "Number of the part in its session, from 1.", name="part", required=True
+                "output.number",
+                "integer",
+                "Number of the part in its session, from 1.",
+                name="part",
+                required=True,
             ),
             stored("messages.run", "integer", "The run of the program.", required=True),
             stored(
                 "output.action",
                 "string",
-                "The action. Not in the table of actions: tones of a prompt (go-…) and of the end of an attempt "
+                "The action. Not in the table of actions: tones of a prompt (go-…) and of the end "
+                "of an attempt "
                 "(end-…), and gaze cues (cue-…).",
             ),
-            stored("output.output", "string", "Kind of the output: screen, speech, tones, servo, ros."),
+            stored(
+                "output.output", "string", "Kind of the output: screen, speech, tones, servo, ros."
+            ),
             stored("output.deed", "string", "What it did.", levels=get_args(ActionPart)),
-            stored("output.started_ns", "integer", "When it was audible or visible; missing: never.", unit="ns"),
-            stored("output.ended_ns", "integer", "When it ended. Text ends when other text replaces it.", unit="ns"),
-            stored("output.outcome", "string", "How it ended; missing: it was under way at the end.", levels=_ENDS),
+            stored(
+                "output.started_ns",
+                "integer",
+                "When it was audible or visible; missing: never.",
+                unit="ns",
+            ),
+            stored(
+                "output.ended_ns",
+                "integer",
+                "When it ended. Text ends when other text replaces it.",
+                unit="ns",
+            ),
+            stored(
+                "output.outcome",
+                "string",
+                "How it ended; missing: it was under way at the end.",
+                levels=_ENDS,
+            ),
         ),
         key=("session", "part"),
         rows=partial(_rows, damage),

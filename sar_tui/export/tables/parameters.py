@@ -6,7 +6,16 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from sar_tui.export.columns import PARTICIPANT, SESSION, TASK, TO_SESSION, Reference, Table, Values, stored
+from sar_tui.export.columns import (
+    PARTICIPANT,
+    SESSION,
+    TASK,
+    TO_SESSION,
+    Reference,
+    Table,
+    Values,
+    stored,
+)
 from sar_tui.export.damage import Damage
 from sar_tui.export.json_columns import written
 from sar_tui.rules.declaration import Field
@@ -15,13 +24,31 @@ Fields = Mapping[str, Mapping[str, Field]]
 """Declared parameters by the name of the task and their own."""
 
 _ADDRESSES = ("outputs", "speech", "imu", "imu_b", "imu_trunk")
-"""Parameters whose values may name a computer, a folder or a device after their first word, which leaves."""
+"""Parameters whose values may name a computer, a folder or a device after their first word, which
+leaves.
+"""
 _HARMLESS = ("language", "levels")
 """Texts that are no choices, but say nothing about people."""
 _VALUES = (
-    stored("sessions.parameters.name", "string", "Name of the parameter.", name="parameter", required=True),
-    stored("sessions.parameters.value", "string", "Its value; several with spaces between them.", name="value"),
-    stored("sessions.parameters.text", "string", "Its value, if it is a text that may be anything.", name="text"),
+    stored(
+        "sessions.parameters.name",
+        "string",
+        "Name of the parameter.",
+        name="parameter",
+        required=True,
+    ),
+    stored(
+        "sessions.parameters.value",
+        "string",
+        "Its value; several with spaces between them.",
+        name="value",
+    ),
+    stored(
+        "sessions.parameters.text",
+        "string",
+        "Its value, if it is a text that may be anything.",
+        name="text",
+    ),
     stored("sessions.parameters.unit", "string", "Unit of the value.", name="unit"),
     stored("sessions.parameters.title", "string", "Name for people.", name="title"),
 )
@@ -52,13 +79,16 @@ def programme_parameters(fields: Fields, damage: Damage) -> Table:
     )
 
 
-_VERSION = stored("programmes.version", "integer", "Version of the programme, from 1.", required=True)
+_VERSION = stored(
+    "programmes.version", "integer", "Version of the programme, from 1.", required=True
+)
 _PROGRAMME = ("participant", "task", "version")
 
 
 def _programmes(database: sqlite3.Connection, participant: str) -> Iterator[Values]:
     return database.execute(
-        "SELECT participant, task, version, created_at, theme, reason FROM programmes WHERE participant=?"
+        "SELECT participant, task, version, created_at, theme, reason FROM programmes WHERE "
+        "participant=?"
         " ORDER BY task, version",
         (participant,),
     )
@@ -82,15 +112,23 @@ PROGRAMMES = Table(
 )
 
 
-def _of_session(fields: Fields, damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
-    for task, found in database.execute("SELECT task, parameters FROM sessions WHERE id=?", (session,)):
+def _of_session(
+    fields: Fields, damage: Damage, database: sqlite3.Connection, session: str
+) -> Iterator[Values]:
+    for task, found in database.execute(
+        "SELECT task, parameters FROM sessions WHERE id=?", (session,)
+    ):
         for row in _values(fields.get(task, {}), damage.object_of("parameters", found, "")):
             yield (session, *row)
 
 
-def _of_programmes(fields: Fields, damage: Damage, database: sqlite3.Connection, participant: str) -> Iterator[Values]:
+def _of_programmes(
+    fields: Fields, damage: Damage, database: sqlite3.Connection, participant: str
+) -> Iterator[Values]:
     for task, version, found in database.execute(
-        "SELECT task, version, parameters FROM programmes WHERE participant=? ORDER BY task, version", (participant,)
+        "SELECT task, version, parameters FROM programmes WHERE participant=? ORDER BY task, "
+        "version",
+        (participant,),
     ):
         values = damage.object_of("parameters", found, f"task {task}, version {version}")
         for row in _values(fields.get(task, {}), values):
@@ -105,7 +143,9 @@ def _values(fields: Mapping[str, Field], values: Mapping[str, Any]) -> Iterator[
         text = None
         if name in _ADDRESSES:
             shown = " ".join(_first_word(part) for part in parts)
-        elif any(isinstance(part, str | dict | list) for part in parts) and not _is_known(name, field, value):
+        elif any(isinstance(part, str | dict | list) for part in parts) and not _is_known(
+            name, field, value
+        ):
             shown, text = None, shown
         title, unit = (field.title, field.unit) if field else ("", "")
         yield name, shown or None, text or None, unit or None, title or None
@@ -113,7 +153,9 @@ def _values(fields: Mapping[str, Field], values: Mapping[str, Any]) -> Iterator[
 
 def _is_known(name: str, field: Field | None, value: object) -> bool:
     """Return True if a text is one of the choices that the task declares, or harmless."""
-    return name in _HARMLESS or (field is not None and field.kind == "choice" and value in field.choices)
+    return name in _HARMLESS or (
+        field is not None and field.kind == "choice" and value in field.choices
+    )
 
 
 def _first_word(address: object) -> str:

@@ -15,7 +15,13 @@ PARTICIPANTS = Table(
     name="participants",
     title="A participant of these sessions",
     columns=(
-        stored("participants.code", "string", "Code of the participant.", name="participant", required=True),
+        stored(
+            "participants.code",
+            "string",
+            "Code of the participant.",
+            name="participant",
+            required=True,
+        ),
         stored("participants.created_at", "datetime", "When the participant was added, UTC."),
     ),
     key=("participant",),

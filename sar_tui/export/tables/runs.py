@@ -12,7 +12,10 @@ def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterato
     for run, anchor, software in database.execute(
         "SELECT run, clock_anchor, software FROM runs WHERE session=? ORDER BY run", (session,)
     ):
-        at, made_by = damage.object_of("clock_anchor", anchor), damage.object_of("software", software)
+        at, made_by = (
+            damage.object_of("clock_anchor", anchor),
+            damage.object_of("software", software),
+        )
         packages = made_by.get("packages")
         numpy = packages.get("numpy") if isinstance(packages, dict) else None
         yield (
@@ -32,21 +35,30 @@ def runs(damage: Damage) -> Table:
             stored(
                 "runs.clock_anchor.clock_ns",
                 "integer",
-                "The steady clock at the moment of clock_utc: it relates the stamps of the run to the time of day.",
+                "The steady clock at the moment of clock_utc: it relates the stamps of the run to "
+                "the time of day.",
                 unit="ns",
             ),
             stored(
-                "runs.clock_anchor.utc", "datetime", "The time of day at the moment of clock_ns, UTC.", name="clock_utc"
+                "runs.clock_anchor.utc",
+                "datetime",
+                "The time of day at the moment of clock_ns, UTC.",
+                name="clock_utc",
             ),
             stored(
                 "runs.clock_anchor.utc_offset_s",
                 "integer",
-                "Local time minus UTC where the session was played; days of progress are counted by it.",
+                "Local time minus UTC where the session was played; days of progress are counted "
+                "by it.",
                 unit="s",
             ),
             stored("sessions.software.sar_tui", "string", "Version of sar-tui."),
             stored("sessions.software.python", "string", "Version of Python."),
-            stored("sessions.software.packages.numpy", "string", "Version of numpy, by which movements are measured."),
+            stored(
+                "sessions.software.packages.numpy",
+                "string",
+                "Version of numpy, by which movements are measured.",
+            ),
         ),
         key=("session", "run"),
         rows=partial(_rows, damage),

@@ -13,12 +13,18 @@ from sar_tui.store.record_changes import BY_MISTAKE, why_discarded
 from sar_tui.store.sites import resolved
 
 _SOFTWARE = {
-    "sar_tui": stored("sessions.software.sar_tui", "string", "Version of sar-tui at the start of the session."),
+    "sar_tui": stored(
+        "sessions.software.sar_tui", "string", "Version of sar-tui at the start of the session."
+    ),
     "python": stored("sessions.software.python", "string", "Version of Python."),
     "packages.numpy": stored(
-        "sessions.software.packages.numpy", "string", "Version of numpy, by which movements are measured."
+        "sessions.software.packages.numpy",
+        "string",
+        "Version of numpy, by which movements are measured.",
     ),
-    "task.title": stored("sessions.software.task.title", "string", "The task's name for people.", name="task_title"),
+    "task.title": stored(
+        "sessions.software.task.title", "string", "The task's name for people.", name="task_title"
+    ),
     "task.version": stored(
         "sessions.software.task.version",
         "string",
@@ -32,15 +38,26 @@ _SOFTWARE = {
         name="task_source",
     ),
     "task.hash": stored(
-        "sessions.software.task.hash", "string", "SHA-256 of the files of the task's folder.", name="task_sha256"
+        "sessions.software.task.hash",
+        "string",
+        "SHA-256 of the files of the task's folder.",
+        name="task_sha256",
     ),
     "theme.hash": stored(
-        "sessions.software.theme.hash", "string", "SHA-256 of the files of the theme's folder.", name="theme_sha256"
+        "sessions.software.theme.hash",
+        "string",
+        "SHA-256 of the files of the theme's folder.",
+        name="theme_sha256",
     ),
     "task.metric.name": stored(
-        "sessions.software.task.metric.name", "string", "The measure of an attempt.", name="metric_name"
+        "sessions.software.task.metric.name",
+        "string",
+        "The measure of an attempt.",
+        name="metric_name",
     ),
-    "task.metric.unit": stored("sessions.software.task.metric.unit", "string", "Its unit.", name="metric_unit"),
+    "task.metric.unit": stored(
+        "sessions.software.task.metric.unit", "string", "Its unit.", name="metric_unit"
+    ),
     "task.metric.better": stored(
         "sessions.software.task.metric.better",
         "string",
@@ -53,11 +70,17 @@ _MACHINE = {
     "system": stored("sessions.machine.system", "string", "Operating system."),
     "processor": stored("sessions.machine.processor", "string", "Architecture of the processor."),
     "cores": stored("sessions.machine.cores", "integer", "Number of the processor's cores."),
-    "clock": stored("sessions.machine.clock", "string", "The steady clock that stamps are taken from."),
+    "clock": stored(
+        "sessions.machine.clock", "string", "The steady clock that stamps are taken from."
+    ),
     "terminal": stored("sessions.machine.terminal", "string", "Program or kind of the terminal."),
-    "ssh": stored("sessions.machine.ssh", "boolean", "True if the terminal was connected through SSH."),
+    "ssh": stored(
+        "sessions.machine.ssh", "boolean", "True if the terminal was connected through SSH."
+    ),
     "multiplexer": stored(
-        "sessions.machine.multiplexer", "string", "The terminal multiplexer that the program ran in; missing: none."
+        "sessions.machine.multiplexer",
+        "string",
+        "The terminal multiplexer that the program ran in; missing: none.",
     ),
     "flags": stored(
         "sessions.machine.flags",
@@ -74,8 +97,10 @@ _COLUMNS = (
     stored(
         "sessions.status",
         "string",
-        "The session had all its attempts (completed), was ended by a person (aborted), was cut off (interrupted), or "
-        "was cut off and given up (dismissed). It does not count, and belongs into no analysis of training, if it was "
+        "The session had all its attempts (completed), was ended by a person (aborted), was cut "
+        "off (interrupted), or "
+        "was cut off and given up (dismissed). It does not count, and belongs into no analysis of "
+        "training, if it was "
         "started by mistake (discarded), or a question that must be agreed to was not (refused).",
         levels=("completed", "aborted", "interrupted", "dismissed", "discarded", "refused"),
         required=True,
@@ -90,10 +115,21 @@ _COLUMNS = (
     stored("sessions.started_at", "datetime", "When it began, UTC."),
     stored("sessions.ended_at", "datetime", "When it ended, UTC."),
     stored("seats.participant", "string", "Code of the participant at seat A."),
-    stored("seats.participant", "string", "Code of the participant at seat B, in a task for two.", name="partner"),
+    stored(
+        "seats.participant",
+        "string",
+        "Code of the participant at seat B, in a task for two.",
+        name="partner",
+    ),
     stored("sessions.seed", "integer", "Seed of all that is random."),
-    stored("sessions.site", "string", "Code of the site that recorded it; missing: the site has none."),
-    stored("sessions.programme", "integer", "Version of the participant's programme; missing: there was none."),
+    stored(
+        "sessions.site", "string", "Code of the site that recorded it; missing: the site has none."
+    ),
+    stored(
+        "sessions.programme",
+        "integer",
+        "Version of the participant's programme; missing: there was none.",
+    ),
     *_SOFTWARE.values(),
     *_MACHINE.values(),
     stored(
@@ -105,13 +141,15 @@ _COLUMNS = (
     stored(
         "started.rules",
         "integer",
-        "Version of the loop's rules that the session was played by: of how it goes on with the same inputs.",
+        "Version of the loop's rules that the session was played by: of how it goes on with the "
+        "same inputs.",
         name="loop_rules",
     ),
     stored(
         "sessions.log_hash",
         "string",
-        "The last hash of the session's log, a running SHA-256; missing: it was recorded before there were hashes.",
+        "The last hash of the session's log, a running SHA-256; missing: it was recorded before "
+        "there were hashes.",
         name="log_sha256",
     ),
 )
@@ -142,8 +180,10 @@ def _rows(
     session: str,
 ) -> Iterator[Values]:
     for row in database.execute(
-        "SELECT id, mode, task, theme, NULL, NULL, started_at, ended_at, own.participant, other.participant, seed,"
-        f" nullif({resolved('sessions.site')}, ''), programme, software, machine, nullif(log_hash, '') FROM sessions"
+        "SELECT id, mode, task, theme, NULL, NULL, started_at, ended_at, own.participant, "
+        "other.participant, seed,"
+        f" nullif({resolved('sessions.site')}, ''), programme, software, machine, "
+        "nullif(log_hash, '') FROM sessions"
         " LEFT JOIN seats AS own ON own.session=id AND own.seat='A'"
         " LEFT JOIN seats AS other ON other.session=id AND other.seat='B' WHERE id=?",
         (session,),
@@ -163,7 +203,9 @@ def _rows(
 
 
 def _rules(damage: Damage, database: sqlite3.Connection, session: str) -> int | None:
-    """Return the rules that a session began with, and keeps; None if its start is not in the record."""
+    """Return the rules that a session began with, and keeps; None if its start is not in the
+    record.
+    """
     started = next(messages_of_topic(database, session, SESSION_STARTED.name, damage), None)
     return None if started is None else started[2].get("rules", 1)
 

@@ -14,7 +14,9 @@ _TYPES = get_type_hints(SyncSignal)
 
 def _rows(damage: Damage, database: sqlite3.Connection, session: str) -> Iterator[Values]:
     found = database.execute(
-        "SELECT seq, run, at_ns, message FROM events WHERE session=? AND topic='output/sync' ORDER BY seq", (session,)
+        "SELECT seq, run, at_ns, message FROM events WHERE session=? AND topic='output/sync' "
+        "ORDER BY seq",
+        (session,),
     )
     for number, (seq, run, at, message) in enumerate(found, 1):
         signal = damage.object_of("message", message, f"message {seq}")
@@ -29,15 +31,22 @@ def sync_signals(damage: Damage) -> Table:
         columns=(
             SESSION,
             stored(
-                "sync.number", "integer", "Number of the signal in its session, from 1.", name="signal", required=True
+                "sync.number",
+                "integer",
+                "Number of the signal in its session, from 1.",
+                name="signal",
+                required=True,
             ),
             stored("messages.run", "integer", "The run of the program.", required=True),
-            stored("messages.at_ns", "integer", "When it began, steady clock of the run.", unit="ns"),
+            stored(
+                "messages.at_ns", "integer", "When it began, steady clock of the run.", unit="ns"
+            ),
             stored("sync.what", "string", "What it was.", levels=get_args(_TYPES["what"])),
             stored(
                 "sync.source",
                 "string",
-                "How the time is known: its frame was flushed, the screen was refreshed (less exact), or its samples "
+                "How the time is known: its frame was flushed, the screen was refreshed (less "
+                "exact), or its samples "
                 "were fed to the sound card.",
                 levels=get_args(_TYPES["source"]),
             ),

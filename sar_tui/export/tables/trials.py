@@ -69,19 +69,26 @@ _PLAIN = (
     MODE,
     TASK,
     PARTICIPANT,
-    stored("trials.attempt", "integer", "Number of the attempt in the session, from 1.", required=True),
+    stored(
+        "trials.attempt", "integer", "Number of the attempt in the session, from 1.", required=True
+    ),
     stored("trials.trial", "integer", "Number of the trial in the attempt, from 1.", required=True),
     SEAT,
     stored("trials.run", "integer", "The run of the program.", required=True),
-    stored("attempts.practice", "boolean", "True for practice; missing if the attempt was cut off."),
-    stored("attempts.level", "integer", "The level of the attempt; missing if the attempt was cut off."),
+    stored(
+        "attempts.practice", "boolean", "True for practice; missing if the attempt was cut off."
+    ),
+    stored(
+        "attempts.level", "integer", "The level of the attempt; missing if the attempt was cut off."
+    ),
     stored("trials.stimulus", "string", "The prompt."),
     stored("trials.response", "string", "The pressed key, or the typed text; missing for a miss."),
     stored("trials.correct", "boolean", "True if the response was right."),
     stored(
         "trials.onset_ns",
         "integer",
-        "When the prompt was on the terminal; in the reaching task: movement onset. Steady clock of the run.",
+        "When the prompt was on the terminal; in the reaching task: movement onset. Steady clock "
+        "of the run.",
         unit="ns",
     ),
     stored(
@@ -93,7 +100,8 @@ _PLAIN = (
     stored(
         "trials.reaction_time_ms",
         "number",
-        "Response minus onset; in the reaching task: from the go signal to movement onset. Missing for a miss.",
+        "Response minus onset; in the reaching task: from the go signal to movement onset. "
+        "Missing for a miss.",
         unit="ms",
     ),
     *_TIMING.values(),
@@ -114,7 +122,9 @@ def trials(
         not_loaded: tasks that cannot be loaded, so that what they declare is not known.
     """
     details = columns(database, sessions, "trials", "details", declared, not_loaded=not_loaded)
-    data = columns(database, sessions, "trials", "data", {}, other="Kept with the prompt by its task.")
+    data = columns(
+        database, sessions, "trials", "data", {}, other="Kept with the prompt by its task."
+    )
     return Table(
         name="trials",
         title="A trial at a seat",
@@ -133,15 +143,33 @@ def _rows(
     session: str,
 ) -> Iterator[Values]:
     codes = codes_by_seat(database, session)
-    (mode, task) = database.execute("SELECT mode, task FROM sessions WHERE id=?", (session,)).fetchone()
+    (mode, task) = database.execute(
+        "SELECT mode, task FROM sessions WHERE id=?", (session,)
+    ).fetchone()
     for row in database.execute(
-        "SELECT trials.attempt, trial, trials.seat, trials.run, practice, level, stimulus, response, trials.correct,"
-        " onset_ns, response_ns, reaction_time_ms, timing, details, data FROM trials LEFT JOIN attempts ON"
-        " attempts.session=trials.session AND attempts.attempt=trials.attempt AND attempts.seat=trials.seat"
+        "SELECT trials.attempt, trial, trials.seat, trials.run, practice, level, stimulus, "
+        "response, trials.correct,"
+        " onset_ns, response_ns, reaction_time_ms, timing, details, data FROM trials LEFT JOIN "
+        "attempts ON"
+        " attempts.session=trials.session AND attempts.attempt=trials.attempt AND "
+        "attempts.seat=trials.seat"
         " WHERE trials.session=? ORDER BY trials.attempt, trial, trials.seat",
         (session,),
     ):
-        attempt, trial, seat, run, practice, level, stimulus, response, correct, onset, end, *rest = row
+        (
+            attempt,
+            trial,
+            seat,
+            run,
+            practice,
+            level,
+            stimulus,
+            response,
+            correct,
+            onset,
+            end,
+            *rest,
+        ) = row
         reaction, timed, told, kept = rest
         found, of_prompt = damage.object_of("details", told), damage.object_of("data", kept)
         yield (

@@ -5,7 +5,16 @@ from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from sar_tui.export.columns import PARTICIPANT, SEAT, TO_SESSION, Reference, Table, Values, as_bool, stored
+from sar_tui.export.columns import (
+    PARTICIPANT,
+    SEAT,
+    TO_SESSION,
+    Reference,
+    Table,
+    Values,
+    as_bool,
+    stored,
+)
 
 _TO_PARTICIPANT = Reference(("participant",), "participants", ("participant",))
 
@@ -14,7 +23,8 @@ def _answers(
     sessions: Collection[str], live: Collection[str], database: sqlite3.Connection, participant: str
 ) -> Iterator[Values]:
     for row in database.execute(
-        "SELECT session, participant, seat, moment, question, answer, at FROM wellbeing WHERE participant=?"
+        "SELECT session, participant, seat, moment, question, answer, at FROM wellbeing WHERE "
+        "participant=?"
         " ORDER BY at, question",
         (participant,),
     ):
@@ -24,13 +34,20 @@ def _answers(
 
 
 def wellbeing(sessions: Collection[Mapping[str, Any]]) -> Table:
-    """Return the table of the answers in these sessions, and of their participants before one that never began.
+    """Return the table of the answers in these sessions, and of their participants before one that
+    never began.
 
     Args:
-        sessions: as `store.sessions.listing` returns them. Only persons who had a live one answered without a session.
+        sessions: as `store.sessions.listing` returns them. Only persons who had a live one answered
+            without a session.
     """
     ids = {row["id"] for row in sessions}
-    live = {code for row in sessions if row["mode"] == "live" for code in (row["participant"], row["partner"])}
+    live = {
+        code
+        for row in sessions
+        if row["mode"] == "live"
+        for code in (row["participant"], row["partner"])
+    }
     return Table(
         name="wellbeing",
         title="An answer about pain or tiredness",
@@ -49,7 +66,8 @@ def wellbeing(sessions: Collection[Mapping[str, Any]]) -> Table:
             stored(
                 "wellbeing.answer",
                 "string",
-                "0 to 10, or the number of a place; yes: chosen in a pause; not said: would rather not say. "
+                "0 to 10, or the number of a place; yes: chosen in a pause; not said: would "
+                "rather not say. "
                 "Of advice: shown, and then stopped or went on.",
             ),
             stored("wellbeing.at", "datetime", "When it was answered, UTC.", required=True),
@@ -63,7 +81,8 @@ def wellbeing(sessions: Collection[Mapping[str, Any]]) -> Table:
 
 def _events(database: sqlite3.Connection, participant: str) -> Iterator[Values]:
     return database.execute(
-        "SELECT event, version, participant, session, onset, severity, recorded_at, what, action, outcome"
+        "SELECT event, version, participant, session, onset, severity, recorded_at, what, action, "
+        "outcome"
         " FROM adverse_events WHERE participant=? ORDER BY event, version",
         (participant,),
     )
@@ -74,11 +93,22 @@ ADVERSE_EVENTS = Table(
     title="A version of an adverse event; the last one counts",
     columns=(
         stored("adverse_events.event", "string", "Id of the event.", required=True),
-        stored("adverse_events.version", "integer", "1 when it was reported; each amendment adds one.", required=True),
+        stored(
+            "adverse_events.version",
+            "integer",
+            "1 when it was reported; each amendment adds one.",
+            required=True,
+        ),
         PARTICIPANT,
-        stored("adverse_events.session", "string", "The session in which it began; missing if in none."),
-        stored("adverse_events.onset", "string", "Local date, or date and time, at which it began."),
-        stored("adverse_events.severity", "string", "Severity.", levels=("mild", "moderate", "severe")),
+        stored(
+            "adverse_events.session", "string", "The session in which it began; missing if in none."
+        ),
+        stored(
+            "adverse_events.onset", "string", "Local date, or date and time, at which it began."
+        ),
+        stored(
+            "adverse_events.severity", "string", "Severity.", levels=("mild", "moderate", "severe")
+        ),
         stored("adverse_events.recorded_at", "datetime", "When this version was recorded, UTC."),
         stored("adverse_events.what", "string", "What happened."),
         stored("adverse_events.action", "string", "What was done."),
@@ -93,7 +123,8 @@ ADVERSE_EVENTS = Table(
 
 def _scores(database: sqlite3.Connection, participant: str) -> Iterator[Values]:
     for *row, removed in database.execute(
-        "SELECT participant, instrument, date, score, recorded_at, note, removed FROM instrument_scores"
+        "SELECT participant, instrument, date, score, recorded_at, note, removed FROM "
+        "instrument_scores"
         " WHERE participant=? ORDER BY instrument, date, recorded_at",
         (participant,),
     ):
@@ -106,11 +137,19 @@ INSTRUMENT_SCORES = Table(
     columns=(
         PARTICIPANT,
         stored("instrument_scores.instrument", "string", "The instrument.", required=True),
-        stored("instrument_scores.date", "string", "Day of the measurement, YYYY-MM-DD.", required=True),
+        stored(
+            "instrument_scores.date", "string", "Day of the measurement, YYYY-MM-DD.", required=True
+        ),
         stored("instrument_scores.score", "number", "The score.", required=True),
-        stored("instrument_scores.recorded_at", "datetime", "When it was entered, UTC.", required=True),
+        stored(
+            "instrument_scores.recorded_at", "datetime", "When it was entered, UTC.", required=True
+        ),
         stored("instrument_scores.note", "string", "A remark."),
-        stored("instrument_scores.removed", "boolean", "True: entered by mistake. Then there is no score of that day."),
+        stored(
+            "instrument_scores.removed",
+            "boolean",
+            "True: entered by mistake. Then there is no score of that day.",
+        ),
     ),
     key=("participant", "instrument", "date", "recorded_at"),
     rows=_scores,

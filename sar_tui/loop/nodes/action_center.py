@@ -6,7 +6,16 @@ from typing import NamedTuple
 from sar_tui.loop.feedback_text import FeedbackText
 from sar_tui.loop.node import Node, on
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import FEEDBACK, FILLER_DUE, PROPOSED, RECALL, SESSION, SESSION_ENDED, THEME, WAITING
+from sar_tui.loop.topics import (
+    FEEDBACK,
+    FILLER_DUE,
+    PROPOSED,
+    RECALL,
+    SESSION,
+    SESSION_ENDED,
+    THEME,
+    WAITING,
+)
 from sar_tui.model.messages import (
     Feedback,
     FillerDue,
@@ -42,8 +51,9 @@ RULES: dict[Kind, _Rule] = {
     "goodbye": _Rule(10, "queue"),
     "filler": _Rule(45, "drop"),
 }
-"""Feedback interrupts actions of lower priority, but not a filler. Instructions, encouragement and reminders of rest
-are dropped if they are late. The goodbye comes last."""
+"""Feedback interrupts actions of lower priority, but not a filler. Instructions, encouragement and
+reminders of rest are dropped if they are late. The goodbye comes last.
+"""
 
 
 _TOWARDS = {"A": "left", "B": "right"}
@@ -84,7 +94,9 @@ class ActionCenter(Node):
 
     @on(SESSION_ENDED)
     def say_goodbye(self, ended: SessionEnded) -> None:
-        """Say goodbye; don't wave if the session was aborted, and thank nobody for work who did not agree to begin."""
+        """Say goodbye; don't wave if the session was aborted, and thank nobody for work who did not
+        agree to begin.
+        """
         if ended.status == "refused":
             return
         how = "goodbye" if ended.status == "completed" else "goodbye_early"
@@ -92,7 +104,9 @@ class ActionCenter(Node):
 
     @on(FEEDBACK)
     def feedback_due(self, feedback: Feedback) -> None:
-        recalled = self.ask(RECALL, Recall(seat=feedback.seat, level=feedback.level, condition=feedback.condition))
+        recalled = self.ask(
+            RECALL, Recall(seat=feedback.seat, level=feedback.level, condition=feedback.condition)
+        )
         content = self._feedback_text.write(feedback, recalled)
         self._phrases.said(content.text)
         plain = content.valence == "neutral" or content.degree == "clear"
@@ -130,7 +144,9 @@ class ActionCenter(Node):
 
     @on(WAITING)
     def waiting(self, waiting: Waiting) -> None:
-        """Propose instructions, and between attempts questions, encouragement or a rest: once for each."""
+        """Propose instructions, and between attempts questions, encouragement or a rest: once for
+        each.
+        """
         if waiting.stage == "instructions" and not self._instructed:
             self._instructed = True
             self._propose("instruction", "", spoken=self._task.instructions())
@@ -139,13 +155,16 @@ class ActionCenter(Node):
             self._propose("instruction", "", spoken=spoken(waiting.step.step))
         if waiting.stage == "rest" and waiting.attempt != self._rested:
             self._rested = waiting.attempt
-            self._propose("rest", self._task.tr("Now a rest. Put your hands down for a while."), joins=True)
+            self._propose(
+                "rest", self._task.tr("Now a rest. Put your hands down for a while."), joins=True
+            )
         if waiting.stage == "attempt" and waiting.attempt > 1 and self._is_new(waiting):
             self._considered = (waiting.attempt, waiting.level)
             self._before_attempt(waiting)
 
     def _is_new(self, waiting: Waiting) -> bool:
-        """Return True if nothing is proposed yet for an attempt, and its level was not considered before.
+        """Return True if nothing is proposed yet for an attempt, and its level was not considered
+        before.
 
         An operator may decide on its level after the session began to wait for it.
         """
@@ -159,7 +178,12 @@ class ActionCenter(Node):
         attempts = self.ask(RECALL, Recall(seat=self._task.seats[0])).attempts
         if waiting.attempt == self._rested:
             self._prepared = waiting.attempt
-            self._propose("rest", self._task.tr("Start when you are ready."), "rested", attempt=waiting.attempt)
+            self._propose(
+                "rest",
+                self._task.tr("Start when you are ready."),
+                "rested",
+                attempt=waiting.attempt,
+            )
             return
         if self._rules >= 4 and attempts and attempts[-1].attempt < waiting.attempt - 1:
             return  # the last attempt was skipped: nothing has just happened that this could fit
@@ -168,7 +192,11 @@ class ActionCenter(Node):
             situation = "rest"
         elif parameters.encouragement and (why := encouragement.why_hard(attempts, waiting.level)):
             kind = "encouragement"
-            situation = "encouragement_new_level" if why == "new level" and self._rules >= 4 else "encouragement"
+            situation = (
+                "encouragement_new_level"
+                if why == "new level" and self._rules >= 4
+                else "encouragement"
+            )
         else:
             return
         self._prepared = waiting.attempt
@@ -203,7 +231,9 @@ class ActionCenter(Node):
                 spoken=theme.spoken(text if spoken is None else spoken),
                 face=how.face,
                 gesture=how.gesture,
-                gaze=_TOWARDS[seat] if kind == "feedback" and len(self._task.seats) > 1 else how.gaze,
+                gaze=_TOWARDS[seat]
+                if kind == "feedback" and len(self._task.seats) > 1
+                else how.gaze,
                 tone=how.tone,
                 valence=valence,  # type: ignore[arg-type]
                 degree=degree,  # type: ignore[arg-type]
@@ -218,7 +248,8 @@ class ActionCenter(Node):
 
 
 class _Phrases:
-    """Phrases of a theme, chosen at random among those that repeat least of what has just been said.
+    """Phrases of a theme, chosen at random among those that repeat least of what has just been
+    said.
 
     The same wording is never used twice in a row.
     """
@@ -239,11 +270,17 @@ class _Phrases:
         self._feedback = feedback
 
     def beside(self, text: str, situation: str, **slots: str) -> str:
-        """Return a wording that repeats little of ``text``, which is said with it, and then of the last feedback."""
+        """Return a wording that repeats little of ``text``, which is said with it, and then of the
+        last feedback.
+        """
         wordings = self.theme.phrases[situation]
-        fresh = [wording for wording in wordings if wording != self._last.get(situation)] or list(wordings)
+        fresh = [wording for wording in wordings if wording != self._last.get(situation)] or list(
+            wordings
+        )
         if self.rules >= 4:
-            fresh = least_repeating({wording: wording.format(**slots) for wording in fresh}, text, self._feedback)
+            fresh = least_repeating(
+                {wording: wording.format(**slots) for wording in fresh}, text, self._feedback
+            )
         wording = self._streams.choice(fresh, "wording", situation, self.count)
         self._last[situation] = wording
         return wording.format(**slots)

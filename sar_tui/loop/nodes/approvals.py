@@ -12,7 +12,15 @@ from sar_tui.loop.node import TimedNode, serves
 from sar_tui.loop.pending_approvals import PendingApprovals
 from sar_tui.loop.topics import DECIDED, DROPPED, LEVEL_DECIDED, LEVEL_REQUEST, PENDING_APPROVAL
 from sar_tui.model import messages as m
-from sar_tui.model.messages import Action, Decision, Dropped, Ground, LevelDecided, PendingApproval, Proposal
+from sar_tui.model.messages import (
+    Action,
+    Decision,
+    Dropped,
+    Ground,
+    LevelDecided,
+    PendingApproval,
+    Proposal,
+)
 from sar_tui.model.theme import Theme
 from sar_tui.rules import arbitration
 from sar_tui.rules.settings.operator import OperatorSettings
@@ -28,7 +36,8 @@ class _Outcome(NamedTuple):
 class Approvals(TimedNode, ABC):
     """The part of the arbiter that handles decisions, deadlines and the presence of operators.
 
-    The mode of each kind of action determines whether a proposal waits for approval (see `policies.arbitration`).
+    The mode of each kind of action determines whether a proposal waits for approval (see
+    `policies.arbitration`).
     """
 
     def __init__(self, parameters: OperatorSettings, theme: Theme) -> None:
@@ -45,7 +54,8 @@ class Approvals(TimedNode, ABC):
     def _publish_state(self) -> None:
         """Publish what changed."""
 
-    # --- proposals ------------------------------------------------------------------------------------------
+    # --- proposals
+    # ------------------------------------------------------------------------------------------
 
     def _decide_proposal(self, proposal: Proposal) -> Proposal:
         """Queue a proposal, drop it, or ask an operator. Returns the proposal as it was decided on.
@@ -62,7 +72,9 @@ class Approvals(TimedNode, ABC):
         return words
 
     def _decide(self, proposal: Proposal) -> None:
-        verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now, pending=self._pending.waiting)
+        verdict = arbitration.decide(
+            self._rules, self._parameters, proposal, self.now, pending=self._pending.waiting
+        )
         match verdict.outcome:
             case "act":
                 self._queue.add(accepted(proposal, ground=verdict.ground))
@@ -75,14 +87,19 @@ class Approvals(TimedNode, ABC):
         self._pending.add(pending)
         self.emit(PENDING_APPROVAL, pending)
 
-    # --- the level ------------------------------------------------------------------------------------------
+    # --- the level
+    # ------------------------------------------------------------------------------------------
 
     @serves(LEVEL_REQUEST)
     def level_requested(self, request: m.LevelRequest) -> m.LevelReply:
-        """Allow a change of level, refuse it, or ask an operator; after the last attempt there is no time to ask."""
+        """Allow a change of level, refuse it, or ask an operator; after the last attempt there is
+        no time to ask.
+        """
         change = request.change
         text = f"Level {change.previous} → {change.level}"
-        proposal = Proposal(seat=change.seat, id=f"l{self._level_requests + 1}", kind="difficulty", text=text)
+        proposal = Proposal(
+            seat=change.seat, id=f"l{self._level_requests + 1}", kind="difficulty", text=text
+        )
         if request.is_last:
             verdict = arbitration.decide(self._rules, self._parameters, proposal, self.now)
             return m.LevelReply(happens=verdict.outcome == "act")
@@ -100,7 +117,9 @@ class Approvals(TimedNode, ABC):
         return m.LevelReply(happens=verdict.outcome == "act")
 
     def _note_outcome(self, ended: m.AttemptEnded) -> None:
-        """Give up a pending level if its attempt, scored again, has another outcome and requested no new level."""
+        """Give up a pending level if its attempt, scored again, has another outcome and requested
+        no new level.
+        """
         here = (ended.seat, ended.attempt)
         known = {at: scored for at, scored in self._outcomes.items() if at[1] == ended.attempt}
         self._outcomes = {**known, here: _Outcome(ended.outcome, self._level_requests)}
@@ -113,7 +132,12 @@ class Approvals(TimedNode, ABC):
             self._give_up(pending, reason, "mode")
 
     def _decide_level(
-        self, pending: PendingApproval, decision: str, level: int, actor: str = "agent", ground: Ground = "no operator"
+        self,
+        pending: PendingApproval,
+        decision: str,
+        level: int,
+        actor: str = "agent",
+        ground: Ground = "no operator",
     ) -> None:
         decided = LevelDecided(
             seat=pending.seat,
@@ -126,13 +150,18 @@ class Approvals(TimedNode, ABC):
         )
         self.emit(LEVEL_DECIDED, decided)
 
-    # --- pending proposals ----------------------------------------------------------------------------------
+    # --- pending proposals
+    # ----------------------------------------------------------------------------------
 
     def _apply_decision(self, pending: PendingApproval, decision: Decision) -> None:
         if decision.verdict == "veto":
             self._give_up(pending, "vetoed", "operator", decision.actor)
         elif pending.level is not None:
-            level = pending.level if decision.verdict == "accept" or decision.level is None else decision.level
+            level = (
+                pending.level
+                if decision.verdict == "accept" or decision.level is None
+                else decision.level
+            )
             how = "accepted" if level == pending.level else "edited"
             self._decide_level(pending, how, level, decision.actor, "operator")
         elif decision.verdict == "edit":
@@ -144,9 +173,16 @@ class Approvals(TimedNode, ABC):
     def _apply_mode(self, chosen: m.ModeChanged) -> None:
         """Apply a new mode, also to pending proposals."""
         self._rules = arbitration.set_mode(self._rules, chosen.kind, chosen.mode)
-        for pending in self._pending.remove(lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind):
+        for pending in self._pending.remove(
+            lambda one: arbitration.CONTROLLED[one.proposal.kind] == chosen.kind
+        ):
             verdict = arbitration.decide(
-                self._rules, self._parameters, pending.proposal, self.now, pending.level, self._pending.waiting
+                self._rules,
+                self._parameters,
+                pending.proposal,
+                self.now,
+                pending.level,
+                self._pending.waiting,
             )
             if verdict.pending:
                 self._ask_operator(verdict.pending)
@@ -154,7 +190,9 @@ class Approvals(TimedNode, ABC):
                 self._act(pending, chosen.actor, "operator")
 
     def _apply_presence(self, is_operated: bool) -> None:
-        """Enable or disable the modes; without an operator, decide pending proposals as configured."""
+        """Enable or disable the modes; without an operator, decide pending proposals as
+        configured.
+        """
         self._rules = replace(self._rules, operated=is_operated)
         if not is_operated:
             self._do_without_operator()
@@ -170,7 +208,9 @@ class Approvals(TimedNode, ABC):
             else:
                 self._give_up(pending, "expired", "deadline")
 
-    def _do_without_operator(self, which: Callable[[PendingApproval], bool] = lambda _: True) -> None:
+    def _do_without_operator(
+        self, which: Callable[[PendingApproval], bool] = lambda _: True
+    ) -> None:
         for pending in self._pending.remove(which):
             if self._parameters.operator_lost == "autonomous":
                 self._act(pending, "agent", "no operator")
@@ -191,7 +231,9 @@ class Approvals(TimedNode, ABC):
         self._queue.add(action)
         self.emit(DECIDED, action)
 
-    def _give_up(self, pending: PendingApproval, reason: str, ground: Ground, actor: str = "agent") -> None:
+    def _give_up(
+        self, pending: PendingApproval, reason: str, ground: Ground, actor: str = "agent"
+    ) -> None:
         """Drop a proposal."""
         if pending.level is not None:
             self._decide_level(pending, "rejected", 0, actor, ground)

@@ -46,8 +46,9 @@ from sar_tui.rules import arbitration
 from sar_tui.rules.settings.operator import OperatorSettings
 
 ACTION_TIMEOUT = 40 * SECOND
-"""An action that no output reports as over is halted after this time, so that no robot blocks a session. Spoken text
-adds `PER_CHARACTER`; outputs give up sooner (`outputs.node`)."""
+"""An action that no output reports as over is halted after this time, so that no robot blocks a
+session. Spoken text adds `PER_CHARACTER`; outputs give up sooner (`outputs.node`).
+"""
 PER_CHARACTER = 150 * MS
 FILLER_AFTER = SECOND
 """A wait for feedback that is longer than this is covered by a filler."""
@@ -57,7 +58,9 @@ _AFTER_FEEDBACK: tuple[Kind, ...] = ("encouragement", "rest")
 
 
 class Arbiter(Approvals):
-    """Passes actions to the outputs, one at a time. Actions wait until a trial or a pause is over."""
+    """Passes actions to the outputs, one at a time. Actions wait until a trial or a pause is
+    over.
+    """
 
     name = "arbiter"
     emits = (
@@ -87,7 +90,8 @@ class Arbiter(Approvals):
         self._given = (0, "")
         """Attempt and seat of the feedback that was given last."""
 
-    # --- the session -----------------------------------------------------------------------------------------
+    # --- the session
+    # -----------------------------------------------------------------------------------------
 
     @on(OUTPUT)
     def output_opened(self, opened: m.OutputOpened) -> None:
@@ -101,7 +105,9 @@ class Arbiter(Approvals):
 
     @on(SESSION)
     def session_started(self, started: m.SessionStarted) -> None:
-        """Begin a run: drop actions of the last run, and decide a pending level without an operator."""
+        """Begin a run: drop actions of the last run, and decide a pending level without an
+        operator.
+        """
         self._outputs, self._announced = self._announced, []
         self.cancel_timers()
         self._queue.abandon()
@@ -113,9 +119,13 @@ class Arbiter(Approvals):
 
     @on(WAITING)
     def waiting(self, waiting: m.Waiting) -> None:
-        """Hold back actions in trials and pauses; stop the instructions when the participant leaves them."""
+        """Hold back actions in trials and pauses; stop the instructions when the participant leaves
+        them.
+        """
         in_trial = waiting.what in AWAITED and waiting.stage == "trial"
-        self._is_held_back = in_trial or (waiting.stage == "paused" and waiting.reason != "interrupted")
+        self._is_held_back = in_trial or (
+            waiting.stage == "paused" and waiting.reason != "interrupted"
+        )
         if not self._is_idle:  # in trials it nearly always is
             self._make_way(waiting)
         self._begin_next()
@@ -125,7 +135,8 @@ class Arbiter(Approvals):
         if waiting.stage == "trial" and (waiting.what != "agent" or self._rules.version < 2):
             self._drop("late", lambda one: one.policy == "drop")
         current = self._queue.current
-        is_asked = waiting.step is not None and waiting.step.entry != Entry()  # its question may be heard to the end
+        # its question may be heard to the end
+        is_asked = waiting.step is not None and waiting.step.entry != Entry()
         if waiting.stage not in ("instructions", "paused") and not is_asked:
             self._drop("late", lambda one: one.kind == "instruction")
             if current and current.kind == "instruction":
@@ -142,15 +153,21 @@ class Arbiter(Approvals):
 
     @on(ATTEMPT_ENDED)
     def attempt_ended(self, ended: m.AttemptEnded) -> None:
-        """Drop feedback that waits if its attempt is scored again, and a pending level if the outcome changed."""
+        """Drop feedback that waits if its attempt is scored again, and a pending level if the
+        outcome changed.
+        """
         self._note_outcome(ended)
         here = (ended.seat, ended.attempt)
-        self._drop("amended", lambda one: one.kind == "feedback" and (one.seat, one.attempt) == here)
+        self._drop(
+            "amended", lambda one: one.kind == "feedback" and (one.seat, one.attempt) == here
+        )
         self._publish_state()
 
     @on(SESSION_ENDED)
     def session_ended(self, ended: m.SessionEnded) -> None:
-        """Drop what waits, except the last feedback if the session was completed: it precedes the goodbye."""
+        """Drop what waits, except the last feedback if the session was completed: it precedes the
+        goodbye.
+        """
         if ended.status == "completed" and self._rules.version >= 2:
             self._do_without_decision(self._pending.remove(_is_feedback_with_deadline))
             for action in self._queue.remove(lambda one: one.kind == "feedback"):
@@ -159,7 +176,8 @@ class Arbiter(Approvals):
         self._drop("late", lambda one: ended.status != "completed" or one.id not in feedback)
         self._publish_state()
 
-    # --- proposals ---------------------------------------------------------------------------------------------
+    # --- proposals
+    # ---------------------------------------------------------------------------------------------
 
     @on(PROPOSED)
     def proposed(self, proposal: Proposal) -> None:
@@ -172,23 +190,34 @@ class Arbiter(Approvals):
     def unsaid_requested(self, request: m.UnsaidFeedbackRequest) -> m.UnsaidFeedback:
         """Return the seats whose feedback on an attempt waits."""
         waiting = (*self._queue.waiting, *(one.proposal for one in self._pending.waiting))
-        feedback = [one for one in waiting if one.kind == "feedback" and one.attempt == request.attempt]
+        feedback = [
+            one for one in waiting if one.kind == "feedback" and one.attempt == request.attempt
+        ]
         return m.UnsaidFeedback(seats=tuple(sorted({one.seat for one in feedback})))
 
     def _set_filler_timer(self, proposal: Proposal) -> None:
-        """Schedule a filler for a wait for an operator; or for any wait, so that it does not reveal an operator."""
-        waits = any(one.proposal is proposal and one.deadline is not None for one in self._pending.waiting)
+        """Schedule a filler for a wait for an operator; or for any wait, so that it does not reveal
+        an operator.
+        """
+        waits = any(
+            one.proposal is proposal and one.deadline is not None for one in self._pending.waiting
+        )
         delayed = proposal.due > self.now + FILLER_AFTER
-        wanted = {"operator": waits, "always": waits or delayed, "never": False}[self._parameters.filler]
+        wanted = {"operator": waits, "always": waits or delayed, "never": False}[
+            self._parameters.filler
+        ]
         if proposal.kind == "feedback" and wanted:
             self._awaited = (*filter(self._is_awaited, self._awaited), proposal.id)
             self.set_timer("filler", self.now + FILLER_AFTER)
 
-    # --- operators -----------------------------------------------------------------------------------------------
+    # --- operators
+    # -----------------------------------------------------------------------------------------------
 
     @on(PRESENCE)
     def operator_changed(self, changed: m.OperatorChanged) -> None:
-        """Apply the presence of operators. Without one, pending proposals are done or dropped, as configured."""
+        """Apply the presence of operators. Without one, pending proposals are done or dropped, as
+        configured.
+        """
         self._has_operators = True
         self._apply_presence(changed.operated)
         self._begin_next()
@@ -209,7 +238,11 @@ class Arbiter(Approvals):
             self._decided_late(decision)
         elif queued := self._queue.take(decision.action):
             self._decide_queued(queued, decision)
-        elif (current := self._queue.current) and current.id == decision.action and decision.verdict == "veto":
+        elif (
+            (current := self._queue.current)
+            and current.id == decision.action
+            and decision.verdict == "veto"
+        ):
             self.emit(HALT, Halt(action=current.id, reason="vetoed", asked=decision.at or self.now))
         else:
             self._decided_late(decision)
@@ -231,7 +264,9 @@ class Arbiter(Approvals):
 
     @on(COMMAND)
     def command_received(self, act: m.SessionCommand) -> None:
-        """Stop and drop everything on the stop key; drop a pending level when an operator sets the level."""
+        """Stop and drop everything on the stop key; drop a pending level when an operator sets the
+        level.
+        """
         if act.command == "stop":
             self._drop("stopped", actor=act.actor)
             self.emit(HALT, Halt(reason="stopped", asked=act.at or self.now))
@@ -249,11 +284,14 @@ class Arbiter(Approvals):
             self.emit(DECIDED, queued)
         self._queue.add(queued)
 
-    # --- turns -------------------------------------------------------------------------------------------------
+    # --- turns
+    # -------------------------------------------------------------------------------------------------
 
     @on(REPORT)
     def reported(self, report: m.OutputReport) -> None:
-        if report.state in _OVER and self._queue.finish_part(report.action, report.output, report.part):
+        if report.state in _OVER and self._queue.finish_part(
+            report.action, report.output, report.part
+        ):
             self._begin_next()
 
     def timer(self, name: str, late: int) -> None:
@@ -284,7 +322,9 @@ class Arbiter(Approvals):
                 self.emit(HALT, Halt(action=current.id, reason="interrupted", asked=self.now))
             self._queue.begin(action, self._parts(action))
             self.emit(ACTION, self._in_turn(action))
-            self.set_timer("patience", self.now + ACTION_TIMEOUT + PER_CHARACTER * len(action.spoken))
+            self.set_timer(
+                "patience", self.now + ACTION_TIMEOUT + PER_CHARACTER * len(action.spoken)
+            )
         if not self._queue.is_acting:
             self.cancel_timer("patience")
         if (due := self._queue.next_due(self.now)) is not None:
@@ -296,12 +336,15 @@ class Arbiter(Approvals):
         self._publish_state()
 
     def _in_turn(self, action: Action) -> Action:
-        """Return feedback so that it joins that of the other participant, whichever an operator decided on first."""
+        """Return feedback so that it joins that of the other participant, whichever an operator
+        decided on first.
+        """
         if action.kind != "feedback" or self._rules.version < 3:
             return action
         attempt, seat = self._given
         self._given = (action.attempt, action.seat)
-        self.cancel_timer("filler")  # it would replace the words while the other feedback is awaited
+        # it would replace the words while the other feedback is awaited
+        self.cancel_timer("filler")
         return replace(action, joins=attempt == action.attempt and seat not in ("", action.seat))
 
     @property
@@ -312,11 +355,18 @@ class Arbiter(Approvals):
     def _parts(self, utterance: Utterance) -> list[tuple[str, ActionPart]]:
         """Return the parts of an action that take time, by output."""
         wanted = {part for part in LASTING if getattr(utterance, _FIELDS[part])}
-        return [(opened.output, part) for opened in self._outputs for part in opened.can if part in wanted]
+        return [
+            (opened.output, part)
+            for opened in self._outputs
+            for part in opened.can
+            if part in wanted
+        ]
 
     def _publish_state(self) -> None:
         """Publish whether the agent acts, and the state for operators, if they changed."""
-        awaits_operator = any(arbitration.is_awaited(self._rules, one) for one in self._pending.waiting)
+        awaits_operator = any(
+            arbitration.is_awaited(self._rules, one) for one in self._pending.waiting
+        )
         acting = self._queue.is_acting
         if (acting, awaits_operator) != (self._acting.acting, self._acting.awaits_operator):
             self._acting = m.AgentActing(acting=acting, awaits_operator=awaits_operator)
@@ -334,7 +384,9 @@ class Arbiter(Approvals):
             self._state = state
             self.emit(ARBITER_STATE, state)
 
-    def _drop(self, reason: str, what: Callable[[Utterance], bool] = lambda _: True, actor: str = "agent") -> None:
+    def _drop(
+        self, reason: str, what: Callable[[Utterance], bool] = lambda _: True, actor: str = "agent"
+    ) -> None:
         for action in self._queue.remove(what):
             dropped = Dropped(id=action.id, reason=reason, actor=_who(reason, actor))  # type: ignore[arg-type]
             self.emit(DROPPED, dropped)
@@ -346,10 +398,17 @@ def _is_feedback_with_deadline(pending: m.PendingApproval) -> bool:
     return pending.proposal.kind == "feedback" and pending.deadline is not None
 
 
-_FIELDS: dict[ActionPart, str] = {"say": "spoken", "gesture": "gesture", "gaze": "gaze", "tone": "tone"}
+_FIELDS: dict[ActionPart, str] = {
+    "say": "spoken",
+    "gesture": "gesture",
+    "gaze": "gaze",
+    "tone": "tone",
+}
 """Field of an utterance that each part uses."""
 
 
 def _who(reason: str, actor: str) -> str:
-    """Return the actor of a drop: operators by name, the participant's own stop key as the agent."""
+    """Return the actor of a drop: operators by name, the participant's own stop key as the
+    agent.
+    """
     return actor if reason == "stopped" and actor != "participant" else "agent"

@@ -70,9 +70,11 @@ class AttemptFlow(TrialFlow):
         phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
         return phase in IN_TRIAL or phase is Phase.RESULT
 
-    # --- trials, score, feedback ----------------------------------------------------------------------------
+    # --- trials, score, feedback
+    # ----------------------------------------------------------------------------
 
-    # --- limits ---------------------------------------------------------------------------------------------
+    # --- limits
+    # ---------------------------------------------------------------------------------------------
 
     def _count_from_here(self, done_today: Dose) -> None:
         """Begin to count the time and the dose of a run."""
@@ -101,10 +103,13 @@ class AttemptFlow(TrialFlow):
             return self.task.tr("The time for this session is over. Well done.")
         return ""
 
-    # --- rests that must be taken ---------------------------------------------------------------------------
+    # --- rests that must be taken
+    # ---------------------------------------------------------------------------
 
     def _wait_or_rest(self) -> None:
-        """Wait for what follows the feedback: a rest first, if one must be taken before the next attempt."""
+        """Wait for what follows the feedback: a rest first, if one must be taken before the next
+        attempt.
+        """
         if self._must_rest:
             self._must_rest, self._attempts_since_rest = False, 0
             self._rest(self.now + self.task.parameters.rest_seconds * SECOND)
@@ -113,7 +118,9 @@ class AttemptFlow(TrialFlow):
             self._wait(self._after_feedback)
 
     def _continue_after(self, duration: int) -> None:
-        """Let the next attempt of a continuous task begin by itself after a time in ns, unless it is the first."""
+        """Let the next attempt of a continuous task begin by itself after a time in ns, unless it
+        is the first.
+        """
         goes_on = self._after_feedback is Phase.READY and not self._attempts.is_first_after_practice
         if self.task.continuous and goes_on:
             self._continues_at = self.now + duration
@@ -167,7 +174,9 @@ class AttemptFlow(TrialFlow):
             self._begin_trial()
 
     def _end_attempt(self) -> None:
-        """Score, adapt and give feedback, in this order: memory must hold the attempt before feedback recalls it."""
+        """Score, adapt and give feedback, in this order: memory must hold the attempt before
+        feedback recalls it.
+        """
         before = self._attempts.state
         scored = self._attempts.score(self.now)
         self._publish_score(scored, before)
@@ -177,7 +186,9 @@ class AttemptFlow(TrialFlow):
         goes_on = not self._limit and self._attempts.advance()
         self._after_feedback = Phase.READY if goes_on else Phase.REVIEW
         minutes = (self.now - self._rested_at) / _MINUTE
-        self._must_rest = goes_on and is_rest_due(self.task.parameters, self._attempts_since_rest, minutes)
+        self._must_rest = goes_on and is_rest_due(
+            self.task.parameters, self._attempts_since_rest, minutes
+        )
         self._feedback_due_at = max(one.feedback.due if one.feedback else 0 for one in scored.seats)
         self._has_feedback = any(one.is_feedback_due for one in scored.seats)
         self._await_feedback()
@@ -197,7 +208,8 @@ class AttemptFlow(TrialFlow):
                 self._continue_after(READING)
             self._wait(self._phase)
 
-    # --- waiting for feedback -------------------------------------------------------------------------------
+    # --- waiting for feedback
+    # -------------------------------------------------------------------------------
 
     def _await_feedback(self) -> None:
         """Wait for delayed feedback: the next attempt does not begin before it."""
@@ -230,14 +242,19 @@ class AttemptFlow(TrialFlow):
         else:
             super().timer(name, late)
 
-    # --- level and goal -------------------------------------------------------------------------------------
+    # --- level and goal
+    # -------------------------------------------------------------------------------------
 
     def _publish_score(self, scored: AttemptScore, before: AttemptState) -> None:
-        """Publish the attempt, and the level that follows unless an operator has a say in it; then the goal."""
+        """Publish the attempt, and the level that follows unless an operator has a say in it; then
+        the goal.
+        """
         for one in scored.seats:
             self.emit(ATTEMPT_ENDED, one.ended)
         if change := scored.level:
-            request = m.LevelRequest(change=change, is_last=scored.first.ended.attempt == self._attempts.total)
+            request = m.LevelRequest(
+                change=change, is_last=scored.first.ended.attempt == self._attempts.total
+            )
             if self.ask(LEVEL_REQUEST, request).happens:
                 self._emit_level(change)
             else:
@@ -255,24 +272,32 @@ class AttemptFlow(TrialFlow):
 
     @property
     def _why_changed(self) -> str:
-        """Sentences for the participant: why the next attempt has another level or goal than the last one."""
+        """Sentences for the participant: why the next attempt has another level or goal than the
+        last one.
+        """
         if not self._announced_level:
             return ""
         found = []
         if (change := self._level_change) and self._attempts.level != self._announced_level:
             harder = self._attempts.level > self._announced_level
-            found.append(change_text.level_change_text(change.reason, harder=harder, tr=self.task.tr))
+            found.append(
+                change_text.level_change_text(change.reason, harder=harder, tr=self.task.tr)
+            )
         if self._goal_change:
             found.append(change_text.goal_change_text(self.task.tr))
         return " ".join(filter(None, found))
 
     @on(LEVEL_DECIDED)
     def level_decided(self, decided: m.LevelDecided) -> None:
-        """Apply a change of level that waited for an operator; a rejected one leaves the level as it is."""
+        """Apply a change of level that waited for an operator; a rejected one leaves the level as
+        it is.
+        """
         if decided.decision == "rejected" or self._phase in OVER:
             return
         before = self._attempts.state
-        self._publish_level(self._attempts.settle(decided.level, under_way=self._is_under_way), before)
+        self._publish_level(
+            self._attempts.settle(decided.level, under_way=self._is_under_way), before
+        )
 
     def _set_level(self, level: int) -> None:
         before = self._attempts.state
@@ -285,7 +310,8 @@ class AttemptFlow(TrialFlow):
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
-    # --- changes by a therapist ------------------------------------------------------------------------------
+    # --- changes by a therapist
+    # ------------------------------------------------------------------------------
 
     @property
     def next_attempt(self) -> NextAttempt:
@@ -294,7 +320,9 @@ class AttemptFlow(TrialFlow):
 
     @on(SETTING)
     def setting_changed(self, change: m.SettingChanged) -> None:
-        """Change a setting from the next attempt on; one that does not fit is recorded, and left as it was."""
+        """Change a setting from the next attempt on; one that does not fit is recorded, and left as
+        it was.
+        """
         if self._phase in OVER:
             return
         with contextlib.suppress(ParameterError):
@@ -302,7 +330,8 @@ class AttemptFlow(TrialFlow):
         if self._phase is Phase.READY:
             self._wait(Phase.READY)
 
-    # --- marks ----------------------------------------------------------------------------------------------
+    # --- marks
+    # ----------------------------------------------------------------------------------------------
 
     @property
     def trial_mark(self) -> TrialMark:
@@ -316,7 +345,9 @@ class AttemptFlow(TrialFlow):
         return found
 
     def _mark(self, mark: Mark) -> None:
-        """Mark the open trial, or else the last one, whose attempt is then scored again if it has ended."""
+        """Mark the open trial, or else the last one, whose attempt is then scored again if it has
+        ended.
+        """
         if self._phase in MARKABLE:
             self._mark_last_trial(mark)
         elif self._phase in IN_TRIAL:

@@ -59,7 +59,9 @@ from sar_tui.rules.limits import Dose
 
 
 class EventHandler(StepFlow):
-    """Runs the session: phases, pauses, faults and the end. The base classes run its steps, attempts and trials."""
+    """Runs the session: phases, pauses, faults and the end. The base classes run its steps,
+    attempts and trials.
+    """
 
     name = "event_handler"
     emits = (
@@ -100,12 +102,16 @@ class EventHandler(StepFlow):
         """True if a recording that replaces a sensor is at its end."""
         return self._blockers.is_recording_over
 
-    # --- the session -------------------------------------------------------------------------------------
+    # --- the session
+    # -------------------------------------------------------------------------------------
 
     @on(SESSION)
     def session_started(self, session: m.SessionStarted) -> None:
-        """Show the instructions in the first run; continue where the last run stopped in a later one."""
-        text_of(self.task.instructions(), "instructions")  # raises here, where it ends the session, not on the screen
+        """Show the instructions in the first run; continue where the last run stopped in a later
+        one.
+        """
+        # raises here, where it ends the session, not on the screen
+        text_of(self.task.instructions(), "instructions")
         self._rules = session.rules
         self._given = session.steps or self._given
         self._last_key = None
@@ -120,9 +126,17 @@ class EventHandler(StepFlow):
         self._stored = self._last_trial
         self._blockers.reset()
         self._count_from_here(Dose.of(session.done_today))
-        was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in (*PAUSES, LEFT)
-        keeps_phase = was_paused_by_person or self._phase in (Phase.INSTRUCTIONS, Phase.REVIEW, Phase.ENDED)
-        if self.is_resting:  # the clock of the last run says nothing about the time between the runs
+        was_paused_by_person = self._phase is Phase.PAUSED and self._pause_reason not in (
+            *PAUSES,
+            LEFT,
+        )
+        keeps_phase = was_paused_by_person or self._phase in (
+            Phase.INSTRUCTIONS,
+            Phase.REVIEW,
+            Phase.ENDED,
+        )
+        # the clock of the last run says nothing about the time between the runs
+        if self.is_resting:
             self._rest_until = self.now + self.task.parameters.rest_seconds * SECOND
         if self._phase is Phase.CLOSING:
             self._end()
@@ -169,7 +183,8 @@ class EventHandler(StepFlow):
     def _skip(self, what: str, number: int | None) -> None:
         """End the prompt as missed, a step between attempts or a rest; or leave out an ``attempt``.
 
-        An operator's key may come when the participant has just answered: a ``step`` is ended by its ``number`` only.
+        An operator's key may come when the participant has just answered: a ``step`` is ended by
+        its ``number`` only.
         """
         if what == "attempt":
             self._skip_attempt()
@@ -190,7 +205,9 @@ class EventHandler(StepFlow):
         return self._is_under_way or from_phase is Phase.READY
 
     def _skip_attempt(self) -> None:
-        """Leave out the attempt that is under way or comes next. What was done of it stays; nothing is scored."""
+        """Leave out the attempt that is under way or comes next. What was done of it stays; nothing
+        is scored.
+        """
         if self.can_skip_attempt and not self._blockers.has_disk_failed:
             self._void("skipped")
             goes_on = self._attempts.skip()
@@ -199,7 +216,9 @@ class EventHandler(StepFlow):
 
     @on(STORAGE)
     def storage_changed(self, storage: m.StorageChanged) -> None:
-        """Pause the session when writing to disk fails, or goes on elsewhere; let it be resumed when it works."""
+        """Pause the session when writing to disk fails, or goes on elsewhere; let it be resumed
+        when it works.
+        """
         self._blockers.update_storage(storage)
         goes_on_elsewhere = storage.working and bool(storage.reason)
         if self._phase is Phase.CLOSING or (self._phase is Phase.PAUSED and not goes_on_elsewhere):
@@ -255,7 +274,9 @@ class EventHandler(StepFlow):
             self._wait_for_decision()
 
     def _go_on(self) -> None:
-        """Go on with the attempt, or wait for Enter to begin it again if its trials build on each other."""
+        """Go on with the attempt, or wait for Enter to begin it again if its trials build on each
+        other.
+        """
         if self.task.restarts_attempts and self._attempts.trial > 1:
             self._attempts.restart()
             self._is_restarted = True
@@ -272,7 +293,9 @@ class EventHandler(StepFlow):
             self._begin_attempt_or_end()
 
     def _needs_sensor(self, phase: Phase) -> bool:
-        """Return True if movements follow: not in the instructions, and not after the last attempt."""
+        """Return True if movements follow: not in the instructions, and not after the last
+        attempt.
+        """
         return not (self._is_all_done_in(phase) or phase is Phase.INSTRUCTIONS)
 
     def _is_all_done_in(self, phase: Phase) -> bool:
@@ -289,7 +312,9 @@ class EventHandler(StepFlow):
             self._wait(Phase.CLOSING)
 
     def _close_early(self) -> None:
-        """End the session at an operator's or participant's command; without agreement nothing else of it is kept."""
+        """End the session at an operator's or participant's command; without agreement nothing else
+        of it is kept.
+        """
         from_phase = self._paused_from if self._phase is Phase.PAUSED else self._phase
         if self.awaits_agreement:
             self._refuse()
@@ -340,7 +365,8 @@ class EventHandler(StepFlow):
         else:
             self._begin_attempt()
 
-    # --- waiting ------------------------------------------------------------------------------------------------
+    # --- waiting
+    # ------------------------------------------------------------------------------------------------
 
     @property
     def _reason(self) -> str:
@@ -372,8 +398,14 @@ class EventHandler(StepFlow):
         self.emit(WAITING, replace(message, why=changed) if changed else message)
 
     def _note_appearance(self, why: str) -> None:
-        """Note when something else is asked for than before. What is asked again in other words stays the same."""
-        asked = (self._asked.number, self._asked.shown) if self._phase is Phase.STEP and self._asked else None
+        """Note when something else is asked for than before. What is asked again in other words
+        stays the same.
+        """
+        asked = (
+            (self._asked.number, self._asked.shown)
+            if self._phase is Phase.STEP and self._asked
+            else None
+        )
         on_screen = (self._phase, self._attempts.attempt, asked, why)
         if on_screen != self._on_screen:
             self._on_screen = on_screen
@@ -402,7 +434,11 @@ class EventHandler(StepFlow):
         if phase is Phase.READY:
             counts = self.task.tr("Practice is over. From here on it counts.")
             again = self.task.tr("This attempt begins again.") if self._is_restarted else ""
-            parts = [again, counts if self._attempts.is_first_after_practice else "", self._level_notice]
+            parts = [
+                again,
+                counts if self._attempts.is_first_after_practice else "",
+                self._level_notice,
+            ]
             return " ".join(filter(None, parts))
         if phase is Phase.REVIEW:
             return self._limit

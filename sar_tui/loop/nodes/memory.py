@@ -6,7 +6,9 @@ from sar_tui.model.messages import AttemptEnded, Recall, RecalledAttempts, Sessi
 
 
 class Memory(Node):
-    """Working memory (thesis 3.2.5). It receives an attempt before the feedback on it, so a recall includes it."""
+    """Working memory (thesis 3.2.5). It receives an attempt before the feedback on it, so a recall
+    includes it.
+    """
 
     name = "memory"
 
@@ -36,7 +38,9 @@ class Memory(Node):
                 and request.level in (None, attempt.level)
                 and request.condition in (None, attempt.condition)
             ),
-            earlier_best=self._earlier_best.get(request.seat, {}).get(best_key(request.level, request.condition or "")),
+            earlier_best=self._earlier_best.get(request.seat, {}).get(
+                best_key(request.level, request.condition or "")
+            ),
         )
 
 

@@ -15,14 +15,16 @@ class Perception(Node):
 
     Args:
         parameters: the Task Base.
-        seat_of: returns the seat of a key if participants share a keyboard; empty for no seat. Repeats and gaps are
-            determined for each seat.
+        seat_of: returns the seat of a key if participants share a keyboard; empty for no seat.
+            Repeats and gaps are determined for each seat.
     """
 
     name = "perception"
     emits = (PERCEIVED,)
 
-    def __init__(self, parameters: TimingSettings, seat_of: Callable[[str], str] | None = None) -> None:
+    def __init__(
+        self, parameters: TimingSettings, seat_of: Callable[[str], str] | None = None
+    ) -> None:
         super().__init__()
         self._repeat_interval = parameters.repeat_interval_ms * MS
         self._seat_of = seat_of
@@ -42,11 +44,17 @@ class Perception(Node):
     def key_pressed(self, press: KeyPressed) -> None:
         seat = self._seat_of(press.key) if self._seat_of else press.seat
         if not isinstance(seat, str):
-            raise TypeError(f"seat_of() returned {seat!r:.60} for the key {press.key}, not a seat or an empty text")
+            raise TypeError(
+                f"seat_of() returned {seat!r:.60} for the key {press.key}, not a seat or an empty "
+                "text"
+            )
         last, self._last[seat] = self._last.get(seat), press
         gap = press.at - last.at if last else None
         is_same = last is not None and last.key == press.key
-        same = self._same[seat] = (*(self._same.get(seat, ())[1 - STREAM :] if is_same else ()), press.at)
+        same = self._same[seat] = (
+            *(self._same.get(seat, ())[1 - STREAM :] if is_same else ()),
+            press.at,
+        )
         is_held = self._rules >= 6 and is_stream(same)
         self.emit(
             PERCEIVED,

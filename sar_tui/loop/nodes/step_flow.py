@@ -16,14 +16,18 @@ from sar_tui.model.units import MS, SECOND
 from sar_tui.rules.questions import chosen
 
 TOO_SOON = 400 * MS
-"""Until rules 6, Enter within this time of a step's appearance was meant for what stood there before."""
+"""Until rules 6, Enter within this time of a step's appearance was meant for what stood there
+before.
+"""
 
 
 class StepFlow(AttemptFlow):
-    """Asks what is due before the first attempt and after each other, before a rest and before the next.
+    """Asks what is due before the first attempt and after each other, before a rest and before the
+    next.
 
-    The steps are the task's, then those that the therapist chose, then those that the session was begun with; before
-    all of them those that require an answer. In a task for several, each participant answers the questions in turn.
+    The steps are the task's, then those that the therapist chose, then those that the session was
+    begun with; before all of them those that require an answer. In a task for several, each
+    participant answers the questions in turn.
     """
 
     def __init__(self, task: Task, seed: int) -> None:
@@ -49,7 +53,8 @@ class StepFlow(AttemptFlow):
     def _refuse(self) -> None:
         """End the session, as a required answer was not given."""
 
-    # --- what is due ----------------------------------------------------------------------------------------
+    # --- what is due
+    # ----------------------------------------------------------------------------------------
 
     def _count_attempt(self, scored: AttemptScore) -> None:
         super()._count_attempt(scored)
@@ -63,7 +68,9 @@ class StepFlow(AttemptFlow):
             super()._wait_or_rest()
 
     def _is_step_due(self) -> bool:
-        """Return True if there is a step now. Each is due once, even if the session waits here again."""
+        """Return True if there is a step now. Each is due once, even if the session waits here
+        again.
+        """
         if self._asked_after != self._done:
             self._asked_after = self._done
             is_over = self._done > 0 and self._after_feedback is Phase.REVIEW
@@ -76,7 +83,8 @@ class StepFlow(AttemptFlow):
             )
         return bool(self._due)
 
-    # --- asking -----------------------------------------------------------------------------------------------
+    # --- asking
+    # -----------------------------------------------------------------------------------------------
 
     def _ask(self) -> None:
         """Show the first step that is due."""
@@ -84,7 +92,9 @@ class StepFlow(AttemptFlow):
         self._number += 1
         is_one_of_several = len(self.task.seats) > 1 and step.is_question
         who = self.task.display_name(seat) if is_one_of_several else ""
-        self._asked = m.AskedStep(number=self._number, step=translated(step, self.task.tr), seat=seat, who=who)
+        self._asked = m.AskedStep(
+            number=self._number, step=translated(step, self.task.tr), seat=seat, who=who
+        )
         self._show_step()
 
     def _show_step(self) -> None:

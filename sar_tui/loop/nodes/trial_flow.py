@@ -50,10 +50,11 @@ HELD_NOTICE = 3 * SECOND
 class TrialFlow(TimedNode, ABC):
     """Runs one trial after the other. Subclasses run the attempts and the session.
 
-    A trial runs (start) → quiet → foreperiod → (storing) → onset → response → (result). A key in the foreperiod
-    restarts it. A pause, a lost sensor or the end of the program voids the trial, which is then repeated under the same
-    number with the same prompt. No prompt is shown while the agent speaks or moves. With several seats, a trial ends
-    for all of them at once, and keys of a seat whose turn it is not are ignored.
+    A trial runs (start) → quiet → foreperiod → (storing) → onset → response → (result). A key in
+    the foreperiod restarts it. A pause, a lost sensor or the end of the program voids the trial,
+    which is then repeated under the same number with the same prompt. No prompt is shown while the
+    agent speaks or moves. With several seats, a trial ends for all of them at once, and keys of a
+    seat whose turn it is not are ignored.
     """
 
     def __init__(self, task: Task) -> None:
@@ -102,16 +103,23 @@ class TrialFlow(TimedNode, ABC):
         if self._phase not in IN_TRIAL:
             return ()
         stimulus = self._trial.stimulus
-        return tuple(filter(None, (stimulus.picture, *(frame.picture for frame in stimulus.frames))))
+        return tuple(
+            filter(None, (stimulus.picture, *(frame.picture for frame in stimulus.frames)))
+        )
 
-    # --- before the prompt -----------------------------------------------------------------------------------
+    # --- before the prompt
+    # -----------------------------------------------------------------------------------
 
     def _begin_trial(self, notice: str = "") -> None:
-        """Wait for the participant to start the trial, if the task has a start key; else prepare its prompt."""
+        """Wait for the participant to start the trial, if the task has a start key; else prepare
+        its prompt.
+        """
         self._notice = notice
         if self._trial.tones:
             self.emit(TONES_AHEAD, m.TonesAhead(tones=self._trial.tones))
-        self._when_agent_is_still(self._await_start if self.task.start_key else self._prepare_prompt)
+        self._when_agent_is_still(
+            self._await_start if self.task.start_key else self._prepare_prompt
+        )
 
     def _when_agent_is_still(self, step: Callable[[], None]) -> None:
         """Take ``step`` as soon as the agent neither speaks nor moves."""
@@ -160,10 +168,14 @@ class TrialFlow(TimedNode, ABC):
 
     def _set_quiet_timer(self) -> None:
         quiet = self.parameters.quiet_ms * MS
-        self.set_timer("quiet", self.now if self._last_key is None else max(self.now, self._last_key + quiet))
+        self.set_timer(
+            "quiet", self.now if self._last_key is None else max(self.now, self._last_key + quiet)
+        )
 
     def _begin_foreperiod(self) -> None:
-        wait = self._trial.draw_foreperiod(self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms)
+        wait = self._trial.draw_foreperiod(
+            self.parameters.foreperiod_min_ms, self.parameters.foreperiod_max_ms
+        )
         self._wait(Phase.FOREPERIOD)
         self.set_timer("foreperiod", self.now + wait)
         if cue := self._trial.stimulus.cue:
@@ -214,7 +226,8 @@ class TrialFlow(TimedNode, ABC):
         self.cancel_timer("cue")
         self._await_quiet()
 
-    # --- prompt and response --------------------------------------------------------------------------------
+    # --- prompt and response
+    # --------------------------------------------------------------------------------
 
     def _show(self) -> None:
         if not self._focused:
@@ -225,7 +238,9 @@ class TrialFlow(TimedNode, ABC):
 
     @on(SHOWN)
     def shown(self, shown: m.Shown) -> None:
-        """Store the onset, judge what was pressed since the prompt or its frame was published, and wait for more."""
+        """Store the onset, judge what was pressed since the prompt or its frame was published, and
+        wait for more.
+        """
         if self._phase not in (Phase.ONSET, Phase.RESPONSE) or not self._trial.is_shown_by(shown):
             return
         self._phase = Phase.RESPONSE
@@ -257,7 +272,9 @@ class TrialFlow(TimedNode, ABC):
     @on(PERCEIVED)
     def perceived(self, percept: m.KeyPerceived) -> None:
         self._last_key = percept.at
-        is_start = percept.key == self.task.start_key and self._start_key.press(percept.at) != "held"
+        is_start = (
+            percept.key == self.task.start_key and self._start_key.press(percept.at) != "held"
+        )
         press = self._key_guard.press(percept.key, percept.at)
         if self._phase in IN_TRIAL:
             self._key_in_trial(percept, is_start)
@@ -279,7 +296,9 @@ class TrialFlow(TimedNode, ABC):
             self._respond(percept)
 
     def _respond(self, percept: m.Percept) -> None:
-        """Judge a percept; while a prompt or a frame is on its way to the screen, as soon as its onset is known."""
+        """Judge a percept; while a prompt or a frame is on its way to the screen, as soon as its
+        onset is known.
+        """
         if self._trial.is_drawing:
             self._trial.early.append(percept)
         else:
@@ -348,7 +367,9 @@ class TrialFlow(TimedNode, ABC):
             self._finish(result)
 
     def _repeat_stalled(self) -> None:
-        """Repeat the trial: the program was suspended in it, so the time of its response is not known."""
+        """Repeat the trial: the program was suspended in it, so the time of its response is not
+        known.
+        """
         self._void("stalled")
         self._go_on()
 
@@ -356,7 +377,8 @@ class TrialFlow(TimedNode, ABC):
         """Go on with the attempt after an interruption: with the trial that was voided."""
         self._begin_trial()
 
-    # --- the end of a trial -----------------------------------------------------------------------------------
+    # --- the end of a trial
+    # -----------------------------------------------------------------------------------
 
     def _try_again(self, again: Again) -> None:
         self._repeats += 1
@@ -364,7 +386,9 @@ class TrialFlow(TimedNode, ABC):
             self._void(again.reason)
             self._begin_trial(again.text)
         else:
-            self._finish(Result(correct=False, flags=("unmeasured", again.reason), remark=again.text))
+            self._finish(
+                Result(correct=False, flags=("unmeasured", again.reason), remark=again.text)
+            )
 
     def _finish(self, result: Result | Results) -> None:
         """Record the trial, and continue with the next one or the end of the attempt."""
@@ -372,13 +396,21 @@ class TrialFlow(TimedNode, ABC):
         results = result if isinstance(result, dict) else dict.fromkeys(self._trial.seats, result)
         if set(results) != set(self._trial.seats):
             given, due = ", ".join(map(str, results)) or "none", ", ".join(self._trial.seats)
-            raise ValueError(f"the results of a trial are for the seats {given}; they are due for {due}")
+            raise ValueError(
+                f"the results of a trial are for the seats {given}; they are due for {due}"
+            )
         self._repeats = 0
-        complete_results = {seat: complete(mine, self.task.Details) for seat, mine in results.items()}
-        stored = self._trial_done({seat: self._flagged(mine) for seat, mine in complete_results.items()})
+        complete_results = {
+            seat: complete(mine, self.task.Details) for seat, mine in results.items()
+        }
+        stored = self._trial_done(
+            {seat: self._flagged(mine) for seat, mine in complete_results.items()}
+        )
         for seat, mine in stored.items():
             self.emit(TRIAL, self._trial.ended(mine, seat))
-        shown = trial_feedback(self._trial.situation, stored, self.task.seats, self.parameters.trial_feedback_ms)
+        shown = trial_feedback(
+            self._trial.situation, stored, self.task.seats, self.parameters.trial_feedback_ms
+        )
         if shown is None:
             self._next()
         else:

@@ -2,7 +2,17 @@
 
 from typing import Literal
 
-from sar_tui.model.messages.base import ActionPart, ControlledKind, Degree, Ground, Kind, Message, Mode, Policy, Valence
+from sar_tui.model.messages.base import (
+    ActionPart,
+    ControlledKind,
+    Degree,
+    Ground,
+    Kind,
+    Message,
+    Mode,
+    Policy,
+    Valence,
+)
 
 __all__ = [
     "Action",
@@ -22,13 +32,15 @@ __all__ = [
 
 
 class Utterance(Message, frozen=True, kw_only=True):
-    """Words and expression that belong together. ``text`` is shown, ``spoken`` is said; either may be empty.
+    """Words and expression that belong together. ``text`` is shown, ``spoken`` is said; either may
+    be empty.
 
-    ``face``, ``gesture``, ``gaze`` and ``tone`` come from the theme; empty for none. ``joins``: it is added to the text
-    on the screen instead of replacing it; encouragement replaces it once it was read. ``priority``: higher first.
-    ``policy``: ``queue`` (waits for its turn), ``interrupt`` (replaces the current action unless that has a higher
-    priority), ``drop`` (left out if the session continues before its turn). ``due``: not before this time (ns).
-    ``evidence``: the changes that it reports, each beside its MDC95, for the therapist; empty if it reports none.
+    ``face``, ``gesture``, ``gaze`` and ``tone`` come from the theme; empty for none. ``joins``: it
+    is added to the text on the screen instead of replacing it; encouragement replaces it once it
+    was read. ``priority``: higher first. ``policy``: ``queue`` (waits for its turn), ``interrupt``
+    (replaces the current action unless that has a higher priority), ``drop`` (left out if the
+    session continues before its turn). ``due``: not before this time (ns). ``evidence``: the
+    changes that it reports, each beside its MDC95, for the therapist; empty if it reports none.
     """
 
     id: str
@@ -56,8 +68,8 @@ class Proposal(Utterance, frozen=True, kw_only=True):
 class Action(Utterance, frozen=True, kw_only=True):
     """An utterance that was decided on: by ``actor``, in ``mode``, for the reason ``ground``.
 
-    ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own). ``decided``: time of the
-    decision (ns); 0 if it is that of this message.
+    ``decision``: ``accepted`` (as proposed), ``edited``, ``initiated`` (an operator's own).
+    ``decided``: time of the decision (ns); 0 if it is that of this message.
     """
 
     decision: Literal["accepted", "edited", "initiated"]
@@ -70,8 +82,8 @@ class Action(Utterance, frozen=True, kw_only=True):
 class PendingApproval(Message, frozen=True, kw_only=True):
     """A proposal waits for an operator's decision.
 
-    ``deadline`` (ns): ``otherwise`` happens then; None to wait until the next attempt begins. ``level``: the new level,
-    if the proposal is a change of level.
+    ``deadline`` (ns): ``otherwise`` happens then; None to wait until the next attempt begins.
+    ``level``: the new level, if the proposal is a change of level.
     """
 
     proposal: Proposal
@@ -82,9 +94,11 @@ class PendingApproval(Message, frozen=True, kw_only=True):
 
 
 class LevelDecided(Message, frozen=True, kw_only=True):
-    """A change of level that waited for an operator is decided: ``level`` is that of the next attempt.
+    """A change of level that waited for an operator is decided: ``level`` is that of the next
+    attempt.
 
-    ``decision``: ``accepted``, ``edited`` (to a level that was not proposed), ``rejected`` (the level stays).
+    ``decision``: ``accepted``, ``edited`` (to a level that was not proposed), ``rejected`` (the
+    level stays).
     """
 
     id: str
@@ -98,8 +112,8 @@ class LevelDecided(Message, frozen=True, kw_only=True):
 class ArbiterState(Message, frozen=True, kw_only=True, rename={"pending": "offers"}):
     """Complete state of the arbiter, published after each change, for an operator who joins.
 
-    ``operated``: True if there is an operator, so that the ``modes`` apply. ``pending``: waits for a decision.
-    ``queued``: decided, waits for its turn. ``current``: under way.
+    ``operated``: True if there is an operator, so that the ``modes`` apply. ``pending``: waits for
+    a decision. ``queued``: decided, waits for its turn. ``current``: under way.
     """
 
     modes: dict[ControlledKind, Mode]
@@ -130,9 +144,9 @@ class FillerDue(Message, frozen=True, kw_only=True):
 class Dropped(Message, frozen=True, kw_only=True):
     """A proposal was left out.
 
-    ``reason``: ``late`` (the session had continued), ``stopped`` (by the stop key), ``amended`` (the attempt was scored
-    again before the feedback was given), ``vetoed`` (by ``actor``), ``expired`` (nobody decided in time),
-    ``no operator``, ``manual`` (only the operator acts).
+    ``reason``: ``late`` (the session had continued), ``stopped`` (by the stop key), ``amended``
+    (the attempt was scored again before the feedback was given), ``vetoed`` (by ``actor``),
+    ``expired`` (nobody decided in time), ``no operator``, ``manual`` (only the operator acts).
     """
 
     id: str
@@ -141,7 +155,9 @@ class Dropped(Message, frozen=True, kw_only=True):
 
 
 class Halt(Message, frozen=True, kw_only=True):
-    """Outputs must stop. ``action``: the one to stop (empty: all); ``asked``: when this was requested (ns)."""
+    """Outputs must stop. ``action``: the one to stop (empty: all); ``asked``: when this was
+    requested (ns).
+    """
 
     action: str = ""
     reason: Literal["stopped", "interrupted", "left", "vetoed"]
@@ -149,7 +165,9 @@ class Halt(Message, frozen=True, kw_only=True):
 
 
 class OutputOpened(Message, frozen=True, kw_only=True):
-    """An output is available in this run. ``can``: the parts it supports; ``address``: as configured."""
+    """An output is available in this run. ``can``: the parts it supports; ``address``: as
+    configured.
+    """
 
     output: str
     address: str

@@ -39,17 +39,22 @@ Kind = Literal[
     "difficulty",
     "remark",
 ]
-"""``filler`` covers a wait; ``gesture`` is decided on apart from its words; ``remark`` is an operator's own."""
+"""``filler`` covers a wait; ``gesture`` is decided on apart from its words; ``remark`` is an
+operator's own.
+"""
 ControlledKind = Literal["feedback", "encouragement", "instruction", "gesture", "difficulty"]
-"""Kinds of action that an operator controls, each with its own mode. Greeting and goodbye count as instruction, rest as
-encouragement."""
+"""Kinds of action that an operator controls, each with its own mode. Greeting and goodbye count as
+instruction, rest as encouragement.
+"""
 Mode = Literal["autonomous", "veto", "approve", "manual"]
-"""``autonomous``: the agent acts; ``veto``: it acts after a while unless stopped; ``approve``: it acts if the operator
-approves; ``manual``: only the operator acts."""
+"""``autonomous``: the agent acts; ``veto``: it acts after a while unless stopped; ``approve``: it
+acts if the operator approves; ``manual``: only the operator acts.
+"""
 Role = Literal["operator", "observer"]
 Ground = Literal["mode", "operator", "deadline", "no operator"]
-"""Why a proposal was decided as it was: its kind is autonomous; an operator decided; the deadline passed; there was no
-operator."""
+"""Why a proposal was decided as it was: its kind is autonomous; an operator decided; the deadline
+passed; there was no operator.
+"""
 Policy = Literal["queue", "interrupt", "drop"]
 ActionPart = Literal["say", "show", "gesture", "gaze", "tone"]
 PartState = Literal["queued", "started", "done", "aborted", "failed"]
@@ -57,7 +62,9 @@ Outcome = Literal["success", "failure", "none"]
 """``none``: of an attempt without goal."""
 Json = dict[str, str | int | float | bool | None]
 """Values that a task may add to a trial's row."""
-SensorState = Literal["attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"]
+SensorState = Literal[
+    "attached", "detached", "error", "gap", "saturated", "stalled", "flowing", "ended"
+]
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):

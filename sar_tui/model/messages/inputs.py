@@ -30,14 +30,16 @@ __all__ = [
 
 
 class SessionStarted(Message, frozen=True, kw_only=True):
-    """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is resumed.
+    """A run of the program begins on a session. ``run`` counts from 1; above 1 the session is
+    resumed.
 
-    ``best``: the participant's best results of earlier sessions, by level (as text; with a condition, ``2 cued``).
-    ``others_best``: those of other participants, by seat. ``names``: what the agent calls each participant, by seat;
-    without a name, the seat. ``rules``: version of the loop's rules that the session follows (see `rules.RULES`).
-    ``done_today``: what the participant did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing
-    limits a day. ``steps``: those between attempts that the session was begun with, beside the task's; only in the
-    first run.
+    ``best``: the participant's best results of earlier sessions, by level (as text; with a
+    condition, ``2 cued``). ``others_best``: those of other participants, by seat. ``names``: what
+    the agent calls each participant, by seat; without a name, the seat. ``rules``: version of the
+    loop's rules that the session follows (see `rules.RULES`). ``done_today``: what the participant
+    did on this day in earlier runs (see `policies.limits.Dose`); empty if nothing limits a day.
+    ``steps``: those between attempts that the session was begun with, beside the task's; only in
+    the first run.
     """
 
     run: int
@@ -59,10 +61,12 @@ class ThemeApplied(Message, frozen=True, kw_only=True):
 
 
 class KeyPressed(Message, frozen=True, kw_only=True):
-    """A key, stamped in the input thread. ``key`` is the character it types, or its name (``enter``, ``left``).
+    """A key, stamped in the input thread. ``key`` is the character it types, or its name
+    (``enter``, ``left``).
 
-    ``loop_lag``: the largest delay of the event loop since the last prompt or key, in ns. ``stalled``: the program had
-    just been suspended, so that the key was pressed at some unknown time before ``at``.
+    ``loop_lag``: the largest delay of the event loop since the last prompt or key, in ns.
+    ``stalled``: the program had just been suspended, so that the key was pressed at some unknown
+    time before ``at``.
     """
 
     key: str
@@ -79,7 +83,9 @@ class Pasted(Message, frozen=True, kw_only=True):
 
 
 class InputDropped(Message, frozen=True, kw_only=True):
-    """The terminal sent something that cannot be read, such as a byte that is not UTF-8. ``what``: its end, escaped."""
+    """The terminal sent something that cannot be read, such as a byte that is not UTF-8. ``what``:
+    its end, escaped.
+    """
 
     what: str
     at: int
@@ -95,8 +101,9 @@ class FocusChanged(Message, frozen=True, kw_only=True):
 class Shown(Message, frozen=True, kw_only=True):
     """A prompt reached the terminal, or one of its frames: ``frame`` is its place, from 0.
 
-    ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh: less exact),
-    ``virtual`` (simulated). ``picture``: how its picture was drawn; ``none`` if it could not be; empty if it has none.
+    ``source``: ``flush`` (stamped as the frame was flushed), ``refresh`` (after Textual's refresh:
+    less exact), ``virtual`` (simulated). ``picture``: how its picture was drawn; ``none`` if it
+    could not be; empty if it has none.
     """
 
     attempt: int
@@ -109,7 +116,9 @@ class Shown(Message, frozen=True, kw_only=True):
 
 
 BodyPart = Literal["hand", "trunk"]
-"""The place of a sensor on the body. Each part has topics of its own, so that nothing takes one sensor for another."""
+"""The place of a sensor on the body. Each part has topics of its own, so that nothing takes one
+sensor for another.
+"""
 
 
 class TrialFeedbackShown(Message, frozen=True, kw_only=True):
@@ -122,10 +131,12 @@ class TrialFeedbackShown(Message, frozen=True, kw_only=True):
 
 
 class ToneBegan(Message, frozen=True, kw_only=True):
-    """A tone of a prompt began to sound, or is about to, ``at`` (ns). ``frame``: that it belongs to.
+    """A tone of a prompt began to sound, or is about to, ``at`` (ns). ``frame``: that it belongs
+    to.
 
-    ``source``: ``device`` (by the clock of the sound card, with the time in its buffer), ``host`` (when its samples
-    were handed over: less exact), ``virtual`` (simulated), ``failed`` (it is not heard; ``detail`` says why).
+    ``source``: ``device`` (by the clock of the sound card, with the time in its buffer), ``host``
+    (when its samples were handed over: less exact), ``virtual`` (simulated), ``failed`` (it is not
+    heard; ``detail`` says why).
     """
 
     attempt: int
@@ -149,8 +160,8 @@ class ImuBlock(Message, frozen=True, kw_only=True):
 class SensorChanged(Message, frozen=True, kw_only=True):
     """Something happened to the motion sensor at ``at`` (see `inputs.imu.Status`).
 
-    ``count`` and ``duration_ms`` describe missing samples. ``model``, ``serial``, ``rate_hz`` and the ranges are given
-    when it is ``attached``.
+    ``count`` and ``duration_ms`` describe missing samples. ``model``, ``serial``, ``rate_hz`` and
+    the ranges are given when it is ``attached``.
     """
 
     state: SensorState
@@ -178,8 +189,8 @@ class TimerFired(Message, frozen=True, kw_only=True):
 class OutputReport(Message, frozen=True, kw_only=True, rename={"part": "deed"}):
     """An output reports the state of one part of an action. ``detail`` says why it failed.
 
-    ``queued``: accepted by the output; ``started``: audible or visible; then ``done``, ``aborted`` (stopped before its
-    end) or ``failed``.
+    ``queued``: accepted by the output; ``started``: audible or visible; then ``done``, ``aborted``
+    (stopped before its end) or ``failed``.
     """
 
     action: str
@@ -191,7 +202,9 @@ class OutputReport(Message, frozen=True, kw_only=True, rename={"part": "deed"}):
 
 
 class OutputStopped(Message, frozen=True, kw_only=True):
-    """An output that had to stop at ``asked`` was silent and still at ``at``. ``detail``: why it could not stop."""
+    """An output that had to stop at ``asked`` was silent and still at ``at``. ``detail``: why it
+    could not stop.
+    """
 
     output: str
     asked: int
@@ -200,11 +213,12 @@ class OutputStopped(Message, frozen=True, kw_only=True):
 
 
 class MarkersChanged(Message, frozen=True, kw_only=True):
-    """A destination of markers is ``open``, ``failing`` (``detail`` says why), ``working`` again, or ``closed``.
+    """A destination of markers is ``open``, ``failing`` (``detail`` says why), ``working`` again,
+    or ``closed``.
 
-    When it is closed: ``sent``, ``lost`` (it failed, or could not keep up) and ``unheard`` (sent while nobody was known
-    to receive them) count this run's markers; ``late_ms`` and ``latest_ms`` are the median and the largest time from a
-    prompt's onset until its marker was sent.
+    When it is closed: ``sent``, ``lost`` (it failed, or could not keep up) and ``unheard`` (sent
+    while nobody was known to receive them) count this run's markers; ``late_ms`` and ``latest_ms``
+    are the median and the largest time from a prompt's onset until its marker was sent.
     """
 
     destination: str
@@ -219,10 +233,12 @@ class MarkersChanged(Message, frozen=True, kw_only=True):
 
 
 class SyncSignal(Message, frozen=True, kw_only=True):
-    """A signal for cameras at the start of a run: the screen flashed, or a tone began to play, ``at``.
+    """A signal for cameras at the start of a run: the screen flashed, or a tone began to play,
+    ``at``.
 
-    ``source``: how this is known: ``flush`` (the white frame was flushed), ``refresh`` (after Textual's refresh: less
-    exact), ``sound`` (the first samples were fed to the sound card; they are heard up to 40 ms later).
+    ``source``: how this is known: ``flush`` (the white frame was flushed), ``refresh`` (after
+    Textual's refresh: less exact), ``sound`` (the first samples were fed to the sound card; they
+    are heard up to 40 ms later).
     """
 
     what: Literal["flash", "tone"]
@@ -231,14 +247,18 @@ class SyncSignal(Message, frozen=True, kw_only=True):
 
 
 class Stored(Message, frozen=True, kw_only=True):
-    """The trial and everything before it are on disk; in a simulated session, with its group of messages."""
+    """The trial and everything before it are on disk; in a simulated session, with its group of
+    messages.
+    """
 
     attempt: int
     trial: int
 
 
 class StorageChanged(Message, frozen=True, kw_only=True):
-    """Writing to disk fails (``working`` False), or works again; with a reason, in another file than before."""
+    """Writing to disk fails (``working`` False), or works again; with a reason, in another file
+    than before.
+    """
 
     working: bool
     reason: str = ""

@@ -23,16 +23,19 @@ __all__ = [
 class SessionCommand(Message, frozen=True, kw_only=True):
     """A command that controls the session.
 
-    ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt, or what ``reason`` says), ``repeat`` (this
-    prompt), ``level`` (sets it to ``value``), ``hold`` (attempts leave the level as it is), ``release`` (they change it
-    again), ``mark`` (the current trial, else the last), ``stop`` (everything the agent says and does; ``at`` is the
-    time stamp of the key). ``reason``: for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or
-    empty; for a mark, its name (see `trial_types.Mark`); for ``skip``, ``rest`` if a rest that must be taken is to be
-    ended, ``attempt`` if the attempt that is under way or comes next is to be left out, ``step`` if the step between
-    attempts whose number is ``value`` is to be, and no other.
+    ``command``: ``pause``, ``resume``, ``end``, ``skip`` (this prompt, or what ``reason`` says),
+    ``repeat`` (this prompt), ``level`` (sets it to ``value``), ``hold`` (attempts leave the level
+    as it is), ``release`` (they change it again), ``mark`` (the current trial, else the last),
+    ``stop`` (everything the agent says and does; ``at`` is the time stamp of the key). ``reason``:
+    for a pause, how the participant is: ``tired``, ``pain``, ``finished``, or empty; for a mark,
+    its name (see `trial_types.Mark`); for ``skip``, ``rest`` if a rest that must be taken is to be
+    ended, ``attempt`` if the attempt that is under way or comes next is to be left out, ``step`` if
+    the step between attempts whose number is ``value`` is to be, and no other.
     """
 
-    command: Literal["pause", "resume", "end", "skip", "repeat", "level", "hold", "release", "mark", "stop"]
+    command: Literal[
+        "pause", "resume", "end", "skip", "repeat", "level", "hold", "release", "mark", "stop"
+    ]
     actor: str = "participant"
     reason: str = ""
     value: int | None = None
@@ -40,7 +43,9 @@ class SessionCommand(Message, frozen=True, kw_only=True):
 
 
 class SettingChanged(Message, frozen=True, kw_only=True):
-    """A therapist changes a setting, by its name, from the next attempt on (see `loop.live_settings`)."""
+    """A therapist changes a setting, by its name, from the next attempt on (see
+    `loop.live_settings`).
+    """
 
     name: str
     value: int | float
@@ -51,9 +56,10 @@ class SettingChanged(Message, frozen=True, kw_only=True):
 class Decision(Message, frozen=True, kw_only=True):
     """An operator decides on a proposal, by its id (``action``), while it is pending or queued.
 
-    ``edit`` replaces parts of the proposal: ``text``, ``valence`` (with its face, gesture and tone), ``gesture``; None
-    keeps a part, an empty text removes it. ``level``: the level to set, if the proposal changes the level. ``at``: time
-    stamp of the operator's key, on the session's clock.
+    ``edit`` replaces parts of the proposal: ``text``, ``valence`` (with its face, gesture and
+    tone), ``gesture``; None keeps a part, an empty text removes it. ``level``: the level to set, if
+    the proposal changes the level. ``at``: time stamp of the operator's key, on the session's
+    clock.
     """
 
     action: str
@@ -69,8 +75,8 @@ class Decision(Message, frozen=True, kw_only=True):
 class Remark(Message, frozen=True, kw_only=True):
     """An operator makes the agent say or do something.
 
-    ``valence``: gives face, gesture and tone, except a ``gesture`` or ``face`` given here. ``source``: where the text
-    comes from.
+    ``valence``: gives face, gesture and tone, except a ``gesture`` or ``face`` given here.
+    ``source``: where the text comes from.
     """
 
     text: str = ""
@@ -112,9 +118,10 @@ class NoteAdded(Message, frozen=True, kw_only=True):
 class OperatorChanged(Message, frozen=True, kw_only=True):
     """A peer joined the link, left it, or was lost.
 
-    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says why), ``baton`` (the peer took control), ``unproven``
-    (the peer is connected, but nothing proves that a person's terminal is; ``detail`` says why). ``operated``: True if
-    an operator is in control now. ``holder``: that operator's name, or empty. ``peers``: the peers present, by name.
+    ``state``: ``joined``, ``left``, ``lost`` (``detail`` says why), ``baton`` (the peer took
+    control), ``unproven`` (the peer is connected, but nothing proves that a person's terminal is;
+    ``detail`` says why). ``operated``: True if an operator is in control now. ``holder``: that
+    operator's name, or empty. ``peers``: the peers present, by name.
     """
 
     actor: str
@@ -127,7 +134,9 @@ class OperatorChanged(Message, frozen=True, kw_only=True):
 
 
 class PeerRequestRefused(Message, frozen=True, kw_only=True):
-    """A request of a peer was refused: a connection or an act. ``count``: such refusals since the last message."""
+    """A request of a peer was refused: a connection or an act. ``count``: such refusals since the
+    last message.
+    """
 
     actor: str
     what: str
@@ -144,15 +153,18 @@ class LateDecision(Message, frozen=True, kw_only=True):
 
 
 RecordChange = Literal["dismissed", "discarded", "restored", "moved", "redacted"]
-"""``dismissed``: nobody goes on with the interrupted session. ``discarded``: it was begun by mistake, and does not
-count. ``restored``: neither any longer. ``moved``: it is of another participant. ``redacted``: texts were erased."""
+"""``dismissed``: nobody goes on with the interrupted session. ``discarded``: it was begun by
+mistake, and does not count. ``restored``: neither any longer. ``moved``: it is of another
+participant. ``redacted``: texts were erased.
+"""
 
 
 class RecordChanged(Message, frozen=True, kw_only=True):
     """Something was done to a session's record after the session.
 
-    ``actor``: who did it, the login name. ``at``: when, UTC. ``details``: for ``moved``, the participant ``before`` and
-    ``after``; for ``redacted``, by the number of each message its hash as it was and that of what remains of it.
+    ``actor``: who did it, the login name. ``at``: when, UTC. ``details``: for ``moved``, the
+    participant ``before`` and ``after``; for ``redacted``, by the number of each message its hash
+    as it was and that of what remains of it.
     """
 
     change: RecordChange

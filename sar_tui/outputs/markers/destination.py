@@ -6,7 +6,9 @@ from sar_tui.outputs.markers.marker import Marker
 
 
 class Destination(Protocol):
-    """A place to which markers are sent. All methods but ``check`` are called on one thread of its own."""
+    """A place to which markers are sent. All methods but ``check`` are called on one thread of its
+    own.
+    """
 
     address: str
     """As it was given; it names the destination in the log."""
@@ -16,11 +18,15 @@ class Destination(Protocol):
         ...
 
     def open(self, session: str, task: str) -> str:
-        """Open it for a session. Return a fact for the log, or an empty text. Raises MarkerError."""
+        """Open it for a session. Return a fact for the log, or an empty text. Raises
+        MarkerError.
+        """
         ...
 
     def send(self, marker: Marker) -> bool:
-        """Send a marker. Return False if it is known that nobody received it. Raises MarkerError."""
+        """Send a marker. Return False if it is known that nobody received it. Raises
+        MarkerError.
+        """
         ...
 
     def close(self) -> str:

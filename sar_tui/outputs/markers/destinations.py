@@ -32,4 +32,6 @@ def _make(address: str) -> Destination:
         return Udp(address)
     if address.startswith("serial:"):
         return SerialLine(address)
-    raise MarkerError(f"Markers cannot be sent to {address!r}: use lsl, udp://HOST:PORT or serial:PORT.")
+    raise MarkerError(
+        f"Markers cannot be sent to {address!r}: use lsl, udp://HOST:PORT or serial:PORT."
+    )

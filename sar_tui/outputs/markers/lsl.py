@@ -24,10 +24,12 @@ _configured = False
 
 
 class Lsl:
-    """Sends markers as an LSL stream ``sar-tui`` of the type ``Markers``: one channel of JSON texts, stamped exactly.
+    """Sends markers as an LSL stream ``sar-tui`` of the type ``Markers``: one channel of JSON
+    texts, stamped exactly.
 
-    LSL stamps are seconds of the host's monotonic clock: on Linux the clock of the session. Elsewhere the offset
-    between the two is measured when the stream opens and added; how far it has drifted is measured at the end.
+    LSL stamps are seconds of the host's monotonic clock: on Linux the clock of the session.
+    Elsewhere the offset between the two is measured when the stream opens and added; how far it has
+    drifted is measured at the end.
     """
 
     address = "lsl"
@@ -45,7 +47,9 @@ class Lsl:
         pylsl = library()
         self._measured_ns = clock_offset_ns(pylsl)
         self._offset_ns = 0 if abs(self._measured_ns) < SAME_CLOCK_NS else self._measured_ns
-        info = pylsl.StreamInfo("sar-tui", "Markers", 1, pylsl.IRREGULAR_RATE, pylsl.cf_string, f"sar-tui-{session}")
+        info = pylsl.StreamInfo(
+            "sar-tui", "Markers", 1, pylsl.IRREGULAR_RATE, pylsl.cf_string, f"sar-tui-{session}"
+        )
         described = info.desc()
         for name, value in (
             ("session", session),
@@ -77,7 +81,10 @@ class Lsl:
         drift_ns = clock_offset_ns(library()) - self._measured_ns
         if abs(drift_ns) < SAME_CLOCK_NS:
             return ""
-        return f"LSL's clock and the session's drifted apart by {drift_ns / MS:.3f} ms: align by the prompts"
+        return (
+            f"LSL's clock and the session's drifted apart by {drift_ns / MS:.3f} ms: align by "
+            "the prompts"
+        )
 
 
 def clock_offset_ns(pylsl: Any) -> int:
@@ -92,23 +99,34 @@ def clock_offset_ns(pylsl: Any) -> int:
 
 
 def library() -> Any:
-    """Import LSL, so that it stays quiet unless the user's own configuration says otherwise. Raises MarkerError."""
+    """Import LSL, so that it stays quiet unless the user's own configuration says otherwise. Raises
+    MarkerError.
+    """
     global _configured  # noqa: PLW0603 - LSL reads its configuration once in a process
     try:
         import pylsl
-    except (ImportError, OSError, RuntimeError) as error:  # its library written in C is missing or too old
-        raise MarkerError(f"LSL cannot be loaded ({str(error).splitlines()[0]}). {no_package()}") from error
+    except (
+        ImportError,
+        OSError,
+        RuntimeError,
+    ) as error:  # its library written in C is missing or too old
+        raise MarkerError(
+            f"LSL cannot be loaded ({str(error).splitlines()[0]}). {no_package()}"
+        ) from error
     if not _configured:
         _configured = True
         own = _own_configuration()
         if "[log]" not in own:
-            with contextlib.suppress(NotImplementedError):  # an older library of the system, which is not quiet
+            # an older library of the system, which is not quiet
+            with contextlib.suppress(NotImplementedError):
                 pylsl.set_config_content(f"{own}\n{_QUIET}")
     return pylsl
 
 
 def _own_configuration() -> str:
-    """Return the configuration that LSL would read: the first of its usual files; empty if there is none."""
+    """Return the configuration that LSL would read: the first of its usual files; empty if there is
+    none.
+    """
     named = os.environ.get("LSLAPICFG")
     usual = ("lsl_api.cfg", Path("~/lsl_api/lsl_api.cfg").expanduser(), "/etc/lsl_api/lsl_api.cfg")
     for path in [named] if named else usual:

@@ -39,13 +39,17 @@ CODES: dict[str, int] = {
     "level": 45,
     "test": 255,
 }
-"""Every event that has a marker, with its byte on a trigger line. A name or byte, once released, never changes."""
+"""Every event that has a marker, with its byte on a trigger line. A name or byte, once released,
+never changes.
+"""
 
 Fields = dict[str, str | int | bool]
 
 
 class Marker(NamedTuple):
-    """An event at a time ``ns`` of the session's clock. ``fields``: what else is sent (see docs)."""
+    """An event at a time ``ns`` of the session's clock. ``fields``: what else is sent (see
+    docs).
+    """
 
     event: str
     ns: int

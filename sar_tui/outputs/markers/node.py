@@ -33,7 +33,12 @@ class MarkerNode(Node):
     emits: ClassVar[tuple[Topic[MarkersChanged], ...]] = (MARKERS,)
 
     def __init__(
-        self, destinations: Sequence[Destination], session: str, task: str, seats: Sequence[str], clock: Clock
+        self,
+        destinations: Sequence[Destination],
+        session: str,
+        task: str,
+        seats: Sequence[str],
+        clock: Clock,
     ) -> None:
         self._translation = Translation(session, seats)
         self._clock = clock
@@ -79,7 +84,9 @@ class MarkerNode(Node):
             )
 
     def shown(self, shown: Shown) -> None:
-        """Send the marker of a prompt that has just reached the terminal. Called from the thread that wrote it."""
+        """Send the marker of a prompt that has just reached the terminal. Called from the thread
+        that wrote it.
+        """
         for marker in self._translation.shown(shown):
             self._put(marker)
 
@@ -97,7 +104,11 @@ class MarkerNode(Node):
         """Return the function that a sender's thread calls when its destination changes."""
 
         def changed(state: Literal["open", "failing", "working"], detail: str) -> None:
-            self._report(MarkersChanged(destination=address, state=state, at=self._clock.now(), detail=detail))
+            self._report(
+                MarkersChanged(
+                    destination=address, state=state, at=self._clock.now(), detail=detail
+                )
+            )
 
         return changed
 

@@ -27,7 +27,8 @@ Changed = Callable[[Literal["open", "failing", "working"], str], None]
 class Sender:
     """Sends markers in order, on a thread of its own, so that the session never waits.
 
-    If the destination fails, markers are lost until it can be opened again: a late trigger would be a wrong one.
+    If the destination fails, markers are lost until it can be opened again: a late trigger would be
+    a wrong one.
 
     Args:
         destination: where to; used by no other sender.
@@ -61,7 +62,9 @@ class Sender:
         self._changed, self._now = changed, now
         self._queue: queue.Queue[Marker | None] = queue.Queue(longest_queue)
         self._is_open = self._has_failed = False
-        self._thread = threading.Thread(target=self._run, name=f"markers {self.address}", daemon=True)
+        self._thread = threading.Thread(
+            target=self._run, name=f"markers {self.address}", daemon=True
+        )
         self._thread.start()
 
     @property
@@ -71,7 +74,9 @@ class Sender:
 
     @property
     def late_ms(self) -> tuple[float, float] | None:
-        """Median and largest time in ms from a prompt's onset until its marker was sent; None without prompts."""
+        """Median and largest time in ms from a prompt's onset until its marker was sent; None
+        without prompts.
+        """
         late = self._late_ns[:]
         return (round(median(late) / MS, 3), round(max(late) / MS, 3)) if late else None
 
@@ -83,7 +88,9 @@ class Sender:
             self._overflowed += 1
 
     def finish(self) -> None:
-        """Send what is left and close the destination, within ``LAST_SECONDS``. May be called again."""
+        """Send what is left and close the destination, within ``LAST_SECONDS``. May be called
+        again.
+        """
         if self._thread.is_alive():
             try:
                 self._queue.put(None, timeout=LAST_SECONDS)
@@ -98,7 +105,8 @@ class Sender:
         except queue.Empty:
             return None
 
-    # --- on the thread ---------------------------------------------------------------------------------------
+    # --- on the thread
+    # ---------------------------------------------------------------------------------------
 
     def _run(self) -> None:
         self._open()
@@ -146,7 +154,9 @@ class Sender:
         self._is_open = False
         if not self._has_failed:
             self._has_failed = True
-            self._changed("failing", str(error) if isinstance(error, MarkerError) else describe(error))
+            self._changed(
+                "failing", str(error) if isinstance(error, MarkerError) else describe(error)
+            )
         try:
             self._destination.close()
         except Exception:  # it has failed already

@@ -22,10 +22,12 @@ _WRITE_SECONDS = 0.5
 
 
 class SerialLine:
-    """Sends markers to ``serial:PORT[@BAUD][?OPTION=VALUE&…]``. Raises MarkerError if the address is invalid.
+    """Sends markers to ``serial:PORT[@BAUD][?OPTION=VALUE&…]``. Raises MarkerError if the address
+    is invalid.
 
-    Options: ``form`` is ``bytes`` (default: the code of the event) or ``lines`` (JSON); ``pulse``: milliseconds after
-    which a 0 follows each code, 0 for none; the name of an event: another code for it, 0 for none.
+    Options: ``form`` is ``bytes`` (default: the code of the event) or ``lines`` (JSON); ``pulse``:
+    milliseconds after which a 0 follows each code, 0 for none; the name of an event: another code
+    for it, 0 for none.
     """
 
     def __init__(self, address: str) -> None:
@@ -54,14 +56,17 @@ class SerialLine:
             self._refuse(f"the code of {name} is a number from 0 to 255")
         else:
             self._refuse(
-                f"form=bytes or form=lines, pulse=MILLISECONDS, or an event with its code, but not {name}={value}"
+                "form=bytes or form=lines, pulse=MILLISECONDS, or an event with its code, but "
+                f"not {name}={value}"
             )
 
     def _refuse(self, how: str) -> NoReturn:
         raise MarkerError(f"{self.address!r} is no address for markers: {how}.")
 
     def check(self) -> None:
-        """Raise MarkerError if the package or the port is missing, or the port is not ours to open."""
+        """Raise MarkerError if the package or the port is missing, or the port is not ours to
+        open.
+        """
         if find_spec("serial") is None:
             raise MarkerError(no_package())
         self.open("", "")
@@ -71,11 +76,15 @@ class SerialLine:
         import serial
 
         try:
-            self._line = serial.Serial(self._port, self._baud, timeout=0, write_timeout=_WRITE_SECONDS, exclusive=True)
+            self._line = serial.Serial(
+                self._port, self._baud, timeout=0, write_timeout=_WRITE_SECONDS, exclusive=True
+            )
         except (OSError, ValueError) as error:  # serial.SerialException is an OSError
             raise MarkerError(
-                f"The serial port {self._port} cannot be opened ({_reason(error)}). Plug the trigger box in, see "
-                "that you may use it (on Linux: the group dialout), and close other programs that use it."
+                f"The serial port {self._port} cannot be opened ({_reason(error)}). Plug the "
+                "trigger box in, see "
+                "that you may use it (on Linux: the group dialout), and close other programs that "
+                "use it."
             ) from error
         return ""
 
@@ -90,7 +99,9 @@ class SerialLine:
                     time.sleep(self._pulse_ms / 1000)
                     self._line.write(b"\0")
         except OSError as error:
-            raise MarkerError(f"The serial port {self._port} takes no markers ({_reason(error)}).") from error
+            raise MarkerError(
+                f"The serial port {self._port} takes no markers ({_reason(error)})."
+            ) from error
         return True
 
     def close(self) -> str:
@@ -110,4 +121,7 @@ def _reason(error: Exception) -> str:
 
 def no_package() -> str:
     """Return the sentence that says how to install what is missing."""
-    return f"Markers on a serial line need a package that is not installed here: {pip_install_extra('serial')}"
+    return (
+        "Markers on a serial line need a package that is not installed here: "
+        f"{pip_install_extra('serial')}"
+    )

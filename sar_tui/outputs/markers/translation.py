@@ -17,9 +17,9 @@ _Key = tuple[int, int, int]
 class Translation:
     """Turns messages into markers.
 
-    Times are the stamps in the messages: of a prompt the flush of its frame, of a response its key. Only an event that
-    has no stamp of its own is at the time of its message. What was said, codes of participants, names of operators and
-    reasons for a pause never become part of a marker.
+    Times are the stamps in the messages: of a prompt the flush of its frame, of a response its key.
+    Only an event that has no stamp of its own is at the time of its message. What was said, codes
+    of participants, names of operators and reasons for a pause never become part of a marker.
 
     Args:
         session: the session's id.
@@ -35,7 +35,9 @@ class Translation:
         self._started: set[tuple[str, str, str]] = set()
         self._translate: dict[Topic[Any], Callable[[int, Any], Sequence[Marker]]] = {
             t.SESSION: self._session_started,
-            t.SESSION_ENDED: lambda at, ended: [Marker("session_end", at, {"status": ended.status})],
+            t.SESSION_ENDED: lambda at, ended: [
+                Marker("session_end", at, {"status": ended.status})
+            ],
             t.ATTEMPT_STARTED: self._attempt_started,
             t.ATTEMPT_ENDED: self._attempt_ended,
             t.CUE: self._cued,
@@ -45,15 +47,21 @@ class Translation:
             t.TONE_BEGAN: self._tone_began,
             t.VOIDED: lambda at, voided: [Marker("prompt_cancelled", at, self._trial(voided))],
             t.TRIAL: self._trial_ended,
-            t.TRIAL_FEEDBACK_SHOWN: lambda _, seen: [Marker("trial_feedback", seen.at, self._trial(seen))],
+            t.TRIAL_FEEDBACK_SHOWN: lambda _, seen: [
+                Marker("trial_feedback", seen.at, self._trial(seen))
+            ],
             t.ACTION: self._acted,
             t.REPORT: self._reported,
-            t.DECISION: lambda at, made: [self._act("decision", at, made, action=made.action, is_=made.verdict)],
+            t.DECISION: lambda at, made: [
+                self._act("decision", at, made, action=made.action, is_=made.verdict)
+            ],
             t.REMARK: lambda at, made: [self._act("remark", at, made, source=made.source)],
             t.COMMAND: self._commanded,
             t.MARKED: self._marked,
             t.NOTE_ADDED: lambda at, note: [self._act("note", at, note, label=note.label)],
-            t.LEVEL: lambda at, change: [Marker("level", at, self._seat(change) | {"level": change.level})],
+            t.LEVEL: lambda at, change: [
+                Marker("level", at, self._seat(change) | {"level": change.level})
+            ],
         }
 
     @property
@@ -66,7 +74,8 @@ class Translation:
         return self._translate[topic](at, message)
 
     def shown(self, shown: m.Shown) -> Sequence[Marker]:
-        """Return the marker of an onset of a prompt or of one of its later frames; none if it was returned before.
+        """Return the marker of an onset of a prompt or of one of its later frames; none if it was
+        returned before.
 
         May be called from the writing thread.
         """
@@ -76,7 +85,11 @@ class Translation:
         if shown.frame in self._onsets[1]:
             return ()
         self._onsets[1][shown.frame] = shown.at
-        fields: Fields = {"attempt": shown.attempt, "trial": shown.trial, "presentation": shown.presentation}
+        fields: Fields = {
+            "attempt": shown.attempt,
+            "trial": shown.trial,
+            "presentation": shown.presentation,
+        }
         if shown.frame:
             return [Marker("frame_onset", shown.at, fields | {"frame": shown.frame})]
         prompt = self._prompt
@@ -85,10 +98,20 @@ class Translation:
         return [Marker("prompt_onset", shown.at, fields)]
 
     def _session_started(self, at: int, started: m.SessionStarted) -> Sequence[Marker]:
-        return [Marker("session_start", at, {"session": self._session, "task": started.task, "run": started.run})]
+        return [
+            Marker(
+                "session_start",
+                at,
+                {"session": self._session, "task": started.task, "run": started.run},
+            )
+        ]
 
     def _attempt_started(self, at: int, started: m.AttemptStarted) -> Sequence[Marker]:
-        fields: Fields = {"attempt": started.attempt, "level": started.level, "practice": started.practice}
+        fields: Fields = {
+            "attempt": started.attempt,
+            "level": started.level,
+            "practice": started.practice,
+        }
         return [Marker("attempt_start", at, self._seat(started) | fields)]
 
     def _attempt_ended(self, at: int, ended: m.AttemptEnded) -> Sequence[Marker]:
@@ -109,7 +132,13 @@ class Translation:
     def _tone_began(self, _: int, began: m.ToneBegan) -> Sequence[Marker]:
         if began.source == "failed":
             return ()
-        return [Marker("prompt_tone", began.at, self._trial(began) | {"frame": began.frame, "source": began.source})]
+        return [
+            Marker(
+                "prompt_tone",
+                began.at,
+                self._trial(began) | {"frame": began.frame, "source": began.source},
+            )
+        ]
 
     def _trial_ended(self, at: int, trial: m.TrialEnded) -> Sequence[Marker]:
         fields: Fields = self._trial(trial) | {"stimulus": trial.stimulus, "correct": trial.correct}
@@ -118,8 +147,13 @@ class Translation:
         key, onsets = self._onsets
         is_known = key[:2] == (trial.attempt, trial.trial)
         if trial.onset is None or not is_known or trial.onset in onsets.values():
-            return [Marker("response", trial.response_at, fields | {"response": trial.response or ""})]
-        return [Marker("movement_start", trial.onset, fields), Marker("movement_end", trial.response_at, fields)]
+            return [
+                Marker("response", trial.response_at, fields | {"response": trial.response or ""})
+            ]
+        return [
+            Marker("movement_start", trial.onset, fields),
+            Marker("movement_end", trial.response_at, fields),
+        ]
 
     def _acted(self, _: int, action: m.Action) -> Sequence[Marker]:
         self._kinds[action.id] = action.kind
@@ -148,7 +182,11 @@ class Translation:
         return [] if act.command == "mark" else [self._act("command", at, act, command=act.command)]
 
     def _marked(self, at: int, marked: m.TrialMarked) -> Sequence[Marker]:
-        return [Marker("mark", at, self._trial(marked) | {"mark": marked.mark, "correct": marked.correct})]
+        return [
+            Marker(
+                "mark", at, self._trial(marked) | {"mark": marked.mark, "correct": marked.correct}
+            )
+        ]
 
     def _act(self, event: str, at: int, act: Any, is_: str = "", **fields: str) -> Marker:
         """Return the marker of an operator's act, at the stamp of their key if it has one."""

@@ -9,13 +9,16 @@ _ADDRESS = re.compile(r"udp://(?P<host>\[[0-9A-Fa-f:.%]+\]|[^\s:/\[\]]+):(?P<por
 
 
 class Udp:
-    """Sends each marker as a datagram of JSON to ``udp://HOST:PORT``. Raises MarkerError if the address is invalid."""
+    """Sends each marker as a datagram of JSON to ``udp://HOST:PORT``. Raises MarkerError if the
+    address is invalid.
+    """
 
     def __init__(self, address: str) -> None:
         match = _ADDRESS.fullmatch(address)
         if match is None or not 0 < int(match["port"]) < 65536:
             raise MarkerError(
-                f"{address!r} is no address for markers: use udp://HOST:PORT, such as udp://10.0.0.5:5005."
+                f"{address!r} is no address for markers: use udp://HOST:PORT, such as "
+                "udp://10.0.0.5:5005."
             )
         self.address = address
         self._host, self._port = match["host"].strip("[]"), int(match["port"])
@@ -23,7 +26,9 @@ class Udp:
         self._to: tuple[object, ...] = ()
 
     def check(self) -> None:
-        """Raise MarkerError if the host's name is unknown. That somebody listens there cannot be known."""
+        """Raise MarkerError if the host's name is unknown. That somebody listens there cannot be
+        known.
+        """
         self._resolve()
 
     def open(self, session: str, task: str) -> str:
@@ -36,7 +41,9 @@ class Udp:
         try:
             self._socket.sendto(marker.text.encode(), self._to)
         except OSError as error:
-            raise MarkerError(f"Nothing can be sent to {self.address}: {error.strerror or error}.") from error
+            raise MarkerError(
+                f"Nothing can be sent to {self.address}: {error.strerror or error}."
+            ) from error
         return True
 
     def close(self) -> str:

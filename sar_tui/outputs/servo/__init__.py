@@ -1,1 +1,3 @@
-"""Gestures by servo motors on a Phidget controller: `servo` is the output, the other modules serve it."""
+"""Gestures by servo motors on a Phidget controller: `servo` is the output, the other modules serve
+it.
+"""

@@ -13,8 +13,10 @@ from sar_tui.outputs.output import OutputError
 _CHANNEL = re.compile("-?[0-9]{1,2}")
 _HOW = (
     "Use servo, or servo:SERIAL?right_arm=0&left_arm=-1: joints are "
-    f"{', '.join(JOINTS[:-1])} and {JOINTS[-1]}, each with its channel on the controller (- before the number reverses "
-    "the joint); range=45 is how many degrees it moves to either side (5 to 90), speed=180 how many per second "
+    f"{', '.join(JOINTS[:-1])} and {JOINTS[-1]}, each with its channel on the controller (- "
+    "before the number reverses "
+    "the joint); range=45 is how many degrees it moves to either side (5 to 90), speed=180 how "
+    "many per second "
     "(30 to 360)."
 )
 
@@ -30,8 +32,8 @@ class JointChannel(NamedTuple):
 class ServoAddress(NamedTuple):
     """The controller, its joints, and the limits of their movement.
 
-    ``serial``: None for any controller. ``range_deg``: degrees to either side of the middle. ``speed_deg_s``: greatest
-    speed, degrees per second.
+    ``serial``: None for any controller. ``range_deg``: degrees to either side of the middle.
+    ``speed_deg_s``: greatest speed, degrees per second.
     """
 
     serial: int | None
@@ -53,7 +55,8 @@ class _Options(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def parse(text: str) -> ServoAddress:
-    """Parse the text after ``servo:``. Empty text means the right arm on channel 0 of any controller.
+    """Parse the text after ``servo:``. Empty text means the right arm on channel 0 of any
+    controller.
 
     Raises OutputError, with the allowed forms.
     """
@@ -65,7 +68,11 @@ def parse(text: str) -> ServoAddress:
         if len(dict(pairs)) < len(pairs):
             raise ValueError("a name is used twice")
         options = msgspec.convert(dict(pairs), _Options, strict=False)
-        channels = tuple(_joint_channel(joint, getattr(options, joint)) for joint in JOINTS if joint in dict(pairs))
+        channels = tuple(
+            _joint_channel(joint, getattr(options, joint))
+            for joint in JOINTS
+            if joint in dict(pairs)
+        )
         if len({each.channel for each in channels}) < len(channels):
             raise ValueError("two joints have the same channel")
     except (ValueError, msgspec.ValidationError) as error:

@@ -13,7 +13,9 @@ FAILSAFE_MS = 1000
 FEED_MS = 250
 """Interval of signs of life. Phidgets advises at most a third of the failsafe time."""
 _ACCELERATION = 10.0
-"""Factor of the speed limit, giving degrees per second squared: full speed after a tenth of a second."""
+"""Factor of the speed limit, giving degrees per second squared: full speed after a tenth of a
+second.
+"""
 _UNSUPPORTED, _NOT_ATTACHED, _FAILSAFE = 20, 52, 59
 _FAILSAFE_EVENT, _CLEARED = 4108, 4096
 _ADVICE = {
@@ -27,19 +29,24 @@ _FAILSAFE_TEXT = "Its failsafe released it because this program did not run for 
 class ServoChannel:
     """One motor: attached or not, engaged or limp.
 
-    On attaching, its middle, range, velocity and acceleration limits are set, and the failsafe if the controller has
-    one. It holds its position only while engaged; otherwise a hand may move it. All methods are called by one thread;
-    the driver's threads only call the handlers.
+    On attaching, its middle, range, velocity and acceleration limits are set, and the failsafe if
+    the controller has one. It holds its position only while engaged; otherwise a hand may move it.
+    All methods are called by one thread; the driver's threads only call the handlers.
 
     Args:
         joint_channel: the joint, its channel and direction.
         address: the controller, and the limits of movement.
-        failsafe: True if the controller releases the motor when it gets no sign of life; False on a virtual clock.
+        failsafe: True if the controller releases the motor when it gets no sign of life; False on a
+            virtual clock.
         changed: called by the driver's thread when the channel is attached or detached.
     """
 
     def __init__(
-        self, joint_channel: JointChannel, address: ServoAddress, failsafe: bool, changed: Callable[[], None]
+        self,
+        joint_channel: JointChannel,
+        address: ServoAddress,
+        failsafe: bool,
+        changed: Callable[[], None],
     ) -> None:
         self.joint = joint_channel.joint
         self.attached = False
@@ -63,7 +70,9 @@ class ServoChannel:
         return f"{self.joint} on channel {self._joint_channel.channel}"
 
     def open(self, channel: Any) -> None:
-        """Wait in the background for the motor's controller. ``channel``: an unopened ``RCServo`` of Phidget22."""
+        """Wait in the background for the motor's controller. ``channel``: an unopened ``RCServo``
+        of Phidget22.
+        """
         self._channel = channel
         channel.setOnAttachHandler(self._on_attach)
         channel.setOnDetachHandler(self._on_detach)
@@ -81,7 +90,11 @@ class ServoChannel:
         self.attached = False
         if channel is None:
             return
-        for forget in (channel.setOnAttachHandler, channel.setOnDetachHandler, channel.setOnErrorHandler):
+        for forget in (
+            channel.setOnAttachHandler,
+            channel.setOnDetachHandler,
+            channel.setOnErrorHandler,
+        ):
             with suppress(Exception):
                 forget(None)
         with suppress(Exception):
@@ -104,7 +117,8 @@ class ServoChannel:
     def release(self) -> str:
         """Make the motor limp. An unplugged motor is limp.
 
-        If it refuses, it is asked again; then its channel is closed and no longer fed, so that a failsafe releases it.
+        If it refuses, it is asked again; then its channel is closed and no longer fed, so that a
+        failsafe releases it.
 
         Returns:
             Why it may not be limp, and what to do; empty if it is.
@@ -126,7 +140,8 @@ class ServoChannel:
     def reopen(self) -> bool:
         """Reopen a channel that its failsafe released or that was closed. Returns True if it was.
 
-        Called only when the channel is needed: a motor that could not be made limp is not fed until then.
+        Called only when the channel is needed: a motor that could not be made limp is not fed until
+        then.
         """
         if not self._needs_reopening:
             return False
@@ -153,7 +168,10 @@ class ServoChannel:
         except Exception:
             closed = "its channel could not be closed"
         failsafe = " Its failsafe releases it within some seconds." if self.has_failsafe else ""
-        what = f"The servo for {self.place} could not be made limp ({refusal}), and {closed}: unplug it.{failsafe}"
+        what = (
+            f"The servo for {self.place} could not be made limp ({refusal}), and {closed}: "
+            f"unplug it.{failsafe}"
+        )
         self._mark_lost(what)
         return what
 
@@ -188,7 +206,10 @@ class ServoChannel:
         _is_supported(lambda: _set_within(channel, "Acceleration", _ACCELERATION * speed))
         channel.setTargetPosition(self._middle)
         self._target = self._middle
-        self.model = f"{channel.getDeviceName()} ({channel.getDeviceSKU()}), serial {channel.getDeviceSerialNumber()}"
+        self.model = (
+            f"{channel.getDeviceName()} ({channel.getDeviceSKU()}), serial "
+            f"{channel.getDeviceSerialNumber()}"
+        )
         self.has_failsafe = self._failsafe and _is_supported(
             lambda: channel.enableFailsafe(max(FAILSAFE_MS, channel.getMinFailsafeTime()))
         )

@@ -10,8 +10,8 @@ _LONGEST_STEP_MS = 2 * STEP_MS
 class Motion:
     """The path through a gesture, step by step, with a speed limit.
 
-    Where a gesture is faster than the limit, its joints move at the limit, and it ends later by the time they need to
-    reach their last position.
+    Where a gesture is faster than the limit, its joints move at the limit, and it ends later by the
+    time they need to reach their last position.
 
     Args:
         gesture: the keyframes.
@@ -35,7 +35,9 @@ class Motion:
     @property
     def over(self) -> bool:
         """True if the last keyframe is reached."""
-        return self._ms >= self._gesture.duration_ms and self.pose == self._gesture.keyframes[-1].pose
+        return (
+            self._ms >= self._gesture.duration_ms and self.pose == self._gesture.keyframes[-1].pose
+        )
 
     def step(self, ms: float) -> Pose:
         """Return the target of the joints ``ms`` after the start.
@@ -45,7 +47,9 @@ class Motion:
         most = self._speed * min(ms - self._ms, _LONGEST_STEP_MS) / 1000
         self._ms = ms
         goal = self._gesture.pose_at(ms, self._start)
-        self.pose = Pose(*(_nearer(getattr(self.pose, joint), getattr(goal, joint), most) for joint in JOINTS))
+        self.pose = Pose(
+            *(_nearer(getattr(self.pose, joint), getattr(goal, joint), most) for joint in JOINTS)
+        )
         return self.pose
 
 

@@ -25,13 +25,17 @@ ATTACH_NS = SECOND
 SETTLE_NS = 100 * MS
 """Time for which a motor is held after its last target, so that it gets there."""
 _CLOSE_S = 2.0
-_NO_PACKAGE = "The Python package Phidget22 is missing; install it with: " + pip_install("phidget22")
+_NO_PACKAGE = "The Python package Phidget22 is missing; install it with: " + pip_install(
+    "phidget22"
+)
 _NO_LIBRARY = (
-    f"The servo's driver cannot be loaded ({{}}); install it with: {pip_install('phidget22', 'libusb-package')}"
+    "The servo's driver cannot be loaded ({}); install it with: "
+    f"{pip_install('phidget22', 'libusb-package')}"
 )
 _NO_PERMISSION = (
     "A Phidget is plugged in, but this computer does not let you use it: "
-    f"write the line {UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug it, and plug it in again."
+    f"write the line {UDEV_RULE} into the file /etc/udev/rules.d/70-phidget.rules, unplug it, and "
+    "plug it in again."
 )
 
 
@@ -47,7 +51,9 @@ class _GestureRequest:
 class _ActiveGesture:
     """The gesture under way: its start, its channels, and when its last target was sent."""
 
-    def __init__(self, request: _GestureRequest, motion: Motion, channels: list[ServoChannel], began: int) -> None:
+    def __init__(
+        self, request: _GestureRequest, motion: Motion, channels: list[ServoChannel], began: int
+    ) -> None:
         self.request = request
         self.motion = motion
         self.channels = channels
@@ -58,25 +64,30 @@ class _ActiveGesture:
 class Servo(Output):
     """A robot's joints, each an RC servo on a Phidget controller (1061, 1066, RCC1000 and similar).
 
-    A controller may be plugged in and out at any time. A motor is engaged only during a gesture; otherwise it is limp,
-    and a hand may move it. All calls to the controller come from one thread, since USB may block; a stop takes effect
-    when the current call returns, after some milliseconds.
+    A controller may be plugged in and out at any time. A motor is engaged only during a gesture;
+    otherwise it is limp, and a hand may move it. All calls to the controller come from one thread,
+    since USB may block; a stop takes effect when the current call returns, after some milliseconds.
 
-    A controller with a failsafe releases the motors a second after this program last ran: when it was killed, or the
-    computer froze. A controller without one (see `sar-tui doctor`) holds them at their last target until it is
-    unplugged; no motor goes on moving.
+    A controller with a failsafe releases the motors a second after this program last ran: when it
+    was killed, or the computer froze. A controller without one (see `sar-tui doctor`) holds them at
+    their last target until it is unplugged; no motor goes on moving.
 
     Args:
         address: the controller and its wiring, see `address.parse`. Raises OutputError.
         make: makes a channel; Phidget22's ``RCServo`` if None.
-        denied: returns True if a Phidget is plugged in that this user may not open; looked up if None.
+        denied: returns True if a Phidget is plugged in that this user may not open; looked up if
+            None.
     """
 
     name = "servo"
     can: frozenset[ActionPart] = frozenset({"gesture"})
 
     def __init__(
-        self, address: str = "", *, make: Callable[[], Any] | None = None, denied: Callable[[], bool] | None = None
+        self,
+        address: str = "",
+        *,
+        make: Callable[[], Any] | None = None,
+        denied: Callable[[], bool] | None = None,
     ) -> None:
         self._address = parse(address)
         self._make = make or partial(new_channel, "RCServo")
@@ -88,7 +99,10 @@ class Servo(Output):
         """Wait in the background for the controller."""
         super().open(theme, clock, report)
         live = not isinstance(clock, VirtualClock)
-        self._channels = [ServoChannel(each, self._address, live, self._wake) for each in self._address.joint_channels]
+        self._channels = [
+            ServoChannel(each, self._address, live, self._wake)
+            for each in self._address.joint_channels
+        ]
         self._waiting: deque[_GestureRequest] = deque()
         self._active: _ActiveGesture | None = None
         self._pose = REST
@@ -113,7 +127,9 @@ class Servo(Output):
         self._wake()
 
     def close(self) -> None:
-        """Make the motors limp, and close the controller. Takes at most two seconds if the driver hangs."""
+        """Make the motors limp, and close the controller. Takes at most two seconds if the driver
+        hangs.
+        """
         if self._timer is not None:
             self.stop()
             self._timer.finish(_CLOSE_S)
@@ -127,7 +143,8 @@ class Servo(Output):
         if not self._closed:
             self.report(request.action, "gesture", state, detail)
 
-    # --- from here on, everything is called by the step timer ----------------------------------------------
+    # --- from here on, everything is called by the step timer
+    # ----------------------------------------------
 
     def _step(self) -> int | None:
         """Do what is due. Returns the time until the next call, in ns."""
@@ -166,7 +183,9 @@ class Servo(Output):
 
     def _patience(self, now: int) -> int:
         """Return how much longer to wait for a controller that has not attached, in ns."""
-        expected = not self._missing and any(not channel.attached and not channel.trouble for channel in self._channels)
+        expected = not self._missing and any(
+            not channel.attached and not channel.trouble for channel in self._channels
+        )
         return (self._opened or 0) + ATTACH_NS - now if expected else 0
 
     def _drop_stopped(self) -> None:
@@ -180,14 +199,19 @@ class Servo(Output):
         """Start a gesture; or end it if it cannot be performed."""
         if (gesture := self.theme.gestures.get(request.name)) is None:
             known = ", ".join(self.theme.gestures) or "none"
-            what = f'The theme {self.theme.name} has no gesture "{request.name}". Choose one of: {known}.'
+            what = (
+                f'The theme {self.theme.name} has no gesture "{request.name}". Choose one of: '
+                f"{known}."
+            )
             self._report_gesture(request, "failed", what)
             return
         motion = Motion(gesture, self._pose, self._address.speed_deg_s / self._address.range_deg)
         channels = [channel for channel in self._channels if channel.joint in motion.joints]
         if not channels:
             self._report_gesture(request, "started")
-            self._report_gesture(request, "done", f"This robot has none of the joints that {request.name} moves.")
+            self._report_gesture(
+                request, "done", f"This robot has none of the joints that {request.name} moves."
+            )
         elif absence := self._unavailable(channels):
             self._report_gesture(request, "failed", absence)
         else:
@@ -204,7 +228,10 @@ class Servo(Output):
             return _NO_PERMISSION
         if absent[0].trouble:
             return f"The servo for {absent[0].place} cannot be used. {absent[0].trouble}"
-        return f"There is no servo for {absent[0].place}: plug in its controller, and close other programs that use it."
+        return (
+            f"There is no servo for {absent[0].place}: plug in its controller, and close other "
+            "programs that use it."
+        )
 
     def _engage(self, active: _ActiveGesture) -> None:
         self._active = active
@@ -254,7 +281,9 @@ class Servo(Output):
         refusals = list(filter(None, [channel.release() for channel in active.channels]))
         self._active = None
         self._report_gesture(
-            active.request, "failed" if refusals else state, " ".join(filter(None, [detail, *refusals]))
+            active.request,
+            "failed" if refusals else state,
+            " ".join(filter(None, [detail, *refusals])),
         )
 
     def _shut_down(self) -> None:

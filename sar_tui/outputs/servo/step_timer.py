@@ -11,12 +11,15 @@ class StepTimer:
     """Calls steps at their times, and the next one at once when woken.
 
     Args:
-        clock: a virtual clock calls the steps itself; otherwise a thread does, since a device may block.
+        clock: a virtual clock calls the steps itself; otherwise a thread does, since a device may
+            block.
         step: does what is due, and returns the ns until its next call; None: not until woken.
         last: called after the last step, in the same way.
     """
 
-    def __init__(self, clock: Clock, step: Callable[[], int | None], last: Callable[[], None]) -> None:
+    def __init__(
+        self, clock: Clock, step: Callable[[], int | None], last: Callable[[], None]
+    ) -> None:
         self._clock = clock
         self._step = step
         self._last = last
@@ -62,7 +65,9 @@ class StepTimer:
     def _tick_in(self, pause: int | None) -> None:
         if self._due:
             self._due.cancel()
-        self._due = None if pause is None else self._clock.call_at(self._clock.now() + pause, self._tick)
+        self._due = (
+            None if pause is None else self._clock.call_at(self._clock.now() + pause, self._tick)
+        )
 
     def _tick(self) -> None:
         if not self._finished:

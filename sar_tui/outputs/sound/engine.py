@@ -1,8 +1,10 @@
-"""The speech engine, pyttsx3, which turns text into samples. Only the voice process uses it, as it may hang.
+"""The speech engine, pyttsx3, which turns text into samples. Only the voice process uses it, as it
+may hang.
 
-Only its ``save_to_file`` is used: its ``say`` cannot be interrupted and does not report a missing sound card. Two
-faults of version 2.99 are worked around: with espeak, ``runAndWait`` may return long before the file is written; and
-a rate set just before it is sometimes lost, as it cancels whatever espeak is doing.
+Only its ``save_to_file`` is used: its ``say`` cannot be interrupted and does not report a missing
+sound card. Two faults of version 2.99 are worked around: with espeak, ``runAndWait`` may return
+long before the file is written; and a rate set just before it is sometimes lost, as it cancels
+whatever espeak is doing.
 """
 
 import contextlib
@@ -35,9 +37,12 @@ _END_REPORT_S = 0.05
 
 _NO_PACKAGE = f"Speech needs the Python package pyttsx3: {pip_install('pyttsx3')}."
 _NO_ENGINE = {
-    "linux": "There is no speech engine: install espeak-ng (on Debian and Ubuntu: sudo apt install espeak-ng).",
-    "darwin": f"The speech engine of macOS cannot be used: {pip_install('pyobjc')}, or brew install espeak-ng.",
-    "win32": f"The speech engine of Windows cannot be used: {pip_install('comtypes', 'pypiwin32')}.",
+    "linux": "There is no speech engine: install espeak-ng (on Debian and Ubuntu: sudo apt "
+    "install espeak-ng).",
+    "darwin": f"The speech engine of macOS cannot be used: {pip_install('pyobjc')}, or brew "
+    "install espeak-ng.",
+    "win32": "The speech engine of Windows cannot be used: "
+    f"{pip_install('comtypes', 'pypiwin32')}.",
 }
 _MORE_VOICES = {
     "linux": "install espeak-ng, which has it",
@@ -81,7 +86,9 @@ class Engine:
         self._set(voice.id, voicing.rate)
         samples = self._synthesise(text)
         letters = sum(character.isalnum() for character in text)
-        if peak(samples) < _SILENT or seconds(samples) < max(_SHORTEST_S, _SHORTEST_A_LETTER_S * letters):
+        if peak(samples) < _SILENT or seconds(samples) < max(
+            _SHORTEST_S, _SHORTEST_A_LETTER_S * letters
+        ):
             raise Unreadable(_NO_SOUND)
         return at_volume(samples, voicing.volume)
 
@@ -111,11 +118,14 @@ class Engine:
         self._set_to = (voice, rate)
 
     def _synthesise(self, text: str) -> "array[int]":
-        """Return the engine's samples of a text. May hang; the supervisor then kills this process."""
+        """Return the engine's samples of a text. May hang; the supervisor then kills this
+        process.
+        """
         self._finished.clear()
         self._problem = ""
         with _private_file() as path:
-            self._engine.proxy.setBusy(True)  # defers everything to the loop, which then always ends
+            # defers everything to the loop, which then always ends
+            self._engine.proxy.setBusy(True)
             self._engine.save_to_file(text, path)
             self._engine.runAndWait()
             while not is_whole(path):
@@ -140,14 +150,18 @@ class Engine:
             self._default = str(engine.getProperty("voice") or "")
             engine.connect("finished-utterance", lambda **_: self._finished.set())
             engine.connect("error", self._failed)
-        except Exception as error:  # each platform's driver raises its own, and espeak's a RuntimeError
+        except (
+            Exception
+        ) as error:  # each platform's driver raises its own, and espeak's a RuntimeError
             raise SoundError(_NO_ENGINE.get(sys.platform, _NO_ENGINE["linux"])) from error
         return engine
 
 
 @contextlib.contextmanager
 def _private_file() -> Iterator[str]:
-    """Yield a file for the engine to write to, in memory where possible, so that nothing is left behind."""
+    """Yield a file for the engine to write to, in memory where possible, so that nothing is left
+    behind.
+    """
     if sys.platform == "linux":
         handle = os.memfd_create("utterance")
         try:

@@ -12,7 +12,17 @@ from sar_tui.loop.clock import Clock, VirtualClock
 from sar_tui.model.messages import PartState
 from sar_tui.model.theme import Note
 from sar_tui.outputs.output import Report
-from sar_tui.outputs.sound.protocol import Examine, Examined, Reply, Say, Setup, SoundError, Tone, Voicing, Warm
+from sar_tui.outputs.sound.protocol import (
+    Examine,
+    Examined,
+    Reply,
+    Say,
+    Setup,
+    SoundError,
+    Tone,
+    Voicing,
+    Warm,
+)
 from sar_tui.outputs.sound.supervisor import PATIENCE_S, Kind, PartEvent, SoundJob, Supervisor
 from sar_tui.outputs.sound.virtual_playback import VirtualPlayback
 from sar_tui.outputs.sound.voice_process import PROGRAM, VoiceProcess
@@ -24,7 +34,8 @@ _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def check_sound(where: str) -> None:
-    """Check a place for sound: ``sound``, or ``file:FOLDER`` for WAV files in a folder, which need not exist yet.
+    """Check a place for sound: ``sound``, or ``file:FOLDER`` for WAV files in a folder, which need
+    not exist yet.
 
     Raises:
         SoundError: if it cannot be used. Does not check for a sound card.
@@ -36,14 +47,18 @@ def check_sound(where: str) -> None:
         place = next(each for each in (folder, *folder.parents) if each.exists())
         is_folder = place.is_dir()
     except OSError as error:
-        raise SoundError(f"{folder} cannot be a folder for sound files ({error.strerror}): name another.") from error
+        raise SoundError(
+            f"{folder} cannot be a folder for sound files ({error.strerror}): name another."
+        ) from error
     if not is_folder:
         raise SoundError(f"{place} is a file: name a folder for the sound files.")
     if not os.access(place, os.W_OK | os.X_OK):
         raise SoundError(f"{place} is not writable: name another folder for the sound files.")
 
 
-def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), patience_s: float = PATIENCE_S) -> Examined:
+def examine(
+    program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), patience_s: float = PATIENCE_S
+) -> Examined:
     """Find out, in a separate process, what voices and sound system there are.
 
     Raises:
@@ -51,7 +66,9 @@ def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), pati
     """
     replies: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
     try:
-        child = VoiceProcess(Setup(backends=tuple(backends)), lambda _, reply: replies.put(reply), program)
+        child = VoiceProcess(
+            Setup(backends=tuple(backends)), lambda _, reply: replies.put(reply), program
+        )
     except OSError as error:
         raise SoundError(f"The voice cannot be started ({error.strerror or error}).") from error
     try:
@@ -67,16 +84,17 @@ def examine(program: Sequence[str] = PROGRAM, backends: Sequence[str] = (), pati
 
 
 class Sound:
-    """The sound shared by outputs that can be heard, from the first that joins until the last leaves.
+    """The sound shared by outputs that can be heard, from the first that joins until the last
+    leaves.
 
-    On a virtual clock nothing is played: each part is synthesised at once, and takes as long on that clock as it would
-    sound. Otherwise the times are those of the voice process: when the first samples are fed to the sound card, and
-    when the last have left its buffer.
+    On a virtual clock nothing is played: each part is synthesised at once, and takes as long on
+    that clock as it would sound. Otherwise the times are those of the voice process: when the first
+    samples are fed to the sound card, and when the last have left its buffer.
 
     Args:
         where: ``sound``, or ``file:FOLDER``; see `check_sound`.
-        backends: the sound systems to try, by miniaudio's names (``NULL`` plays in real time without sound); all real
-            ones if empty.
+        backends: the sound systems to try, by miniaudio's names (``NULL`` plays in real time
+            without sound); all real ones if empty.
         program: the command line of the voice process.
         patience_s: time for a part to start.
 
@@ -103,19 +121,25 @@ class Sound:
         self._events: queue.SimpleQueue[PartEvent] = queue.SimpleQueue()
 
     def join(self, kind: Kind, clock: Clock, report: Callable[[Report], object]) -> None:
-        """Join with the parts of one kind. ``report`` receives their reports, from any thread, until ``leave``."""
+        """Join with the parts of one kind. ``report`` receives their reports, from any thread,
+        until ``leave``.
+        """
         with self._lock:
             self._reporters[kind] = report
         if self._supervisor is None:
             is_virtual = isinstance(clock, VirtualClock)
             self._clock = clock
-            self._playback = VirtualPlayback(clock, self._report) if isinstance(clock, VirtualClock) else None
+            self._playback = (
+                VirtualPlayback(clock, self._report) if isinstance(clock, VirtualClock) else None
+            )
             setup = Setup(str(self._folder or ""), self._backends, in_real_time=not is_virtual)
             on_event = self._events.put if is_virtual else self._on_event
             self._supervisor = Supervisor(setup, on_event, self._program, self._patience_s)
 
     def leave(self, kind: Kind) -> None:
-        """Stop, and end the reports. After the last has left, the process and the threads end. May be called twice."""
+        """Stop, and end the reports. After the last has left, the process and the threads end. May
+        be called twice.
+        """
         with self._lock:
             self._reporters.pop(kind, None)
         self.stop(kind)
@@ -123,18 +147,30 @@ class Sound:
             self._supervisor.close()
             self._supervisor = self._playback = None
 
-    def get_ready(self, kind: Kind, voicing: Voicing | None = None, tones: Sequence[tuple[Note, ...]] = ()) -> None:
+    def get_ready(
+        self, kind: Kind, voicing: Voicing | None = None, tones: Sequence[tuple[Note, ...]] = ()
+    ) -> None:
         """Prepare for coming parts, so that they start at once."""
         if self._supervisor:
             self._supervisor.warm(kind, Warm(voicing, tuple(tones)))
 
     def say(self, action: str, text: str, voicing: Voicing, problem: str = "") -> None:
-        """Speak after everything requested before. With a ``problem``, fail with it at that time."""
-        self._add(SoundJob("say", action, Say(next(self._jobs), _stem(action, "say"), text, voicing), problem))
+        """Speak after everything requested before. With a ``problem``, fail with it at that
+        time.
+        """
+        self._add(
+            SoundJob(
+                "say", action, Say(next(self._jobs), _stem(action, "say"), text, voicing), problem
+            )
+        )
 
     def tone(self, action: str, notes: tuple[Note, ...], problem: str = "") -> None:
-        """Play a tone after everything requested before. With a ``problem``, fail with it at that time."""
-        self._add(SoundJob("tone", action, Tone(next(self._jobs), _stem(action, "tone"), notes), problem))
+        """Play a tone after everything requested before. With a ``problem``, fail with it at that
+        time.
+        """
+        self._add(
+            SoundJob("tone", action, Tone(next(self._jobs), _stem(action, "tone"), notes), problem)
+        )
 
     def stop(self, kind: Kind, action: str = "") -> None:
         """Stop the parts of a kind: those of one action, or all."""
@@ -151,7 +187,9 @@ class Sound:
             self._play(self._playback)
 
     def _play(self, playback: VirtualPlayback) -> None:
-        """Wait for the result, which takes no time on the virtual clock; then let its duration pass on that clock."""
+        """Wait for the result, which takes no time on the virtual clock; then let its duration pass
+        on that clock.
+        """
         seconds = 0.0
         while (event := self._events.get()).state == "started":
             seconds = event.seconds
@@ -163,10 +201,16 @@ class Sound:
     def _on_event(self, event: PartEvent) -> None:
         self._report(event.job, event.state, event.detail, event.at)
 
-    def _report(self, job: SoundJob, state: PartState, detail: str = "", at: int | None = None) -> None:
+    def _report(
+        self, job: SoundJob, state: PartState, detail: str = "", at: int | None = None
+    ) -> None:
         with self._lock:
             if report := self._reporters.get(job.kind):
-                report(Report(job.action, job.kind, state, self._clock.now() if at is None else at, detail))
+                report(
+                    Report(
+                        job.action, job.kind, state, self._clock.now() if at is None else at, detail
+                    )
+                )
 
 
 def sound_folder(where: str) -> Path | None:
@@ -175,7 +219,9 @@ def sound_folder(where: str) -> Path | None:
         return None
     name = where.removeprefix(_FILE)
     if name == where or not name.strip():
-        raise SoundError(f"Sound cannot go to {where!r}: use {CARD}, or {_FILE}FOLDER for WAV files in a folder.")
+        raise SoundError(
+            f"Sound cannot go to {where!r}: use {CARD}, or {_FILE}FOLDER for WAV files in a folder."
+        )
     try:
         return Path(name).expanduser().resolve()
     except (OSError, RuntimeError, ValueError) as error:

@@ -1,4 +1,6 @@
-"""Destinations of samples: the sound card, files in a folder, or none. Only the voice process uses them."""
+"""Destinations of samples: the sound card, files in a folder, or none. Only the voice process uses
+them.
+"""
 
 import os
 import threading
@@ -24,9 +26,12 @@ _STALLED_S = 2.0
 
 _NO_PACKAGE = f"Sound needs the Python package miniaudio: {pip_install('miniaudio')}."
 _NO_CARD = (
-    "There is no sound card that can be used ({}): connect loudspeakers, and choose them in the system's settings."
+    "There is no sound card that can be used ({}): connect loudspeakers, and choose them "
+    "in the system's settings."
 )
-_STALLED = "The sound card has stopped taking sound: connect the loudspeakers again, or choose others."
+_STALLED = (
+    "The sound card has stopped taking sound: connect the loudspeakers again, or choose others."
+)
 
 Began = Callable[[int, float], object]
 """Called when the first samples are fed, with the time (ns, `host_now`) and the duration (s)."""
@@ -48,7 +53,8 @@ class Destination(Protocol):
     """A destination of samples."""
 
     def play(self, name: str, samples: "array[int]", playback: Playback, began: Began) -> None:
-        """Play samples. Returns when the last has been played, or as soon as the playback is halted.
+        """Play samples. Returns when the last has been played, or as soon as the playback is
+        halted.
 
         Raises:
             SoundError: if they cannot be played.
@@ -57,7 +63,9 @@ class Destination(Protocol):
 
 
 class SoundCard:
-    """The system's default sound card. Opened once, and again after a failure; it runs only while it plays."""
+    """The system's default sound card. Opened once, and again after a failure; it runs only while
+    it plays.
+    """
 
     def __init__(self, backends: tuple[str, ...] = ()) -> None:
         self._backends = backends
@@ -78,7 +86,12 @@ class SoundCard:
             backends = [miniaudio.Backend[each] for each in self._backends] or real
             try:
                 self._device = miniaudio.PlaybackDevice(
-                    miniaudio.SampleFormat.SIGNED16, 1, RATE, _PERIOD_MS, callback_periods=_PERIODS, backends=backends
+                    miniaudio.SampleFormat.SIGNED16,
+                    1,
+                    RATE,
+                    _PERIOD_MS,
+                    callback_periods=_PERIODS,
+                    backends=backends,
                 )
             except miniaudio.MiniaudioError as error:
                 raise SoundError(_NO_CARD.format(error.args[0])) from error
@@ -189,7 +202,8 @@ class Folder:
             self._write(name, samples)
         except OSError as error:
             raise SoundError(
-                f"{self._folder} cannot take sound files ({error.strerror or error}): choose another folder."
+                f"{self._folder} cannot take sound files ({error.strerror or error}): choose "
+                "another folder."
             ) from error
         began(host_now(), seconds(samples))
         if self._in_real_time:

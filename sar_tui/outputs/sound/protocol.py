@@ -20,10 +20,12 @@ class _Line(msgspec.Struct, frozen=True, tag_field="is", tag=str.lower):
 
 
 class Setup(_Line, frozen=True):
-    """The first message. Sounds go to ``folder`` as WAV files, or to the sound card if that is empty.
+    """The first message. Sounds go to ``folder`` as WAV files, or to the sound card if that is
+    empty.
 
-    ``backends``: the sound systems to try, by miniaudio's names; all real ones if empty. If ``in_real_time`` is
-    false, nothing is played and each sound ends when it starts: the program's clock is virtual.
+    ``backends``: the sound systems to try, by miniaudio's names; all real ones if empty. If
+    ``in_real_time`` is false, nothing is played and each sound ends when it starts: the program's
+    clock is virtual.
     """
 
     folder: str = ""
@@ -32,7 +34,9 @@ class Setup(_Line, frozen=True):
 
 
 class Voicing(msgspec.Struct, frozen=True):
-    """Voice settings: a language such as ``en``, a voice's id or part of its name, words per minute, volume 0 to 1."""
+    """Voice settings: a language such as ``en``, a voice's id or part of its name, words per
+    minute, volume 0 to 1.
+    """
 
     language: str
     name: str = ""
@@ -65,7 +69,9 @@ class Tone(_Line, frozen=True):
 
 
 class Cue(_Line, frozen=True):
-    """Play a tone of a prompt ``at`` a time (ns, `host_now`) or as soon as possible after it, and after each offset."""
+    """Play a tone of a prompt ``at`` a time (ns, `host_now`) or as soon as possible after it, and
+    after each offset.
+    """
 
     job: int
     hz: float
@@ -97,7 +103,8 @@ class Examine(_Line, frozen=True):
 
 
 class Started(_Line, frozen=True):
-    """The first samples were fed to the sound card at ``at`` (ns, `host_now`); they last ``seconds``.
+    """The first samples were fed to the sound card at ``at`` (ns, `host_now`); they last
+    ``seconds``.
 
     ``by``: ``device`` if ``at`` is when they are heard, by the clock of the card.
     """
@@ -109,7 +116,9 @@ class Started(_Line, frozen=True):
 
 
 class Ended(_Line, frozen=True):
-    """A job ended at ``at``. ``detail``: why it failed; ``at_fault``: false if only its text was the reason."""
+    """A job ended at ``at``. ``detail``: why it failed; ``at_fault``: false if only its text was
+    the reason.
+    """
 
     job: int
     state: Literal["done", "aborted", "failed"]
@@ -131,7 +140,9 @@ class FoundVoice(msgspec.Struct, frozen=True):
 
 
 class Examined(_Line, frozen=True):
-    """The voices and the sound system, or why there are none; the time that a sample waits in the card's buffer."""
+    """The voices and the sound system, or why there are none; the time that a sample waits in the
+    card's buffer.
+    """
 
     voices: tuple[FoundVoice, ...] = ()
     no_voices: str = ""

@@ -1,4 +1,6 @@
-"""Sound as samples: makes tones, reads sound files, sets volume. Always 16 bit, one channel, one sample rate."""
+"""Sound as samples: makes tones, reads sound files, sets volume. Always 16 bit, one channel, one
+sample rate.
+"""
 
 import math
 import struct
@@ -66,7 +68,9 @@ class _Raw(NamedTuple):
 
 
 def is_whole(path: str) -> bool:
-    """Return True if a sound file has the length in its header: it is shorter while it is being written."""
+    """Return True if a sound file has the length in its header: it is shorter while it is being
+    written.
+    """
     try:
         with open(path, "rb") as file:
             kind, size = file.read(4), file.read(4)
@@ -104,7 +108,9 @@ def _read_wav(path: str) -> _Raw:
 
 
 def _read_aiff(path: str) -> _Raw:
-    """Read an AIFF or AIFF-C file of plain 16 bit samples (Apple's Audio Interchange File Format, 1.3 and C draft)."""
+    """Read an AIFF or AIFF-C file of plain 16 bit samples (Apple's Audio Interchange File Format,
+    1.3 and C draft).
+    """
     with open(path, "rb") as file:
         data = file.read()
     chunks: dict[bytes, bytes] = {}
@@ -145,9 +151,17 @@ def _converted(raw: _Raw) -> "array[int]":
         3: miniaudio.SampleFormat.SIGNED24,
         4: miniaudio.SampleFormat.SIGNED32,
     }
-    if raw.width not in kinds or not 1 <= raw.channels <= _MOST_CHANNELS or not 1 <= raw.rate <= _FASTEST:
-        raise SoundError(_UNKNOWN.format(f"{8 * raw.width} bit, {raw.channels} channels, {raw.rate} Hz"))
+    if (
+        raw.width not in kinds
+        or not 1 <= raw.channels <= _MOST_CHANNELS
+        or not 1 <= raw.rate <= _FASTEST
+    ):
+        raise SoundError(
+            _UNKNOWN.format(f"{8 * raw.width} bit, {raw.channels} channels, {raw.rate} Hz")
+        )
     whole = len(raw.frames) - len(raw.frames) % (raw.width * raw.channels)
     ours = miniaudio.SampleFormat.SIGNED16
-    frames = miniaudio.convert_frames(kinds[raw.width], raw.channels, raw.rate, raw.frames[:whole], ours, 1, RATE)
+    frames = miniaudio.convert_frames(
+        kinds[raw.width], raw.channels, raw.rate, raw.frames[:whole], ours, 1, RATE
+    )
     return array("h", bytes(frames))

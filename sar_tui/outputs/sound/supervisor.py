@@ -1,4 +1,6 @@
-"""Runs the voice process: one part at a time. Every part ends, even if the process hangs or dies."""
+"""Runs the voice process: one part at a time. Every part ends, even if the process hangs or
+dies.
+"""
 
 import queue
 import threading
@@ -32,7 +34,8 @@ _LOST = "The voice stopped working in the middle of it."
 _LOST_BEFORE = "The voice stopped working before it began."
 _GIVEN_UP = {
     "say": "Speech is off for the rest of this session because it failed three times in a row: {}",
-    "tone": "Tones are off for the rest of this session because they failed three times in a row: {}",
+    "tone": "Tones are off for the rest of this session because they failed three times in a row: "
+    "{}",
 }
 
 
@@ -46,7 +49,9 @@ class SoundJob(NamedTuple):
 
 
 class PartEvent(NamedTuple):
-    """A state of a part since ``at`` (ns, `host_now`); on ``started``, with its duration in ``seconds``."""
+    """A state of a part since ``at`` (ns, `host_now`); on ``started``, with its duration in
+    ``seconds``.
+    """
 
     job: SoundJob
     state: PartState
@@ -56,7 +61,8 @@ class PartEvent(NamedTuple):
 
 
 class Supervisor:
-    """Performs requests in order. All its state belongs to one thread, which also calls ``on_event``.
+    """Performs requests in order. All its state belongs to one thread, which also calls
+    ``on_event``.
 
     The process is started at once, and again for the next part after it died, hung or did not stop.
 
@@ -102,11 +108,14 @@ class Supervisor:
         self._inbox.put(lambda: self._get_ready(kind, request))
 
     def close(self) -> None:
-        """Stop, and end the process and the thread. Parts under way are not reported. May be called twice."""
+        """Stop, and end the process and the thread. Parts under way are not reported. May be called
+        twice.
+        """
         self._inbox.put(self._close)
         self._thread.join(_CLOSED_S)
 
-    # --- on the supervisor's thread --------------------------------------------------------------------------
+    # --- on the supervisor's thread
+    # --------------------------------------------------------------------------
 
     def _run(self) -> None:
         while not self._is_closed:
@@ -137,7 +146,9 @@ class Supervisor:
                 child.send(job.request)
 
     def _ready_child(self) -> VoiceProcess | None:
-        """Return the process, started if necessary. None if it cannot start; the part has then failed."""
+        """Return the process, started if necessary. None if it cannot start; the part has then
+        failed.
+        """
         if self._child and self._child.has_ended:
             self._end_child()
         if self._child is None:
@@ -206,7 +217,9 @@ class Supervisor:
         else:
             self._over("failed", _STUCK if self._has_started else _SILENT.format(self._patience_s))
 
-    def _over(self, state: PartState, detail: str = "", at: int | None = None, at_fault: bool = True) -> None:
+    def _over(
+        self, state: PartState, detail: str = "", at: int | None = None, at_fault: bool = True
+    ) -> None:
         """End the part under way, if any."""
         job, self._current, self._due = self._current, None, None
         if job is None:
@@ -219,8 +232,12 @@ class Supervisor:
                 self._given_up[job.kind] = _GIVEN_UP[job.kind].format(detail)
         self._report(job, state, host_now() if at is None else at, detail)
 
-    def _report(self, job: SoundJob, state: PartState, at: int, detail: str = "", seconds: float = 0.0) -> None:
-        """Report a state. Times never decrease, even if a reply was under way while another state was reported."""
+    def _report(
+        self, job: SoundJob, state: PartState, at: int, detail: str = "", seconds: float = 0.0
+    ) -> None:
+        """Report a state. Times never decrease, even if a reply was under way while another state
+        was reported.
+        """
         self._latest = max(self._latest, at)
         with suppress(Exception):  # later parts need this thread, whatever the callback does
             self._on_event(PartEvent(job, state, self._latest, detail, seconds))

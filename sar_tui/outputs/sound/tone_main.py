@@ -1,7 +1,8 @@
-"""The process that plays the tones of prompts: its sound card never stops, so that they begin when they are due.
+"""The process that plays the tones of prompts: its sound card never stops, so that they begin when
+they are due.
 
-It reads requests from its standard input and writes replies to its original standard output (see `protocol`), as the
-voice process does; it is another one, so that speech cannot delay a tone.
+It reads requests from its standard input and writes replies to its original standard output (see
+`protocol`), as the voice process does; it is another one, so that speech cannot delay a tone.
 """
 
 import os
@@ -29,11 +30,15 @@ from sar_tui.outputs.sound.samples import seconds, tone
 from sar_tui.outputs.sound.tone_stream import ToneStream
 from sar_tui.outputs.sound.voice_main import end_with_parent, own_channels
 
-_SILENT = "The sound card does not play: connect loudspeakers, and choose them in the system's settings."
+_SILENT = (
+    "The sound card does not play: connect loudspeakers, and choose them in the system's settings."
+)
 
 
 class Tones:
-    """Plays tones on a sound card that is opened with the first request; into files, if a folder was named."""
+    """Plays tones on a sound card that is opened with the first request; into files, if a folder
+    was named.
+    """
 
     def __init__(self, setup: Setup, replies: BinaryIO) -> None:
         self._setup = setup

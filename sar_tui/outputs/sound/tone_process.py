@@ -8,7 +8,18 @@ from sar_tui.loop.clock import host_now
 from sar_tui.model.theme import Note
 from sar_tui.model.tone import Tone
 from sar_tui.outputs.sound.mixer import CARD, sound_folder
-from sar_tui.outputs.sound.protocol import Cue, Drop, Ended, Examine, Examined, Reckon, Reply, Setup, Started, Warm
+from sar_tui.outputs.sound.protocol import (
+    Cue,
+    Drop,
+    Ended,
+    Examine,
+    Examined,
+    Reckon,
+    Reply,
+    Setup,
+    Started,
+    Warm,
+)
 from sar_tui.outputs.sound.voice_process import VoiceProcess
 
 PROGRAM = child_process.python("sar_tui.outputs.sound.tone_main")
@@ -18,7 +29,8 @@ _LOST = "The program that plays the tones of prompts has ended."
 class Onset(NamedTuple):
     """The time ``at`` which a tone begins to sound (ns, `host_now`), or why it is not heard.
 
-    ``source``: as in `messages.ToneBegan`. ``job``: of the tone; 0 for all, if the process has ended.
+    ``source``: as in `messages.ToneBegan`. ``job``: of the tone; 0 for all, if the process has
+    ended.
     """
 
     job: int
@@ -31,7 +43,8 @@ class ToneProcess:
     """Plays tones at given times, on the sound card or into files.
 
     Args:
-        on_onset: called from a thread of its own when the onset of a tone is known, or that it is not heard.
+        on_onset: called from a thread of its own when the onset of a tone is known, or that it is
+            not heard.
         where: ``sound``, or ``file:FOLDER`` (see `mixer.check_sound`).
         backends: the sound systems to try, by miniaudio's names; all real ones if empty.
         on_examined: called from that thread with what `examine` found.
@@ -49,7 +62,9 @@ class ToneProcess:
     ) -> None:
         self._on_onset = on_onset
         self._on_examined = on_examined
-        self._child = VoiceProcess(Setup(str(sound_folder(where) or ""), tuple(backends)), self._receive, PROGRAM)
+        self._child = VoiceProcess(
+            Setup(str(sound_folder(where) or ""), tuple(backends)), self._receive, PROGRAM
+        )
 
     @property
     def has_ended(self) -> bool:

@@ -1,4 +1,6 @@
-"""The sound card as a stream that does not stop, so that tones begin at times of the card's own clock."""
+"""The sound card as a stream that does not stop, so that tones begin at times of the card's own
+clock.
+"""
 
 import threading
 from array import array
@@ -18,10 +20,10 @@ _REMEMBERED = 20
 class DeviceClock:
     """The clock of a sound card: when each sample is heard, in ns of the host's clock.
 
-    A card that plays asks for samples whenever a part of its buffer is free. A request may be late, never early, so the
-    earliest of the last ones tells the time (a lower envelope). At its start the card asks until its buffer is full,
-    which tells how long a sample waits in it. Delays beyond that buffer (a mixing server, the card, a wireless
-    loudspeaker) are not known to the program.
+    A card that plays asks for samples whenever a part of its buffer is free. A request may be late,
+    never early, so the earliest of the last ones tells the time (a lower envelope). At its start
+    the card asks until its buffer is full, which tells how long a sample waits in it. Delays beyond
+    that buffer (a mixing server, the card, a wireless loudspeaker) are not known to the program.
     """
 
     def __init__(self, rate: int = RATE) -> None:
@@ -33,7 +35,11 @@ class DeviceClock:
 
     def asked(self, at: int, count: int) -> None:
         """Note that the card asked ``at`` (ns) for the next ``count`` samples."""
-        if self._waits is None and self._last is not None and at - self._last > self._ns(count) // 2:
+        if (
+            self._waits is None
+            and self._last is not None
+            and at - self._last > self._ns(count) // 2
+        ):
             self._waits = max(0, self.asked_for - count)
         self._last = at
         self._requests.append(at - self._ns(self.asked_for))
@@ -81,7 +87,8 @@ class ToneStream:
         self.clock = DeviceClock()
 
     def start(self, patience_s: float = 2.0) -> bool:
-        """Start the card, and wait until its clock is known; False if it has not begun to play by then.
+        """Start the card, and wait until its clock is known; False if it has not begun to play by
+        then.
 
         Raises:
             SoundError: there is no sound card; it says what to do.
@@ -91,8 +98,11 @@ class ToneStream:
         self._card.start(stream)
         return self._began.wait(patience_s)
 
-    def play(self, job: int, samples: "array[int]", at: int, offsets_ms: Sequence[float] = (0.0,)) -> int:
-        """Play samples ``at`` a time (ns) or as soon as possible after it, and again after each offset.
+    def play(
+        self, job: int, samples: "array[int]", at: int, offsets_ms: Sequence[float] = (0.0,)
+    ) -> int:
+        """Play samples ``at`` a time (ns) or as soon as possible after it, and again after each
+        offset.
 
         Returns:
             When the first of them is heard, in ns.
@@ -112,7 +122,9 @@ class ToneStream:
     def drop(self, job: int) -> None:
         """Leave out what a job has not begun to play."""
         with self._lock:
-            self._parts = [part for part in self._parts if part.job != job or part.first < self.clock.asked_for]
+            self._parts = [
+                part for part in self._parts if part.job != job or part.first < self.clock.asked_for
+            ]
 
     def _stream(self) -> Generator["array[int]", int, None]:
         count = yield array("h")

@@ -1,4 +1,6 @@
-"""Parts in sequence on a virtual clock: nothing is played, but each takes as long as it would sound."""
+"""Parts in sequence on a virtual clock: nothing is played, but each takes as long as it would
+sound.
+"""
 
 from collections import deque
 from collections.abc import Callable
@@ -16,9 +18,13 @@ class _TimedJob(NamedTuple):
 
 
 class VirtualPlayback:
-    """A queue of parts with known durations. ``on_state`` is called when each starts and when it is over."""
+    """A queue of parts with known durations. ``on_state`` is called when each starts and when it is
+    over.
+    """
 
-    def __init__(self, clock: VirtualClock, on_state: Callable[[SoundJob, PartState], object]) -> None:
+    def __init__(
+        self, clock: VirtualClock, on_state: Callable[[SoundJob, PartState], object]
+    ) -> None:
         self._clock, self._on_state = clock, on_state
         self._queue: deque[_TimedJob] = deque()
         self._end: Handle | None = None
@@ -30,7 +36,11 @@ class VirtualPlayback:
 
     def stop(self, kind: Kind, action: str = "") -> None:
         """Abort the parts of a kind, of one action or of all."""
-        meant = [entry for entry in self._queue if entry.job.kind == kind and action in ("", entry.job.action)]
+        meant = [
+            entry
+            for entry in self._queue
+            if entry.job.kind == kind and action in ("", entry.job.action)
+        ]
         if meant and self._end and meant[0] is self._queue[0]:
             self._end.cancel()
             self._end = None

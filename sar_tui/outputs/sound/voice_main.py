@@ -1,7 +1,8 @@
 """The voice process, which speaks and plays. It may hang or be killed at any time.
 
-It reads requests from its standard input and writes replies to its original standard output (see `protocol`). It ends
-when its input ends; on Linux the kernel also kills it with the program that started it, even if it hangs.
+It reads requests from its standard input and writes replies to its original standard output (see
+`protocol`). It ends when its input ends; on Linux the kernel also kills it with the program that
+started it, even if it hangs.
 """
 
 import contextlib
@@ -68,12 +69,17 @@ class Voice:
             case _:
                 pass
 
-    def _sound(self, job: int, name: str, make: Callable[[], "array[int]"], playback: Playback) -> None:
+    def _sound(
+        self, job: int, name: str, make: Callable[[], "array[int]"], playback: Playback
+    ) -> None:
         try:
             samples = make()
             if not playback.is_halted:
                 self._destination.play(
-                    name, samples, playback, lambda at, seconds: self._send(Started(job, at, seconds))
+                    name,
+                    samples,
+                    playback,
+                    lambda at, seconds: self._send(Started(job, at, seconds)),
                 )
         except SoundError as error:
             at_fault = not isinstance(error, Unreadable)
@@ -121,7 +127,9 @@ def main() -> NoReturn:
 
 
 def _listen(requests: BinaryIO, jobs: "queue.SimpleQueue[tuple[Request, Playback]]") -> None:
-    """Queue requests, except stops, which take effect at once. Ends the process after the last request."""
+    """Queue requests, except stops, which take effect at once. Ends the process after the last
+    request.
+    """
     latest, playback = 0, Playback()
     try:
         for each in requests:
@@ -150,7 +158,9 @@ def own_channels() -> tuple[BinaryIO, BinaryIO]:
 
 
 def end_with_parent() -> None:
-    """Have the kernel kill this process when its parent ends, as our own thread may not get to run (Linux only)."""
+    """Have the kernel kill this process when its parent ends, as our own thread may not get to run
+    (Linux only).
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 

@@ -1,4 +1,6 @@
-"""The program's side of the voice process: starts it, sends requests, receives replies, kills it."""
+"""The program's side of the voice process: starts it, sends requests, receives replies, kills
+it.
+"""
 
 import contextlib
 import threading
@@ -14,14 +16,18 @@ PROGRAM = child_process.python("sar_tui.outputs.sound.voice_main")
 
 
 class VoiceProcess:
-    """A voice process. ``on_reply`` gets each reply on a thread of its own, and None after the last.
+    """A voice process. ``on_reply`` gets each reply on a thread of its own, and None after the
+    last.
 
     Raises:
         OSError: if the process cannot be started.
     """
 
     def __init__(
-        self, setup: Setup, on_reply: "Callable[[VoiceProcess, Reply | None], object]", program: Sequence[str] = PROGRAM
+        self,
+        setup: Setup,
+        on_reply: "Callable[[VoiceProcess, Reply | None], object]",
+        program: Sequence[str] = PROGRAM,
     ) -> None:
         self._process = child_process.start(program)
         assert self._process.stdin
@@ -39,7 +45,9 @@ class VoiceProcess:
         return self._process.poll() is not None
 
     def send(self, request: Request) -> None:
-        """Send a request; it is dropped if the process has ended, which ``on_reply`` reports with None."""
+        """Send a request; it is dropped if the process has ended, which ``on_reply`` reports with
+        None.
+        """
         with contextlib.suppress(OSError):
             self._requests.write(encode(request))
 

@@ -11,7 +11,9 @@ _REGIONS = {"en": ("us", "gb")}
 
 
 def found_voice(identifier: object, name: object, languages: object) -> FoundVoice:
-    """Clean up pyttsx3's description: languages may be missing, None, bytes with a leading count, or ``en_US``."""
+    """Clean up pyttsx3's description: languages may be missing, None, bytes with a leading count,
+    or ``en_US``.
+    """
     given = languages if isinstance(languages, list | tuple) else (languages,)
     tags = [tag for each in given if (tag := _tag(each))]
     if not tags and (tag := _tag(_text(identifier).rpartition("/")[2])):
@@ -19,11 +21,14 @@ def found_voice(identifier: object, name: object, languages: object) -> FoundVoi
     return FoundVoice(_text(identifier), _text(name).strip(), tuple(tags))
 
 
-def choose(voices: Sequence[FoundVoice], language: str, name: str, default: str) -> FoundVoice | None:
+def choose(
+    voices: Sequence[FoundVoice], language: str, name: str, default: str
+) -> FoundVoice | None:
     """Choose a voice; None if no voice speaks the language.
 
-    A voice named by its id or a part of its name comes first. Otherwise, of those that speak the language: the
-    engine's ``default``, by id; then one without a region; then one of the most expected region.
+    A voice named by its id or a part of its name comes first. Otherwise, of those that speak the
+    language: the engine's ``default``, by id; then one without a region; then one of the most
+    expected region.
     """
     if name:
         wanted = name.casefold()
@@ -34,7 +39,9 @@ def choose(voices: Sequence[FoundVoice], language: str, name: str, default: str)
     fit = [voice for voice in voices if voice.speaks(language)]
     if not fit and "-" in language:
         return choose(voices, language.rpartition("-")[0], "", default)
-    return min(fit, key=lambda voice: (voice.id != default, _rank(voice.languages, language)), default=None)
+    return min(
+        fit, key=lambda voice: (voice.id != default, _rank(voice.languages, language)), default=None
+    )
 
 
 def _rank(languages: Iterable[str], language: str) -> int:
@@ -44,10 +51,21 @@ def _rank(languages: Iterable[str], language: str) -> int:
 
 
 def _text(value: object) -> str:
-    return value.decode(errors="ignore") if isinstance(value, bytes) else "" if value is None else str(value)
+    return (
+        value.decode(errors="ignore")
+        if isinstance(value, bytes)
+        else ""
+        if value is None
+        else str(value)
+    )
 
 
 def _tag(value: object) -> str:
     """Return a language in lower case with hyphens; empty if it is none."""
-    tag = "".join(each for each in _text(value) if each.isprintable()).strip().lower().replace("_", "-")
+    tag = (
+        "".join(each for each in _text(value) if each.isprintable())
+        .strip()
+        .lower()
+        .replace("_", "-")
+    )
     return tag if _TAG.fullmatch(tag) else ""

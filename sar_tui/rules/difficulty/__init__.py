@@ -1,7 +1,7 @@
 """Policies of difficulty: the level of the next attempt, or its goal.
 
-Each module of this package with a ``POLICY`` is a policy. Its file name, with hyphens, is the value of
-``difficulty_policy``; its parameters appear on the settings form of every task.
+Each module of this package with a ``POLICY`` is a policy. Its file name, with hyphens, is the value
+of ``difficulty_policy``; its parameters appear on the settings form of every task.
 """
 
 from sar_tui.rules import registry

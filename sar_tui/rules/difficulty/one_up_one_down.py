@@ -1,7 +1,7 @@
 """One level up after N successes in a row, one down after M failures in a row (thesis 4.2.1).
 
-With one of each, the level settles where half of the attempts succeed (Levitt 1971). If neighbouring levels are far
-apart, that half is one of sure successes and sure failures in turn.
+With one of each, the level settles where half of the attempts succeed (Levitt 1971). If
+neighbouring levels are far apart, that half is one of sure successes and sure failures in turn.
 """
 
 from typing import Annotated, NamedTuple
@@ -43,17 +43,29 @@ class Streak(NamedTuple):
     length: int
 
 
-def step(state: Difficulty, attempt: ScoredAttempt, settings: OneUpOneDownSettings, bounds: Bounds) -> Difficulty:
+def step(
+    state: Difficulty, attempt: ScoredAttempt, settings: OneUpOneDownSettings, bounds: Bounds
+) -> Difficulty:
     """Return the difficulty after one more attempt.
 
     A full streak moves the level, within its bounds, and the count starts again.
     """
     before = state.memory
-    streak = Streak(attempt.outcome, before.length + 1 if before and before.outcome == attempt.outcome else 1)
+    streak = Streak(
+        attempt.outcome, before.length + 1 if before and before.outcome == attempt.outcome else 1
+    )
     if attempt.outcome == "success":
-        needed, level, done = settings.consecutive_successes, min(state.level + 1, bounds.highest), "reached"
+        needed, level, done = (
+            settings.consecutive_successes,
+            min(state.level + 1, bounds.highest),
+            "reached",
+        )
     else:
-        needed, level, done = settings.consecutive_failures, max(state.level - 1, bounds.lowest), "missed"
+        needed, level, done = (
+            settings.consecutive_failures,
+            max(state.level - 1, bounds.lowest),
+            "missed",
+        )
     if streak.length < needed:
         return Difficulty(state.level, streak)
     times = f" {needed} times in a row" if needed > 1 else ""
@@ -61,5 +73,7 @@ def step(state: Difficulty, attempt: ScoredAttempt, settings: OneUpOneDownSettin
 
 
 POLICY = DifficultyPolicy(
-    "One level up after a success, one down after a failure, or after several in a row.", OneUpOneDownSettings, step
+    "One level up after a success, one down after a failure, or after several in a row.",
+    OneUpOneDownSettings,
+    step,
 )

@@ -15,8 +15,9 @@ MOST_RESULTS = 99
 class Difficulty(msgspec.Struct, frozen=True):
     """The level of the next attempt.
 
-    ``memory`` is the policy's own state. It is None at the start of a session and after an operator sets the level.
-    ``why``: one plain sentence if the policy has just changed the level, else empty.
+    ``memory`` is the policy's own state. It is None at the start of a session and after an operator
+    sets the level. ``why``: one plain sentence if the policy has just changed the level, else
+    empty.
     """
 
     level: int
@@ -75,22 +76,25 @@ def stay(state: Difficulty, attempt: ScoredAttempt, settings: Any, bounds: Bound
 class DifficultyPolicy(NamedTuple):
     """A rule for the level of the next attempt, or for its goal.
 
-    All functions must be pure: a resumed session computes them again. ``settings`` are the policy's own.
+    All functions must be pure: a resumed session computes them again. ``settings`` are the policy's
+    own.
 
     Attributes:
         summary: one or two sentences for the therapist who chooses among the policies.
         settings: type of its settings.
         step: returns the difficulty after one more attempt, from the one before, within the bounds.
-        goal: returns the goal of the next attempt, from the results so far at its level, oldest first (None for an
-            attempt without one), and whether a lower or a higher one is better; None: the task's own. Without this
-            function the goal is always the task's own.
+        goal: returns the goal of the next attempt, from the results so far at its level, oldest
+            first (None for an attempt without one), and whether a lower or a higher one is better;
+            None: the task's own. Without this function the goal is always the task's own.
         start: returns the level of the first attempt, from the start level, within the bounds.
     """
 
     summary: str
     settings: type[Settings] = Settings
     step: Callable[[Difficulty, ScoredAttempt, Any, Bounds], Difficulty] = stay
-    goal: Callable[[Sequence[float | None], Literal["lower", "higher"], Any], Goal | None] | None = None
+    goal: (
+        Callable[[Sequence[float | None], Literal["lower", "higher"], Any], Goal | None] | None
+    ) = None
     start: Callable[[int, Any, Bounds], int] = start_at
 
     @property

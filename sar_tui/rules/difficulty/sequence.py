@@ -32,12 +32,19 @@ def start(level: int, settings: SequenceSettings, bounds: Bounds) -> int:
     return bounds.nearest(settings.level_sequence[0])
 
 
-def step(state: Difficulty, attempt: ScoredAttempt, settings: SequenceSettings, bounds: Bounds) -> Difficulty:
+def step(
+    state: Difficulty, attempt: ScoredAttempt, settings: SequenceSettings, bounds: Bounds
+) -> Difficulty:
     """Return the difficulty of the next place in the list; after its end, of the last."""
     levels = settings.level_sequence
     place = min(attempt.number, len(levels) - 1)
     level = bounds.nearest(levels[place])
-    return Difficulty(level, why=f"Number {place + 1} of {len(levels)} in the list." if level != state.level else "")
+    return Difficulty(
+        level,
+        why=f"Number {place + 1} of {len(levels)} in the list." if level != state.level else "",
+    )
 
 
-POLICY = DifficultyPolicy("The levels of your own list, one for each attempt.", SequenceSettings, step, start=start)
+POLICY = DifficultyPolicy(
+    "The levels of your own list, one for each attempt.", SequenceSettings, step, start=start
+)

@@ -24,14 +24,21 @@ class BandwidthSettings(Settings, frozen=True, kw_only=True):
 
 
 def decide(history: History, attempt: JudgedAttempt, settings: BandwidthSettings) -> Decision:
-    """Return the decision: due if the result is farther from the goal than the tolerance, or if there is none."""
+    """Return the decision: due if the result is farther from the goal than the tolerance, or if
+    there is none.
+    """
     goal, metric = attempt.target.threshold, attempt.score.metric
     tolerance = abs(goal) * settings.feedback_tolerance / 100
     if attempt.has_no_result or metric is None:
-        return Decision(True, "Too few responses were right, or none could be timed.", tolerance=tolerance)
+        return Decision(
+            True, "Too few responses were right, or none could be timed.", tolerance=tolerance
+        )
     off = abs(metric - goal)
     due = off > tolerance + ROUNDING * abs(goal)
-    why = f"{off:.4g} off the goal, {'more than' if due else 'within'} the tolerance of {tolerance:.4g}."
+    why = (
+        f"{off:.4g} off the goal, {'more than' if due else 'within'} the tolerance of "
+        f"{tolerance:.4g}."
+    )
     return Decision(due, why, tolerance=tolerance)
 
 

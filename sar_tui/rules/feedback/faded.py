@@ -18,7 +18,8 @@ class FadedSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Fading",
             "successes",
-            "For faded: each time successes outnumber failures by this many more, feedback is rarer by one attempt.",
+            "For faded: each time successes outnumber failures by this many more, feedback is "
+            "rarer by one attempt.",
             ge=1,
             le=50,
             group="Feedback",
@@ -32,7 +33,10 @@ def decide(history: History, attempt: JudgedAttempt, settings: FadedSettings) ->
     A success lengthens the interval only after the next feedback; a failure shortens it at once.
     """
     ahead = min(history.paced_by, history.skill)
-    note = f"Successes outnumber failures by {history.skill}, at the last feedback by {history.paced_by}."
+    note = (
+        f"Successes outnumber failures by {history.skill}, at the last feedback by "
+        f"{history.paced_by}."
+    )
     return decide_every(history.since, min(RAREST, 1 + ahead // settings.feedback_fade), note)
 
 

@@ -11,7 +11,9 @@ class AgentSettings(Settings, frozen=True, kw_only=True):
     encouragement: Annotated[
         bool,
         meta(
-            "Encouragement", help="A kind word before an attempt that is harder than the earlier ones.", group="Agent"
+            "Encouragement",
+            help="A kind word before an attempt that is harder than the earlier ones.",
+            group="Agent",
         ),
     ] = True
     outputs: Annotated[

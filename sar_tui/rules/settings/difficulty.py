@@ -18,7 +18,8 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
         int,
         meta(
             "Start level",
-            help="The level of the first attempt; of the first session only, unless it starts from fixed.",
+            help="The level of the first attempt; of the first session only, unless it starts "
+            "from fixed.",
             ge=1,
             le=100,
             group="Difficulty",
@@ -28,13 +29,21 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
         Literal["estimate", "last level", "fixed"],
         meta(
             "Start from",
-            help="estimate: the level at which the last session's times just reached the goal. last level: the one it "
+            help="estimate: the level at which the last session's times just reached the goal. "
+            "last level: the one it "
             "ended at. fixed: the start level, as it is.",
             group="Difficulty",
         ),
     ] = "estimate"
     min_level: Annotated[
-        int, meta("Lowest level", help="The level never falls below this.", ge=1, le=100, group="Difficulty")
+        int,
+        meta(
+            "Lowest level",
+            help="The level never falls below this.",
+            ge=1,
+            le=100,
+            group="Difficulty",
+        ),
     ] = 1
     max_level: Annotated[
         int,
@@ -59,8 +68,14 @@ class DifficultySettings(Settings, frozen=True, kw_only=True):
     def problems(self) -> dict[str, str]:
         """Return why the levels do not fit together, by parameter."""
         if self.min_level > self.max_level:
-            return {"min_level": f"Lowest level ({self.min_level}) is above the highest ({self.max_level})."}
+            return {
+                "min_level": f"Lowest level ({self.min_level}) is above the highest "
+                f"({self.max_level})."
+            }
         if not self.min_level <= self.start_level <= self.max_level:
-            problem = f"Start level ({self.start_level}) must be between {self.min_level} and {self.max_level}."
+            problem = (
+                f"Start level ({self.start_level}) must be between {self.min_level} and "
+                f"{self.max_level}."
+            )
             return {"start_level": problem}
         return {}

@@ -19,8 +19,10 @@ class ScheduleSettings(Settings, frozen=True, kw_only=True):
         ScheduleName,
         meta(
             "Feedback",
-            help="every: after every n attempts. faded: less often with success. bandwidth: only away from "
-            "the goal. summary: on the last n attempts. request: when the participant asks (Tab). none: never.",
+            help="every: after every n attempts. faded: less often with success. bandwidth: only "
+            "away from "
+            "the goal. summary: on the last n attempts. request: when the participant asks (Tab). "
+            "none: never.",
             group="Feedback",
         ),
     ] = "every"
@@ -57,7 +59,8 @@ class FeedbackSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Sign after each prompt",
             "ms",
-            "A tick or a cross is shown this long after each prompt, unless the task shows something else; 0: never.",
+            "A tick or a cross is shown this long after each prompt, unless the task shows "
+            "something else; 0: never.",
             ge=0,
             le=LONGEST_SHOW_MS,
             group="Feedback",

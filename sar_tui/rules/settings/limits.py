@@ -6,14 +6,17 @@ from sar_tui.rules.declaration import Settings, meta
 
 
 class LimitSettings(Settings, frozen=True, kw_only=True):
-    """Plan of a day, limits of a session and of a day, and forced rests. An attempt begun is always finished."""
+    """Plan of a day, limits of a session and of a day, and forced rests. An attempt begun is always
+    finished.
+    """
 
     session_minutes: Annotated[
         int,
         meta(
             "Session length",
             "min",
-            "After this time, rests and pauses included, the session ends with the attempt. 0: no limit.",
+            "After this time, rests and pauses included, the session ends with the attempt. 0: no "
+            "limit.",
             ge=0,
             le=480,
             group="Limits",
@@ -58,7 +61,8 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
         int,
         meta(
             "Planned a day",
-            help="Attempts of this task planned for a day, in one session or several: progress compares what was done "
+            help="Attempts of this task planned for a day, in one session or several: progress "
+            "compares what was done "
             "with it. 0: the attempts of the sessions begun.",
             ge=0,
             le=1000,
@@ -70,7 +74,8 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
         int,
         meta(
             "Days between visits",
-            help="So many days after the last session of this task the participant is marked on the first screen: a "
+            help="So many days after the last session of this task the participant is marked on "
+            "the first screen: a "
             "visit is due. 0: never.",
             ge=0,
             le=365,
@@ -83,7 +88,8 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Must rest (attempts)",
             "attempts",
-            "A rest that Enter cannot skip follows after so many attempts, practice included. 0: none.",
+            "A rest that Enter cannot skip follows after so many attempts, practice included. 0: "
+            "none.",
             ge=0,
             le=200,
             group="Limits",
@@ -95,7 +101,8 @@ class LimitSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Must rest (minutes)",
             "min",
-            "The same rest follows the attempt in which so much time has passed since the last one. 0: none.",
+            "The same rest follows the attempt in which so much time has passed since the last "
+            "one. 0: none.",
             ge=0,
             le=480,
             group="Limits",

@@ -20,7 +20,8 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         bool,
         meta(
             "Operators can join",
-            help="On this computer, with `sar-tui wizard`, from the beginning of a session to its end.",
+            help="On this computer, with `sar-tui wizard`, from the beginning of a session to its "
+            "end.",
             group="Operator",
             personal=True,
         ),
@@ -48,7 +49,8 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Time to decide",
             "ms",
-            "Shortest waiting time of veto and approve; more if there is more to read. For feedback with a delay, that "
+            "Shortest waiting time of veto and approve; more if there is more to read. For "
+            "feedback with a delay, that "
             "delay.",
             group="Operator",
             ge=200,
@@ -60,7 +62,8 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Reading time per word",
             "ms",
-            "The operator has this time for each word, and 2 s to choose. 0: always the time above.",
+            "The operator has this time for each word, and 2 s to choose. 0: always the time "
+            "above.",
             group="Operator",
             ge=0,
             le=2000,
@@ -70,7 +73,8 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         Literal["act", "drop"],
         meta(
             "Timeout of approve",
-            help="If nobody decides in time. act: the agent acts as if it were alone. drop: nothing is said.",
+            help="If nobody decides in time. act: the agent acts as if it were alone. drop: "
+            "nothing is said.",
             group="Operator",
         ),
     ] = "act"
@@ -78,7 +82,8 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         Literal["autonomous", "silent"],
         meta(
             "Agent without operator",
-            help="If no operator is connected, or the connection is lost. silent: what needs an operator is dropped.",
+            help="If no operator is connected, or the connection is lost. silent: what needs an "
+            "operator is dropped.",
             group="Operator",
         ),
     ] = "autonomous"
@@ -87,7 +92,8 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         meta(
             "Time until lost",
             "ms",
-            "The operator counts as lost after this time without a sign of life from the panel or its terminal.",
+            "The operator counts as lost after this time without a sign of life from the panel or "
+            "its terminal.",
             group="Operator",
             ge=500,
             le=60_000,
@@ -97,8 +103,10 @@ class OperatorSettings(Settings, frozen=True, kw_only=True):
         Literal["operator", "always", "never"],
         meta(
             "Filler",
-            help="Said after one second of waiting for feedback. operator: while an operator decides. always: "
-            "also during a feedback delay, so that the two cannot be told apart. never: nothing is said.",
+            help="Said after one second of waiting for feedback. operator: while an operator "
+            "decides. always: "
+            "also during a feedback delay, so that the two cannot be told apart. never: nothing "
+            "is said.",
             group="Operator",
         ),
     ] = "operator"

@@ -34,7 +34,10 @@ class QuestionSettings(Settings, frozen=True, kw_only=True):
         """Return why the questions cannot be asked, by parameter."""
         for name in self.questions:
             if name not in QUESTIONS:
-                return {"questions": f'There is no question "{name}". Choose from: {", ".join(QUESTIONS)}.'}
+                return {
+                    "questions": f'There is no question "{name}". Choose from: '
+                    f"{', '.join(QUESTIONS)}."
+                }
         if len(set(self.questions)) < len(self.questions):
             return {"questions": "Each question can be asked once: name it once."}
         return {}

@@ -9,7 +9,8 @@ class SessionSettings(Settings, frozen=True, kw_only=True):
     """Number of attempts, rest and language."""
 
     attempts: Annotated[
-        int, meta("Attempts", help="Number of attempts in a session.", ge=1, le=200, group="Session")
+        int,
+        meta("Attempts", help="Number of attempts in a session.", ge=1, le=200, group="Session"),
     ] = 20
     practice_attempts: Annotated[
         int,
@@ -23,13 +24,21 @@ class SessionSettings(Settings, frozen=True, kw_only=True):
     ] = 0
     rest_every: Annotated[
         int,
-        meta("Rest reminder every", "attempts", "The agent suggests a rest; 0: never.", ge=0, le=200, group="Session"),
+        meta(
+            "Rest reminder every",
+            "attempts",
+            "The agent suggests a rest; 0: never.",
+            ge=0,
+            le=200,
+            group="Session",
+        ),
     ] = 10
     language: Annotated[
         str,
         meta(
             "Language",
-            help="Language of all that the participant sees and hears: en, es, or another of the theme.",
+            help="Language of all that the participant sees and hears: en, es, or another of the "
+            "theme.",
             takes="a code in lower case, such as en, es or es-mx",
             pattern="^[a-z]{2,3}(-[a-z]{2,4})?$",
             group="Session",

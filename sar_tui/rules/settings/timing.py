@@ -43,7 +43,14 @@ class TimingSettings(Settings, frozen=True, kw_only=True):
     ] = 500
     foreperiod_min_ms: Annotated[
         int,
-        meta("Shortest wait", "ms", "The wait before a prompt is at least this long.", ge=0, le=60_000, group="Timing"),
+        meta(
+            "Shortest wait",
+            "ms",
+            "The wait before a prompt is at least this long.",
+            ge=0,
+            le=60_000,
+            group="Timing",
+        ),
     ] = 500
     foreperiod_max_ms: Annotated[
         int,
@@ -73,4 +80,7 @@ class TimingSettings(Settings, frozen=True, kw_only=True):
         if self.foreperiod_min_ms <= self.foreperiod_max_ms:
             return {}
         shortest, longest = self.foreperiod_min_ms, self.foreperiod_max_ms
-        return {"foreperiod_min_ms": f"Shortest wait ({shortest} ms) is above the longest ({longest} ms)."}
+        return {
+            "foreperiod_min_ms": f"Shortest wait ({shortest} ms) is above the longest ({longest} "
+            "ms)."
+        }

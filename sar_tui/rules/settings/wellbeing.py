@@ -15,7 +15,8 @@ class WellbeingSettings(Settings, frozen=True, kw_only=True):
         bool,
         meta(
             "Ask about pain",
-            help="Before and after a session, ask how much pain there is, where, and how tired the participant is.",
+            help="Before and after a session, ask how much pain there is, where, and how tired "
+            "the participant is.",
             group="Session",
             personal=True,
         ),
@@ -26,7 +27,8 @@ class WellbeingSettings(Settings, frozen=True, kw_only=True):
             "Pain limit",
             ge=0,
             le=HIGHEST,
-            help="With more pain than this, of 10, the participant is advised not to train, and you are told.",
+            help="With more pain than this, of 10, the participant is advised not to train, and "
+            "you are told.",
             group="Session",
             personal=True,
         ),

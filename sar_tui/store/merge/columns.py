@@ -18,6 +18,10 @@ def keys(db: sqlite3.Connection, table: str) -> list[str]:
 
 
 def session_tables(db: sqlite3.Connection) -> list[str]:
-    """Return the tables whose rows belong to the record of a session, beside ``sessions`` and ``messages``."""
-    tables = db.execute("SELECT name FROM main.sqlite_master WHERE type='table' ORDER BY rowid").fetchall()
+    """Return the tables whose rows belong to the record of a session, beside ``sessions`` and
+    ``messages``.
+    """
+    tables = db.execute(
+        "SELECT name FROM main.sqlite_master WHERE type='table' ORDER BY rowid"
+    ).fetchall()
     return [name for (name,) in tables if name not in _APART and "session" in columns(db, name)]

@@ -1,7 +1,8 @@
 """Compares the records of sessions that both databases have, without reading them into memory.
 
-A session's log only grows: rows that are never changed afterwards. A record whose log has all rows of another's, and
-more, extends it. What else a session has (results, actions, notes) follows from the log.
+A session's log only grows: rows that are never changed afterwards. A record whose log has all rows
+of another's, and more, extends it. What else a session has (results, actions, notes) follows from
+the log.
 """
 
 import sqlite3
@@ -15,7 +16,9 @@ Relation = Literal["equal", "longer here", "longer there", "contradictory"]
 
 LOG = {"seats": (), "runs": (), "log_hashes": (), "earlier_events": (), "imu_streams": (), "imu_chunks": ("data",),
        "trials": ("correct", "details")}  # fmt: skip
-"""Tables of the log beside ``messages``, and the columns that may change or, being checked by another, are left out."""
+"""Tables of the log beside ``messages``, and the columns that may change or, being checked by
+another, are left out.
+"""
 _NEVER_CHANGED = (
     "task",
     "theme",
@@ -32,22 +35,35 @@ _NEVER_CHANGED = (
 
 
 def number_topics(db: sqlite3.Connection) -> None:
-    """Store the topics that the main database lacks, and relate the numbers of both in ``topic_numbers``."""
-    db.execute("INSERT OR IGNORE INTO main.topics (name, fields) SELECT name, fields FROM other.topics ORDER BY id")
+    """Store the topics that the main database lacks, and relate the numbers of both in
+    ``topic_numbers``.
+    """
+    db.execute(
+        "INSERT OR IGNORE INTO main.topics (name, fields) SELECT name, fields FROM other.topics "
+        "ORDER BY id"
+    )
     db.execute("CREATE TEMP TABLE topic_numbers (there INTEGER PRIMARY KEY, here INTEGER NOT NULL)")
     db.execute(
-        "INSERT INTO topic_numbers SELECT there.id, here.id FROM other.topics AS there JOIN main.topics AS here"
+        "INSERT INTO topic_numbers SELECT there.id, here.id FROM other.topics AS there JOIN "
+        "main.topics AS here"
         " USING (name, fields)"
     )
 
 
 def compare(db: sqlite3.Connection, sessions: Iterable[str]) -> dict[str, Relation]:
-    """Return how the records of sessions relate that are in the databases ``main`` and ``other``."""
-    db.execute("CREATE TEMP TABLE IF NOT EXISTS compared (id TEXT PRIMARY KEY, here INTEGER, there INTEGER)")
+    """Return how the records of sessions relate that are in the databases ``main`` and
+    ``other``.
+    """
+    db.execute(
+        "CREATE TEMP TABLE IF NOT EXISTS compared (id TEXT PRIMARY KEY, here INTEGER, there "
+        "INTEGER)"
+    )
     db.execute("DELETE FROM temp.compared")
     db.executemany(
-        "INSERT INTO temp.compared SELECT id, (SELECT number FROM main.session_numbers WHERE id=given.id),"
-        " (SELECT number FROM other.session_numbers WHERE id=given.id) FROM (SELECT ? AS id) AS given",
+        "INSERT INTO temp.compared SELECT id, (SELECT number FROM main.session_numbers WHERE "
+        "id=given.id),"
+        " (SELECT number FROM other.session_numbers WHERE id=given.id) FROM (SELECT ? AS id) AS "
+        "given",
         [(session,) for session in sessions],
     )
     here, there, common = Counter[str](), Counter[str](), Counter[str]()
@@ -98,7 +114,9 @@ def _count(
     )))  # fmt: skip
 
 
-def _count_messages(db: sqlite3.Connection, here: Counter[str], there: Counter[str], common: Counter[str]) -> None:
+def _count_messages(
+    db: sqlite3.Connection, here: Counter[str], there: Counter[str], common: Counter[str]
+) -> None:
     for schema, column, counter in (("main", "here", here), ("other", "there", there)):
         counter.update(dict(db.execute(
             f"SELECT id, count(*) FROM temp.compared CROSS JOIN {schema}.messages ON session_number={column}"
@@ -117,7 +135,8 @@ def _count_messages(db: sqlite3.Connection, here: Counter[str], there: Counter[s
 def _facts_that_differ(db: sqlite3.Connection) -> set[str]:
     same = " AND ".join(f"here.{name} IS there.{name}" for name in _NEVER_CHANGED)
     found = db.execute(
-        "SELECT id FROM temp.compared JOIN main.sessions AS here USING (id) JOIN other.sessions AS there USING (id)"
+        "SELECT id FROM temp.compared JOIN main.sessions AS here USING (id) JOIN other.sessions "
+        "AS there USING (id)"
         f" WHERE NOT ({same})"
     )
     return {session for (session,) in found}
@@ -139,10 +158,13 @@ def _what_follows_differs(db: sqlite3.Connection) -> set[str]:
 
 
 def _without_key(db: sqlite3.Connection, table: str) -> set[str]:
-    """Return the sessions whose rows in a table without a key are not the same, or not as often the same."""
+    """Return the sessions whose rows in a table without a key are not the same, or not as often the
+    same.
+    """
     listed = ", ".join(f'"{name}"' for name in columns(db, table))
     here, there = (
-        f"SELECT {listed}, count(*) FROM temp.compared CROSS JOIN {schema}.{table} ON session=compared.id"
+        f"SELECT {listed}, count(*) FROM temp.compared CROSS JOIN {schema}.{table} ON "
+        "session=compared.id"
         f" GROUP BY {listed}"
         for schema in ("main", "other")
     )

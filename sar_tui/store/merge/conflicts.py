@@ -16,7 +16,9 @@ from sar_tui.store.sites import OF_SITES
 
 Kind = Literal["session", "programme", "wellbeing", "adverse event", "instrument score"]
 Content = dict[str, list[dict[str, Any]]]
-"""Rows of a record by table, in the order in which they were stored; codes and sites are in full."""
+"""Rows of a record by table, in the order in which they were stored; codes and sites are in
+full.
+"""
 
 
 _MOST_BYTES = 1 << 30
@@ -27,7 +29,8 @@ class Conflict(msgspec.Struct, frozen=True):
     """A version of a record that is kept aside.
 
     Attributes:
-        key: of the record, in words: the session's id; or participant, task and version of a programme.
+        key: of the record, in words: the session's id; or participant, task and version of a
+            programme.
         digest: SHA-256 of the content.
     """
 
@@ -52,17 +55,24 @@ def digest(content: Content) -> str:
 
 def listing(db: sqlite3.Connection) -> list[Conflict]:
     """Return all versions that are kept aside."""
-    return [Conflict(*row) for row in db.execute("SELECT kind, key, digest FROM conflicts ORDER BY kind, key, digest")]
+    return [
+        Conflict(*row)
+        for row in db.execute("SELECT kind, key, digest FROM conflicts ORDER BY kind, key, digest")
+    ]
 
 
 def contents(db: sqlite3.Connection, schema: str, kind: Kind, key: str) -> list[Content]:
     """Return the versions of a record that are kept aside."""
-    found = db.execute(f"SELECT content FROM {schema}.conflicts WHERE kind=? AND key=?", (kind, key)).fetchall()
+    found = db.execute(
+        f"SELECT content FROM {schema}.conflicts WHERE kind=? AND key=?", (kind, key)
+    ).fetchall()
     return [decoded(content) for (content,) in found]
 
 
 def decoded(packed: bytes) -> Content:
-    """Return a version from the bytes that are stored. Raises ValueError if they are none, or are too large."""
+    """Return a version from the bytes that are stored. Raises ValueError if they are none, or are
+    too large.
+    """
     unpacking = zlib.decompressobj()
     try:
         unpacked = unpacking.decompress(packed, _MOST_BYTES)
@@ -81,16 +91,23 @@ def keep(db: sqlite3.Connection, schema: str, kind: str, key: str, content: Cont
 
 def drop(db: sqlite3.Connection, kind: Kind, key: str, digest: str) -> None:
     """Keep a version aside no longer: it is in the tables now, or another one extends it."""
-    db.execute("DELETE FROM main.conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, digest))
+    db.execute(
+        "DELETE FROM main.conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, digest)
+    )
 
 
 def rename(db: sqlite3.Connection, schema: str, people: People) -> None:
     """Give the versions that are kept aside the names of persons who are known as the same now."""
-    for kind, key, old, packed in db.execute(f"SELECT kind, key, digest, content FROM {schema}.conflicts").fetchall():
+    for kind, key, old, packed in db.execute(
+        f"SELECT kind, key, digest, content FROM {schema}.conflicts"
+    ).fetchall():
         named = _with_codes(decoded(packed), lambda table, code: _in_words(people, table, code))
         new_key = key if kind == "session" else key_of(kind, named)
         if (digest(named), new_key) != (old, key):
-            db.execute(f"DELETE FROM {schema}.conflicts WHERE kind=? AND key=? AND digest=?", (kind, key, old))
+            db.execute(
+                f"DELETE FROM {schema}.conflicts WHERE kind=? AND key=? AND digest=?",
+                (kind, key, old),
+            )
             keep(db, schema, kind, new_key, named)
 
 
@@ -105,7 +122,11 @@ _KEYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 def is_record(kind: str, content: Content) -> bool:
     """Return True if a content is one row of the table of its kind, with the columns of its key."""
     table, columns = _KEYS.get(kind, ("", ()))
-    return content.keys() == {table} and len(content[table]) == 1 and set(columns) <= content[table][0].keys()
+    return (
+        content.keys() == {table}
+        and len(content[table]) == 1
+        and set(columns) <= content[table][0].keys()
+    )
 
 
 def key_of(kind: str, content: Content) -> str:
@@ -117,10 +138,15 @@ def key_of(kind: str, content: Content) -> str:
 
 def in_words(content: Content, people: People) -> Content:
     """Return rows of the main database with codes and sites in full."""
-    named = _with_codes(content, lambda table, code: _in_words(people, table, in_full(code, people.own)))
+    named = _with_codes(
+        content, lambda table, code: _in_words(people, table, in_full(code, people.own))
+    )
     for row in named.get("adverse_events", ()):
         row["event"] = in_full(row["event"], people.own)
-    return {table: [_with_site(table, row, "", people.own) for row in rows] for table, rows in named.items()}
+    return {
+        table: [_with_site(table, row, "", people.own) for row in rows]
+        for table, rows in named.items()
+    }
 
 
 def as_stored(content: Content, people: People) -> Content:
@@ -132,7 +158,10 @@ def as_stored(content: Content, people: People) -> Content:
     named = _with_codes(content, stored)
     for row in named.get("adverse_events", ()):
         row["event"] = people.shortened(row["event"])
-    return {table: [_with_site(table, row, people.own, "") for row in rows] for table, rows in named.items()}
+    return {
+        table: [_with_site(table, row, people.own, "") for row in rows]
+        for table, rows in named.items()
+    }
 
 
 def _in_words(people: People, table: str, code: str) -> str:

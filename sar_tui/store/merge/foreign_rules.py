@@ -1,6 +1,8 @@
-"""Rules for the codes, names and texts of a database from elsewhere: those that typed ones pass, too.
+"""Rules for the codes, names and texts of a database from elsewhere: those that typed ones pass,
+too.
 
-An id becomes the name of a file, a code and a name stand in lists and are typed again, and a text is drawn.
+An id becomes the name of a file, a code and a name stand in lists and are typed again, and a text
+is drawn.
 """
 
 import re
@@ -64,7 +66,9 @@ _THEME = _form(r"(?:\w[\w .-]{0,63})?")
 _WORD = _form(r"[a-z]{0,32}")
 _SEAT = _form("[AB]")
 _DATE = _form(r"[0-9T:.+Z -]{0,40}")
-_LINE, _NOTE, _REMARK, _REASON = (_text(longest) for longest in (1000, 4000, LONGEST_REMARK, LONGEST_TEXT))
+_LINE, _NOTE, _REMARK, _REASON = (
+    _text(longest) for longest in (1000, 4000, LONGEST_REMARK, LONGEST_TEXT)
+)
 
 _RULES: dict[str, dict[str, Rule]] = {
     "site": {"code": _SITE},
@@ -110,7 +114,10 @@ def check_foreign(db: sqlite3.Connection, path: Path) -> None:
         rules = _rules(db, table)
         for name, types in _types(db, table).items():
             allowed = ", ".join(f"'{_TYPE_NAMES[kind]}'" for kind in types)
-            wrong = f'SELECT "{name}" FROM "{table}" WHERE typeof("{name}") NOT IN (\'null\', {allowed}) LIMIT 1'
+            wrong = (
+                f'SELECT "{name}" FROM "{table}" WHERE typeof("{name}") NOT IN (\'null\', '
+                f"{allowed}) LIMIT 1"
+            )
             for (value,) in db.execute(wrong):
                 raise _refused(path, table, name, value)
         for name, rule in rules.items():
@@ -135,14 +142,17 @@ def _rules(db: sqlite3.Connection, table: str) -> dict[str, Rule]:
 def _types(db: sqlite3.Connection, table: str) -> dict[str, tuple[type, ...]]:
     """Return the types of the columns that declare one."""
     declared = db.execute(f'PRAGMA table_info("{table}")').fetchall()
-    return {name: _BY_TYPE[kind.upper()] for _, name, kind, *_ in declared if kind.upper() in _BY_TYPE}
+    return {
+        name: _BY_TYPE[kind.upper()] for _, name, kind, *_ in declared if kind.upper() in _BY_TYPE
+    }
 
 
 def _refused(path: Path, table: str, column: str, value: object) -> StoreError:
     shown = visible(str(value))
     shown = f"{shown[:_SHOWN]}…" if len(shown) > _SHOWN else shown
     return StoreError(
-        f"{path} cannot be merged: {table}.{column} is “{shown}” somewhere, which this program does not store.",
+        f"{path} cannot be merged: {table}.{column} is “{shown}” somewhere, which this program "
+        "does not store.",
         bad_input=True,
     )
 
@@ -153,12 +163,19 @@ def _is_version(db: sqlite3.Connection, kind: str, key: str, digest: str, packed
         content = conflicts.decoded(packed)
     except ValueError:
         return False
-    if conflicts.digest(content) != digest or not all(_passes(db, *each) for each in _each_row(content)):
+    if conflicts.digest(content) != digest or not all(
+        _passes(db, *each) for each in _each_row(content)
+    ):
         return False
     if kind != "session":
         return conflicts.is_record(kind, content) and conflicts.key_of(kind, content) == key
     known = {"sessions", "messages", *session_tables(db)}
-    rows = [row for table, rows in content.items() if table not in ("sessions", "messages") for row in rows]
+    rows = [
+        row
+        for table, rows in content.items()
+        if table not in ("sessions", "messages")
+        for row in rows
+    ]
     ids = {row["id"] for row in content.get("sessions", ())} | {row["session"] for row in rows}
     return known == content.keys() and len(content["sessions"]) == 1 and ids == {key}
 
@@ -172,7 +189,11 @@ _MESSAGE = {"seq", "run", "at_ns", "name", "fields", "message"}
 
 def _passes(db: sqlite3.Connection, table: str, row: dict[str, Any]) -> bool:
     if table == "messages":
-        is_named = row.keys() == _MESSAGE and isinstance(row["name"], str) and _RULES["topics"]["name"](row["name"])
+        is_named = (
+            row.keys() == _MESSAGE
+            and isinstance(row["name"], str)
+            and _RULES["topics"]["name"](row["name"])
+        )
         return is_named and all(isinstance(row[name], int) for name in ("seq", "run", "at_ns"))
     if table not in _tables(db):
         return False
@@ -181,6 +202,9 @@ def _passes(db: sqlite3.Connection, table: str, row: dict[str, Any]) -> bool:
         return False
     return all(
         value is None
-        or (isinstance(value, types.get(name, (int, float, str, bytes))) and (name not in rules or rules[name](value)))
+        or (
+            isinstance(value, types.get(name, (int, float, str, bytes)))
+            and (name not in rules or rules[name](value))
+        )
         for name, value in row.items()
     )

@@ -1,4 +1,6 @@
-"""Merges another database into this one: what it has more is added, nothing is lost, and the order does not matter."""
+"""Merges another database into this one: what it has more is added, nothing is lost, and the order
+does not matter.
+"""
 
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
@@ -26,7 +28,9 @@ from sar_tui.store.merge.session_records import merge_sessions
 from sar_tui.store.merge.source import copied, remove_leftovers
 
 Start = Callable[[str], Callable[[int, int], None]]
-"""Begins a step with a name, and returns a function that is called with what is done of it, and the whole."""
+"""Begins a step with a name, and returns a function that is called with what is done of it, and the
+whole.
+"""
 
 
 class Merged(msgspec.Struct, frozen=True, kw_only=True):
@@ -37,9 +41,11 @@ class Merged(msgspec.Struct, frozen=True, kw_only=True):
         added, updated: ids of sessions that this database did not have, or less of.
         records: numbers of other rows that were added or changed, by table.
         left_out: sessions that run there now.
-        refused: a sentence on each record there that only this site, or another one, could have written.
+        refused: a sentence on each record there that only this site, or another one, could have
+            written.
         rescue_files: of the other data folder, which were not read.
-        conflicts: all versions that are kept aside. ``new_conflicts``: the number of those that are new.
+        conflicts: all versions that are kept aside. ``new_conflicts``: the number of those that are
+            new.
         same: codes in full that are the same person.
         backup: of this database as it was before; None if nothing had to change.
     """
@@ -67,7 +73,8 @@ def merge(
     one_site: bool = False,
     start: Start,
 ) -> Merged:
-    """Bring what another database has into that of a data folder, in one transaction. The other one is only read.
+    """Bring what another database has into that of a data folder, in one transaction. The other one
+    is only read.
 
     Args:
         folder: the data folder.
@@ -78,14 +85,15 @@ def merge(
         start: begins a step.
 
     Raises:
-        StoreError: the other database cannot be merged, a session runs here, or the disk cannot write. Nothing has
-            changed then.
+        StoreError: the other database cannot be merged, a session runs here, or the disk cannot
+            write. Nothing has changed then.
     """
     with closing(connect(folder)) as db, _alone(folder):
         own = sites.own(db)
         if not own:
             raise StoreError(
-                "This site has no code yet, by which others know it. Set it first, such as: sar-tui site BERN",
+                "This site has no code yet, by which others know it. Set it first, such as: "
+                "sar-tui site BERN",
                 bad_input=True,
             )
         pairs = {parse_same(text, own) for text in same}
@@ -97,21 +105,31 @@ def merge(
                 db.execute("PRAGMA other.journal_mode=OFF")
                 db.execute("PRAGMA other.synchronous=OFF")
                 site = _site_of_other(db, own, other, site and sites.check_site(site), one_site)
-                result = _changed(db, folder, lambda: _merge(db, own, site, pairs, source.running, start("Merging")))
+                result = _changed(
+                    db,
+                    folder,
+                    lambda: _merge(db, own, site, pairs, source.running, start("Merging")),
+                )
             finally:
                 db.execute("DETACH other")
         return msgspec.structs.replace(
-            result, left_out=list(source.running), rescue_files=[str(path) for path in source.rescue_files]
+            result,
+            left_out=list(source.running),
+            rescue_files=[str(path) for path in source.rescue_files],
         )
 
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Hold the lock of merges, and refuse if a session runs here: it would wait for the database."""
+    """Hold the lock of merges, and refuse if a session runs here: it would wait for the
+    database.
+    """
     try:
         held = hold(folder, "merge", FILE)
     except Held:
-        raise StoreError("Another merge goes on in this data folder. Wait until it has ended.") from None
+        raise StoreError(
+            "Another merge goes on in this data folder. Wait until it has ended."
+        ) from None
     try:
         remove_leftovers(folder)
         yield
@@ -122,39 +140,55 @@ def _alone(folder: Path) -> Iterator[None]:
 def _check_nothing_runs(db: sqlite3.Connection, folder: Path) -> None:
     for (id,) in db.execute("SELECT id FROM main.sessions WHERE status='running'").fetchall():
         if is_held(folder, "session", id):
-            raise StoreError(f"Session {id} is running here, and a merge would hold it up: merge when it has ended.")
+            raise StoreError(
+                f"Session {id} is running here, and a merge would hold it up: merge when it has "
+                "ended."
+            )
 
 
-def _site_of_other(db: sqlite3.Connection, own: str, other: Path, given: str, one_site: bool) -> str:
+def _site_of_other(
+    db: sqlite3.Connection, own: str, other: Path, given: str, one_site: bool
+) -> str:
     row = db.execute("SELECT code FROM other.site").fetchone()
     site = str(row[0]) if row else given
     if not site:
         raise StoreError(
-            f"{other} has no code of its site. Set it there first, such as sar-tui site BERN, or name it: --site BERN",
+            f"{other} has no code of its site. Set it there first, such as sar-tui site BERN, or "
+            "name it: --site BERN",
             bad_input=True,
         )
     if given and given != site:
         raise StoreError(f"{other} is of {site}, not of {given}.", bad_input=True)
     if site == own and not one_site:
         raise StoreError(
-            f"{other} is of {own}, as this database is. If the same code is the same person in both, such as on two "
-            "computers of one clinic, add --one-site; otherwise give one of them another code by sar-tui site.",
+            f"{other} is of {own}, as this database is. If the same code is the same person in "
+            "both, such as on two "
+            "computers of one clinic, add --one-site; otherwise give one of them another code by "
+            "sar-tui site.",
             bad_input=True,
         )
     if site != own and one_site:
-        raise StoreError(f"{other} is of {site}, and this database of {own}: leave out --one-site.", bad_input=True)
+        raise StoreError(
+            f"{other} is of {site}, and this database of {own}: leave out --one-site.",
+            bad_input=True,
+        )
     return site
 
 
 def _changed(db: sqlite3.Connection, folder: Path, work: Callable[[], Merged]) -> Merged:
-    """Do what changes the database in one transaction, after a backup; if there was nothing to do, nothing changes."""
+    """Do what changes the database in one transaction, after a backup; if there was nothing to do,
+    nothing changes.
+    """
     _check_nothing_runs(db, folder)
     with _undone_unless_changed(db) as changes:
         result = work()
         if changes(result):
             make_private(folder / FOLDER)
-            path = unused(folder / FOLDER / f"sar-tui-before-merge-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db")
-            back_up(folder, path)  # another connection: it copies what was there before this transaction
+            path = unused(
+                folder / FOLDER / f"sar-tui-before-merge-{datetime.now(UTC):%Y%m%dT%H%M%SZ}.db"
+            )
+            # another connection: it copies what was there before this transaction
+            back_up(folder, path)
             result = msgspec.structs.replace(result, backup=str(path))
     return result
 
@@ -185,7 +219,12 @@ def _undone_unless_changed(db: sqlite3.Connection) -> Iterator[Callable[[Merged]
 
 def _note(db: sqlite3.Connection, own: str, pairs: set[Pair]) -> Merged:
     people, changed = _same_people(db, own, pairs)
-    return Merged(site=own, records={"same_people": changed}, conflicts=conflicts.listing(db), same=sorted(people.same))
+    return Merged(
+        site=own,
+        records={"same_people": changed},
+        conflicts=conflicts.listing(db),
+        same=sorted(people.same),
+    )
 
 
 def _same_people(db: sqlite3.Connection, own: str, pairs: set[Pair]) -> tuple[People, int]:

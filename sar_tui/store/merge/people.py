@@ -1,6 +1,8 @@
-"""Participants of several sites: which codes are the same person, and the code by which a database stores each.
+"""Participants of several sites: which codes are the same person, and the code by which a database
+stores each.
 
-A code in full names its site: P01@BERN. The database of a site stores its own codes without the site.
+A code in full names its site: P01@BERN. The database of a site stores its own codes without the
+site.
 """
 
 import re
@@ -15,7 +17,9 @@ Pair = tuple[str, str]
 
 
 class People:
-    """The participants that a database of the site ``own`` knows, where ``same`` are the same persons."""
+    """The participants that a database of the site ``own`` knows, where ``same`` are the same
+    persons.
+    """
 
     def __init__(self, own: str, same: Iterable[Pair]) -> None:
         self.own = own
@@ -37,7 +41,8 @@ class People:
             if len(set(sites)) < len(sites):
                 doubled = sorted(code for code in group if sites.count(site_of(code)) > 1)
                 raise StoreError(
-                    f"{' and '.join(doubled)} would be the same person: a person has one code at a site.",
+                    f"{' and '.join(doubled)} would be the same person: a person has one code at "
+                    "a site.",
                     bad_input=True,
                 )
 
@@ -47,7 +52,10 @@ class People:
         It is this site's own if there is one; else one that no other was said to be replaced by.
         """
         group = self.group(code)
-        chosen = min(group, key=lambda one: (site_of(one) != self.own, one in self._replaced, site_of(one), one))
+        chosen = min(
+            group,
+            key=lambda one: (site_of(one) != self.own, one in self._replaced, site_of(one), one),
+        )
         return self.shortened(chosen)
 
     def shortened(self, code: str) -> str:
@@ -55,7 +63,9 @@ class People:
         return code.removesuffix(f"@{self.own}") if self.own else code
 
     def name(self, code: str) -> str:
-        """Return the code in full that stands for a person in every database: the first one of all."""
+        """Return the code in full that stands for a person in every database: the first one of
+        all.
+        """
         return min(self.group(code))
 
 
@@ -73,11 +83,15 @@ def parse_same(text: str, own: str) -> Pair:
     """Return the codes in full of "P01@BERN=P01". Raises StoreError."""
     parts = [part.strip() for part in text.split("=")]
     if len(parts) != 2 or not re.search(r"\w", parts[0]):
-        raise StoreError(f"--same takes two codes, such as P01@BERN=P01, not {text!r}.", bad_input=True)
+        raise StoreError(
+            f"--same takes two codes, such as P01@BERN=P01, not {text!r}.", bad_input=True
+        )
     first, second = (in_full(check_code(part), own) for part in parts)
     if site_of(first) == site_of(second):
         raise StoreError(
-            f"{first} and {second} are of one site: --same is for the codes of one person at two sites.", bad_input=True
+            f"{first} and {second} are of one site: --same is for the codes of one person at two "
+            "sites.",
+            bad_input=True,
         )
     return first, second
 
@@ -88,16 +102,22 @@ def stored_pairs(db: sqlite3.Connection, schema: str = "main") -> set[Pair]:
 
 
 def code_at(db: sqlite3.Connection, code: str, site: str) -> str:
-    """Return the code as it is stored of a person at the site of a row: for P01, P07@BERN if that is the same one."""
+    """Return the code as it is stored of a person at the site of a row: for P01, P07@BERN if that
+    is the same one.
+    """
     if not site:
         return code
     own = db.execute("SELECT code FROM site").fetchone()
     people = People(own[0] if own else "", stored_pairs(db))
-    return next((one for one in people.group(in_full(code, people.own)) if site_of(one) == site), code)
+    return next(
+        (one for one in people.group(in_full(code, people.own)) if site_of(one) == site), code
+    )
 
 
 def other_code(db: sqlite3.Connection, code: str) -> str:
-    """Return the code by which this database stores a person who has another code, too; empty if it is this one."""
+    """Return the code by which this database stores a person who has another code, too; empty if it
+    is this one.
+    """
     own = db.execute("SELECT code FROM site").fetchone()
     people = People(own[0] if own else "", stored_pairs(db))
     stored = people.stored(in_full(code, people.own))

@@ -23,17 +23,24 @@ _TABLES = (
     _Records("programme", "programmes", ("participant", "task", "version")),
     _Records("wellbeing", "wellbeing", ("participant", "question", "at")),
     _Records("adverse event", "adverse_events", ("event", "version")),
-    _Records("instrument score", "instrument_scores", ("participant", "instrument", "date", "recorded_at")),
+    _Records(
+        "instrument score",
+        "instrument_scores",
+        ("participant", "instrument", "date", "recorded_at"),
+    ),
 )
 
 
 def merge_records(db: sqlite3.Connection, people: People) -> dict[str, int]:
-    """Add the records that only ``other`` has to the main database, and return the numbers of changed rows by table."""
+    """Add the records that only ``other`` has to the main database, and return the numbers of
+    changed rows by table.
+    """
     changed = {"participants": _participants(db), "exports": _exports(db)}
     for records in _TABLES:
         changed[records.table] = _merge(db, people, records)
     db.execute(
-        "INSERT OR IGNORE INTO main.conflicts SELECT * FROM other.conflicts WHERE kind<>'session' AND (kind, key)"
+        "INSERT OR IGNORE INTO main.conflicts SELECT * FROM other.conflicts WHERE kind<>'session' "
+        "AND (kind, key)"
         " NOT IN (SELECT kind, key FROM temp.decided)"
     )
     return changed
@@ -48,7 +55,8 @@ def _exports(db: sqlite3.Connection) -> int:
     names = [name for name in columns(db, "exports") if name != "number"]
     same = " AND ".join(f"here.{name}=there.{name}" for name in names)
     return db.execute(
-        f"INSERT INTO main.exports ({', '.join(names)}) SELECT {', '.join(names)} FROM other.exports AS there"
+        f"INSERT INTO main.exports ({', '.join(names)}) SELECT {', '.join(names)} FROM "
+        "other.exports AS there"
         f" WHERE NOT EXISTS (SELECT 1 FROM main.exports AS here WHERE {same}) ORDER BY number"
     ).rowcount
 
@@ -61,14 +69,17 @@ def _merge(db: sqlite3.Connection, people: People, records: _Records) -> int:
     changed = _attach_answers(db, records) if records.table == "wellbeing" else 0
     differ = " OR ".join(_differs(records, name) for name in names if name not in records.key)
     for row in db.execute(
-        f"SELECT {', '.join(f'here.{name}' for name in names)}, {', '.join(f'there.{name}' for name in names)}"
+        f"SELECT {', '.join(f'here.{name}' for name in names)}, "
+        f"{', '.join(f'there.{name}' for name in names)}"
         f" FROM {both} WHERE {differ}"
     ).fetchall():
         changed += _decide(db, people, records, names, row)
     listed = ", ".join(names)
     changed += db.execute(
-        f"INSERT INTO main.{records.table} ({listed}) SELECT {listed} FROM other.{records.table} AS there"
-        f" WHERE NOT EXISTS (SELECT 1 FROM main.{records.table} AS here WHERE {same_key}) ORDER BY there.rowid"
+        f"INSERT INTO main.{records.table} ({listed}) SELECT {listed} FROM other.{records.table} "
+        "AS there"
+        f" WHERE NOT EXISTS (SELECT 1 FROM main.{records.table} AS here WHERE {same_key}) ORDER "
+        "BY there.rowid"
     ).rowcount
     return changed
 
@@ -78,29 +89,44 @@ def _attach_answers(db: sqlite3.Connection, records: _Records) -> int:
     same_key = " AND ".join(f"wellbeing.{name}=there.{name}" for name in records.key)
     there = f"SELECT session FROM other.wellbeing AS there WHERE {same_key}"
     return db.execute(
-        f"UPDATE main.wellbeing SET session=({there}) WHERE session IS NULL AND EXISTS ({there} AND session NOTNULL)"
+        f"UPDATE main.wellbeing SET session=({there}) WHERE session IS NULL AND EXISTS ({there} "
+        "AND session NOTNULL)"
     ).rowcount
 
 
 def _differs(records: _Records, name: str) -> str:
-    """Return the condition that a column contradicts. An answer that has no session there may have one here."""
+    """Return the condition that a column contradicts. An answer that has no session there may have
+    one here.
+    """
     condition = f"here.{name} IS NOT there.{name}"
     is_unknown = records.table == "wellbeing" and name == "session"
     return f"({condition} AND there.session NOTNULL)" if is_unknown else f"({condition})"
 
 
 def _decide(
-    db: sqlite3.Connection, people: People, records: _Records, names: Sequence[str], row: tuple[Any, ...]
+    db: sqlite3.Connection,
+    people: People,
+    records: _Records,
+    names: Sequence[str],
+    row: tuple[Any, ...],
 ) -> int:
-    """Let one version of a record be in the table, and keep the others aside; return 1 if it is another than before."""
+    """Let one version of a record be in the table, and keep the others aside; return 1 if it is
+    another than before.
+    """
     here, there = (
         conflicts.in_words({records.table: [dict(zip(names, values, strict=True))]}, people)
         for values in (row[: len(names)], row[len(names) :])
     )
     key = conflicts.key_of(records.kind, here)
-    aside = [version for schema in ("main", "other") for version in conflicts.contents(db, schema, records.kind, key)]
+    aside = [
+        version
+        for schema in ("main", "other")
+        for version in conflicts.contents(db, schema, records.kind, key)
+    ]
     versions = {conflicts.digest(version): version for version in (here, there, *aside)}.values()
-    chosen, *others = sorted(versions, key=lambda one: (_recorded(one[records.table][0]), conflicts.encoded(one)))
+    chosen, *others = sorted(
+        versions, key=lambda one: (_recorded(one[records.table][0]), conflicts.encoded(one))
+    )
     db.execute("INSERT INTO temp.decided VALUES (?,?)", (records.kind, key))
     for version in others:
         conflicts.keep(db, "main", records.kind, key, version)
@@ -108,7 +134,9 @@ def _decide(
         return 0
     old = dict(zip(names, row, strict=False))
     condition = " AND ".join(f"{name}=?" for name in records.key)
-    db.execute(f"DELETE FROM main.{records.table} WHERE {condition}", [old[name] for name in records.key])
+    db.execute(
+        f"DELETE FROM main.{records.table} WHERE {condition}", [old[name] for name in records.key]
+    )
     _insert(db, conflicts.as_stored(chosen, people))
     conflicts.drop(db, records.kind, key, conflicts.digest(chosen))
     return 1

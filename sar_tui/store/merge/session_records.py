@@ -1,4 +1,6 @@
-"""Records of sessions: copies those that are new or longer, and decides between those that contradict each other."""
+"""Records of sessions: copies those that are new or longer, and decides between those that
+contradict each other.
+"""
 
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
@@ -13,18 +15,28 @@ from sar_tui.store.merge.people import People
 _AT_ONCE = 20
 """Sessions that are compared or copied by one statement."""
 _RANKS = ("running", "interrupted", "dismissed", "aborted", "completed", "refused", "discarded")
-"""The status of a session whose record is the same in both databases: the later one of these is kept."""
-_RANK = "CASE {schema}.status " + " ".join(f"WHEN '{name}' THEN {rank}" for rank, name in enumerate(_RANKS)) + " END"
+"""The status of a session whose record is the same in both databases: the later one of these is
+kept.
+"""
+_RANK = (
+    "CASE {schema}.status "
+    + " ".join(f"WHEN '{name}' THEN {rank}" for rank, name in enumerate(_RANKS))
+    + " END"
+)
 
 
 class Changed(NamedTuple):
-    """Sessions that the main database did not have, and those whose record became longer or another."""
+    """Sessions that the main database did not have, and those whose record became longer or
+    another.
+    """
 
     added: list[str]
     updated: list[str]
 
 
-def merge_sessions(db: sqlite3.Connection, people: People, progress: Callable[[int, int], None]) -> Changed:
+def merge_sessions(
+    db: sqlite3.Connection, people: People, progress: Callable[[int, int], None]
+) -> Changed:
     """Bring the sessions of ``other`` into the main database."""
     there = [id for (id,) in db.execute("SELECT id FROM other.sessions ORDER BY started_at, id")]
     here = {id for (id,) in db.execute("SELECT id FROM main.sessions")}
@@ -38,10 +50,18 @@ def merge_sessions(db: sqlite3.Connection, people: People, progress: Callable[[i
         some = there[done : done + _AT_ONCE]
         new = [id for id in some if id not in here]
         relations = compare(db, [id for id in some if id in here])
-        longer = [id for id, relation in relations.items() if relation == "longer there" and id not in contradicted]
+        longer = [
+            id
+            for id, relation in relations.items()
+            if relation == "longer there" and id not in contradicted
+        ]
         remove(db, longer)
         _copy(db, [*new, *longer])
-        equal = [id for id, relation in relations.items() if relation == "equal" and id not in contradicted]
+        equal = [
+            id
+            for id, relation in relations.items()
+            if relation == "equal" and id not in contradicted
+        ]
         result.added.extend(new)
         result.updated.extend([*longer, *_keep_later_status(db, equal)])
         for id, relation in relations.items():
@@ -49,7 +69,8 @@ def merge_sessions(db: sqlite3.Connection, people: People, progress: Callable[[i
                 result.updated.extend([id] * _decide(db, people, id))
         progress(done + len(some), len(there))
     db.execute(
-        "INSERT OR IGNORE INTO main.conflicts SELECT * FROM other.conflicts WHERE kind='session' AND key NOT IN"
+        "INSERT OR IGNORE INTO main.conflicts SELECT * FROM other.conflicts WHERE kind='session' "
+        "AND key NOT IN"
         " (SELECT value FROM json_each(?))",
         (_json(here),),
     )
@@ -84,41 +105,58 @@ def _copy(db: sqlite3.Connection, sessions: Sequence[str]) -> None:
         rows = ", ".join(f'there."{name}"' for name in columns(db, table))
         own = "id" if table == "sessions" else "session"
         db.execute(
-            f"INSERT INTO main.{table} ({listed}) SELECT {rows} FROM temp.wanted CROSS JOIN other.{table} AS there"
+            f"INSERT INTO main.{table} ({listed}) SELECT {rows} FROM temp.wanted CROSS JOIN "
+            f"other.{table} AS there"
             f" ON there.{own}=wanted.id ORDER BY wanted.number, there.rowid"
         )
-    db.execute("INSERT OR IGNORE INTO main.session_numbers (id) SELECT id FROM temp.wanted ORDER BY number")
+    db.execute(
+        "INSERT OR IGNORE INTO main.session_numbers (id) SELECT id FROM temp.wanted ORDER BY number"
+    )
     db.execute(
         "INSERT INTO main.messages (session_number, seq, run, at_ns, topic, message)"
-        " SELECT here.number, there.seq, there.run, there.at_ns, topic_numbers.here, there.message FROM temp.wanted"
+        " SELECT here.number, there.seq, there.run, there.at_ns, topic_numbers.here, "
+        "there.message FROM temp.wanted"
         " CROSS JOIN main.session_numbers AS here ON here.id=wanted.id"
         " CROSS JOIN other.session_numbers AS numbers ON numbers.id=wanted.id"
         " CROSS JOIN other.messages AS there ON there.session_number=numbers.number"
-        " JOIN temp.topic_numbers ON topic_numbers.there=there.topic ORDER BY here.number, there.seq"
+        " JOIN temp.topic_numbers ON topic_numbers.there=there.topic ORDER BY here.number, "
+        "there.seq"
     )
 
 
 def _keep_later_status(db: sqlite3.Connection, sessions: Sequence[str]) -> Iterator[str]:
-    """Give sessions whose records are equal the later status of both, and yield those that were changed."""
+    """Give sessions whose records are equal the later status of both, and yield those that were
+    changed.
+    """
     later = (
-        f"SELECT there.status, there.ended_at FROM other.sessions AS there JOIN main.sessions AS here USING (id)"
+        "SELECT there.status, there.ended_at FROM other.sessions AS there JOIN main.sessions AS "
+        "here USING (id)"
         f" WHERE there.id=? AND ({_RANK.format(schema='there')}, coalesce(there.ended_at, ''))"
         f" > ({_RANK.format(schema='here')}, coalesce(here.ended_at, ''))"
     )
     for session in sessions:
         if found := db.execute(later, (session,)).fetchone():
-            db.execute("UPDATE main.sessions SET status=?, ended_at=? WHERE id=?", (*found, session))
+            db.execute(
+                "UPDATE main.sessions SET status=?, ended_at=? WHERE id=?", (*found, session)
+            )
             yield session
 
 
-# --- records that contradict each other -----------------------------------------------------------------------------
+# --- records that contradict each other
+# -----------------------------------------------------------------------------
 
 
 def _decide(db: sqlite3.Connection, people: People, session: str) -> bool:
-    """Let one version of a session be in the tables, and keep the others aside; return True if it is another one."""
-    here, there = (conflicts.in_words(_content(db, schema, session), people) for schema in ("main", "other"))
+    """Let one version of a session be in the tables, and keep the others aside; return True if it
+    is another one.
+    """
+    here, there = (
+        conflicts.in_words(_content(db, schema, session), people) for schema in ("main", "other")
+    )
     known = conflicts.contents(db, "main", "session", session)
-    chosen, *others = _versions([here, there, *known, *conflicts.contents(db, "other", "session", session)])
+    chosen, *others = _versions(
+        [here, there, *known, *conflicts.contents(db, "other", "session", session)]
+    )
     for version in known:
         conflicts.drop(db, "session", session, conflicts.digest(version))
     for version in others:
@@ -136,11 +174,14 @@ def _content(db: sqlite3.Connection, schema: str, session: str) -> Content:
     for table in ("sessions", *session_tables(db)):
         own = "id" if table == "sessions" else "session"
         found[table] = _rows(
-            db, f"SELECT {_listed(db, table)} FROM {schema}.{table} WHERE {own}=? ORDER BY rowid", session
+            db,
+            f"SELECT {_listed(db, table)} FROM {schema}.{table} WHERE {own}=? ORDER BY rowid",
+            session,
         )
     found["messages"] = _rows(
         db,
-        f"SELECT seq, run, at_ns, name, fields, message FROM {schema}.messages JOIN {schema}.topics ON topics.id=topic"
+        f"SELECT seq, run, at_ns, name, fields, message FROM {schema}.messages JOIN "
+        f"{schema}.topics ON topics.id=topic"
         f" WHERE session_number=(SELECT number FROM {schema}.session_numbers WHERE id=?)"
         " ORDER BY seq",
         session,
@@ -159,7 +200,9 @@ def _rows(db: sqlite3.Connection, query: str, session: str) -> list[dict[str, An
 
 
 def _versions(contents: Sequence[Content]) -> list[Content]:
-    """Return the versions of a session that no other one extends, the one to be in the tables first."""
+    """Return the versions of a session that no other one extends, the one to be in the tables
+    first.
+    """
     kept: list[Content] = []
     for content in contents:
         if any(_extends(other, content) for other in kept):
@@ -177,7 +220,9 @@ def _extends(longer: Content, shorter: Content) -> bool:
 
 def _facts(content: Content) -> dict[str, Any]:
     (row,) = content["sessions"]
-    return {name: value for name, value in row.items() if name not in ("status", "ended_at", "log_hash")}
+    return {
+        name: value for name, value in row.items() if name not in ("status", "ended_at", "log_hash")
+    }
 
 
 def _status(content: Content) -> tuple[int, str]:
@@ -186,7 +231,9 @@ def _status(content: Content) -> tuple[int, str]:
 
 
 def _is_equal(content: Content, other: Content) -> bool:
-    """Return True if two versions differ in nothing, or only in what became of the session afterwards."""
+    """Return True if two versions differ in nothing, or only in what became of the session
+    afterwards.
+    """
     return _without_status(content) == _without_status(other)
 
 
@@ -198,7 +245,10 @@ def _log(content: Content) -> frozenset[tuple[object, ...]]:
     """Return the rows of the log of a version."""
     left_out = {**LOG, "messages": ()}
     return frozenset(
-        (table, *((name, value) for name, value in sorted(row.items()) if name not in left_out[table]))
+        (
+            table,
+            *((name, value) for name, value in sorted(row.items()) if name not in left_out[table]),
+        )
         for table in left_out
         for row in content[table]
     )
@@ -210,12 +260,26 @@ def _store(db: sqlite3.Connection, session: str, content: Content) -> None:
         if table != "messages":
             for row in rows:
                 listed, slots = ", ".join(f'"{name}"' for name in row), ", ".join("?" for _ in row)
-                db.execute(f"INSERT INTO main.{table} ({listed}) VALUES ({slots})", list(row.values()))
+                db.execute(
+                    f"INSERT INTO main.{table} ({listed}) VALUES ({slots})", list(row.values())
+                )
     db.execute("INSERT OR IGNORE INTO main.session_numbers (id) VALUES (?)", (session,))
     for row in content["messages"]:
-        db.execute("INSERT OR IGNORE INTO main.topics (name, fields) VALUES (?,?)", (row["name"], row["fields"]))
         db.execute(
-            "INSERT INTO main.messages SELECT number, ?, ?, ?, topics.id, ? FROM main.session_numbers, main.topics"
+            "INSERT OR IGNORE INTO main.topics (name, fields) VALUES (?,?)",
+            (row["name"], row["fields"]),
+        )
+        db.execute(
+            "INSERT INTO main.messages SELECT number, ?, ?, ?, topics.id, ? FROM "
+            "main.session_numbers, main.topics"
             " WHERE session_numbers.id=? AND name=? AND fields=?",
-            (row["seq"], row["run"], row["at_ns"], row["message"], session, row["name"], row["fields"]),
+            (
+                row["seq"],
+                row["run"],
+                row["at_ns"],
+                row["message"],
+                session,
+                row["name"],
+                row["fields"],
+            ),
         )

@@ -25,7 +25,8 @@ _PAGES = 2000
 class Source(NamedTuple):
     """A copy of another database.
 
-    ``running``: sessions that a program writes to now. ``rescue_files``: hold what the database lacks.
+    ``running``: sessions that a program writes to now. ``rescue_files``: hold what the database
+    lacks.
     """
 
     copy: Path
@@ -68,36 +69,50 @@ def copied(other: Path, folder: Path, progress: Callable[[int, int], None]) -> I
 
 _ORIGINAL = "original.db"
 PREFIX = ".merge-"
-"""Beginning of the name of the folder with the copy. One that is there without a merge is of a program that ended."""
+"""Beginning of the name of the folder with the copy. One that is there without a merge is of a
+program that ended.
+"""
 
 
 def _copy(path: Path, copy: Path, progress: Callable[[int, int], None]) -> None:
     create_file(copy)
     log, memory = sidecars(path)
-    if log.exists() and not memory.exists():  # nobody has it open; SQLite would make files beside it
+    # nobody has it open; SQLite would make files beside it
+    if log.exists() and not memory.exists():
         shutil.copyfile(path, copy)
         shutil.copyfile(log, sidecars(copy)[0])
         return
     option = "mode=ro" if log.exists() else "immutable=1"
     with (
-        closing(sqlite3.connect(f"file:{quote(str(path.absolute()))}?{option}", uri=True)) as source,
+        closing(
+            sqlite3.connect(f"file:{quote(str(path.absolute()))}?{option}", uri=True)
+        ) as source,
         closing(sqlite3.connect(copy)) as target,
     ):
-        source.backup(target, pages=_PAGES, progress=lambda _, remaining, total: progress(total - remaining, total))
+        source.backup(
+            target,
+            pages=_PAGES,
+            progress=lambda _, remaining, total: progress(total - remaining, total),
+        )
 
 
 def _prepare(path: Path, original: Path, copy: Path, beside: Path | None) -> tuple[str, ...]:
-    """Copy the tables into a database of the present version, and return its sessions that run now."""
+    """Copy the tables into a database of the present version, and return its sessions that run
+    now.
+    """
     create_file(copy)
     with closing(sqlite3.connect(original, isolation_level=None)) as database:
         database.execute("PRAGMA trusted_schema=OFF")
-        database.execute("PRAGMA journal_mode=DELETE")  # what a log beside it holds is in the file then
+        # what a log beside it holds is in the file then
+        database.execute("PRAGMA journal_mode=DELETE")
     copy_tables(original, copy, path)
     original.unlink()
     with closing(sqlite3.connect(copy, isolation_level=None)) as database:
         for flaw in flaws(database, gaps=False):  # what is missing there is missing here, too
             where = f" ({flaw.where})" if flaw.where else ""
-            raise StoreError(f"{path} is damaged{where}, and nothing was merged: {flaw.what}", bad_input=True)
+            raise StoreError(
+                f"{path} is damaged{where}, and nothing was merged: {flaw.what}", bad_input=True
+            )
         check_foreign(database, path)
         stored = database.execute("SELECT id FROM sessions WHERE status='running'").fetchall()
     has_locks = beside is not None and (beside / "locks").is_dir()

@@ -1,7 +1,9 @@
-"""A database of this program's own making that holds the rows of another's tables, and nothing else of that one.
+"""A database of this program's own making that holds the rows of another's tables, and nothing else
+of that one.
 
-Views, triggers, indexes and constraints of a database from elsewhere are programs: a view in place of a table can make
-a query endless, and a trigger can change what is read. None of them is in the copy.
+Views, triggers, indexes and constraints of a database from elsewhere are programs: a view in place
+of a table can make a query endless, and a trigger can change what is read. None of them is in the
+copy.
 """
 
 import sqlite3
@@ -24,10 +26,13 @@ def copy_tables(source: Path, copy: Path, path: Path) -> None:
         path: the file of which it is a copy, for messages.
 
     Raises:
-        StoreError: it is no database of this program, is damaged, or something else stands in place of a table.
+        StoreError: it is no database of this program, is damaged, or something else stands in place
+            of a table.
         sqlite3.Error: it cannot be read.
     """
-    with closing(sqlite3.connect(f"file:{quote(str(copy))}", uri=True, isolation_level=None)) as database:
+    with closing(
+        sqlite3.connect(f"file:{quote(str(copy))}", uri=True, isolation_level=None)
+    ) as database:
         for setting in ("journal_mode=OFF", "synchronous=OFF"):
             database.execute(f"PRAGMA {setting}")
         database.execute("ATTACH ? AS source", (f"file:{quote(str(source))}?mode=ro&immutable=1",))
@@ -40,12 +45,16 @@ def copy_tables(source: Path, copy: Path, path: Path) -> None:
         tables = [name for (name,) in database.execute(_OURS)]
         columns = {table: _columns(database, table, path) for table in tables}
         for flaw in damaged_pages(database, "source"):
-            raise StoreError(f"{path} is damaged, and nothing was merged: {flaw.what}", bad_input=True)
+            raise StoreError(
+                f"{path} is damaged, and nothing was merged: {flaw.what}", bad_input=True
+            )
         database.execute("BEGIN")
         for table, names in columns.items():
             listed = ", ".join(f'"{name}"' for name in names)
             database.execute(f'DELETE FROM main."{table}"')  # a migration may have made rows
-            database.execute(f'INSERT INTO main."{table}" ({listed}) SELECT {listed} FROM source."{table}"')
+            database.execute(
+                f'INSERT INTO main."{table}" ({listed}) SELECT {listed} FROM source."{table}"'
+            )
         database.execute("COMMIT")
         database.execute("DETACH source")
     with closing(sqlite3.connect(copy, isolation_level=None)) as database:
@@ -53,14 +62,23 @@ def copy_tables(source: Path, copy: Path, path: Path) -> None:
 
 
 _WARY = ("trusted_schema=OFF", "ignore_check_constraints=ON")
-"""Settings of SQLite while the other file is read: its schema calls no function, and its tables have no conditions."""
-_OURS = "SELECT name FROM main.sqlite_master WHERE type='table' AND name NOT GLOB 'sqlite_*' AND name NOT GLOB '_*'"
+"""Settings of SQLite while the other file is read: its schema calls no function, and its tables
+have no conditions.
+"""
+_OURS = (
+    "SELECT name FROM main.sqlite_master WHERE type='table' AND name NOT GLOB 'sqlite_*' AND "
+    "name NOT GLOB '_*'"
+)
 
 
 def _kind(database: sqlite3.Connection, name: str) -> str:
-    """Return the kind of the other database's object of a name: table, view, virtual; empty if there is none."""
+    """Return the kind of the other database's object of a name: table, view, virtual; empty if
+    there is none.
+    """
     row = database.execute(
-        "SELECT type, rootpage FROM source.sqlite_master WHERE lower(name)=? AND type IN ('table', 'view')", (name,)
+        "SELECT type, rootpage FROM source.sqlite_master WHERE lower(name)=? AND type IN "
+        "('table', 'view')",
+        (name,),
     ).fetchone()
     if row is None:
         return ""
@@ -68,19 +86,26 @@ def _kind(database: sqlite3.Connection, name: str) -> str:
 
 
 def _columns(database: sqlite3.Connection, table: str, path: Path) -> list[str]:
-    """Return the columns to copy, with the number of the row if the table has one. Raises StoreError."""
+    """Return the columns to copy, with the number of the row if the table has one. Raises
+    StoreError.
+    """
     kind = _kind(database, table)
     if kind != "table":
         what = f"a {kind} stands in place of the table" if kind else "it lacks the table"
         raise StoreError(f"{path} cannot be merged: {what} {table}.", bad_input=True)
     names = [name for _, name, *_ in database.execute(f'PRAGMA main.table_info("{table}")')]
     there = {
-        name: hidden for _, name, *_, hidden in database.execute(f'PRAGMA source.table_xinfo("{table}")').fetchall()
+        name: hidden
+        for _, name, *_, hidden in database.execute(
+            f'PRAGMA source.table_xinfo("{table}")'
+        ).fetchall()
     }
     for name in names:
         if there.get(name) != _ORDINARY:
             what = "is computed" if name in there else "is missing"
-            raise StoreError(f"{path} cannot be merged: in the table {table}, {name} {what}.", bad_input=True)
+            raise StoreError(
+                f"{path} cannot be merged: in the table {table}, {name} {what}.", bad_input=True
+            )
     return [*(["rowid"] if _has_numbers(database, table) else []), *names]
 
 

@@ -14,7 +14,10 @@ from tests.progress.session_results import adapted, at_one_level, session
 
 def chart(*levels: float) -> Chart:
     began = date(2026, 11, 3)
-    bars = [Bar(began + timedelta(days=2 * n), level / 4, f"{level:.1f}", "12/20") for n, level in enumerate(levels)]
+    bars = [
+        Bar(began + timedelta(days=2 * n), level / 4, f"{level:.1f}", "12/20")
+        for n, level in enumerate(levels)
+    ]
     return Chart("At goal", bars)
 
 
@@ -53,10 +56,21 @@ def test_the_levels_are_those_at_goal_and_a_session_that_was_all_too_easy_is_abo
     keyboard: type[Task],
 ) -> None:
     hard = session(3, [AttemptResult(1, 1400.0, 20), AttemptResult(2, 1500.0, 20)])
-    found = drawn_of(keyboard, session(0, adapted(0)), session(1, adapted(1)), session(2, at_one_level(2, 400.0)), hard)
+    found = drawn_of(
+        keyboard,
+        session(0, adapted(0)),
+        session(1, adapted(1)),
+        session(2, at_one_level(2, 400.0)),
+        hard,
+    )
     assert found.label == "At goal"
     assert [bar.value for bar in found.bars] == ["3.3", "3.3", ">3", "<1"]
-    assert [bar.height == max(each.height for each in found.bars) for bar in found.bars] == [False, False, True, False]
+    assert [bar.height == max(each.height for each in found.bars) for bar in found.bars] == [
+        False,
+        False,
+        True,
+        False,
+    ]
 
 
 def test_without_goals_reached_their_row_is_left_out(keyboard: type[Task]) -> None:
@@ -64,9 +78,14 @@ def test_without_goals_reached_their_row_is_left_out(keyboard: type[Task]) -> No
     assert [label for label, _, is_bar in rows if not is_bar] == ["At goal", ""]
 
 
-def test_at_one_level_a_better_result_has_a_higher_bar_whichever_way_is_better(keyboard: type[Task]) -> None:
+def test_at_one_level_a_better_result_has_a_higher_bar_whichever_way_is_better(
+    keyboard: type[Task],
+) -> None:
     def heights(means: Sequence[float], metric: Metric) -> list[float]:
-        played = [session(n, [AttemptResult(3, mean, 20)] * 6, metric=metric) for n, mean in enumerate(means)]
+        played = [
+            session(n, [AttemptResult(3, mean, 20)] * 6, metric=metric)
+            for n, mean in enumerate(means)
+        ]
         found = drawn_of(keyboard, *played)
         assert found.label.startswith("Result")
         return [round(bar.height, 2) for bar in found.bars]

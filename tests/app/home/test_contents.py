@@ -1,4 +1,6 @@
-"""Contents of a participant's card: the verdict is that of the progress screen, however long the history."""
+"""Contents of a participant's card: the verdict is that of the progress screen, however long the
+history.
+"""
 
 from contextlib import closing
 from datetime import date
@@ -17,12 +19,21 @@ from tests.progress.session_results import adapted, session
 
 @pytest.mark.parametrize("last", [300.0, 450.0, 600.0])
 def test_the_card_and_the_progress_screen_give_one_verdict_after_many_sessions(
-    tmp_path: Path, catalogue: Catalogue, keyboard: type[Task], monkeypatch: pytest.MonkeyPatch, last: float
+    tmp_path: Path,
+    catalogue: Catalogue,
+    keyboard: type[Task],
+    monkeypatch: pytest.MonkeyPatch,
+    last: float,
 ) -> None:
-    played = [session(number, adapted(number, base=450.0 + (last - 450.0) * number / 24)) for number in range(25)]
+    played = [
+        session(number, adapted(number, base=450.0 + (last - 450.0) * number / 24))
+        for number in range(25)
+    ]
     other = session(30, adapted(3), {"threshold": 900.0}, on_day=0)
     simulated = session(31, adapted(3), mode="simulated", on_day=0)
-    monkeypatch.setattr(contents.results, "sessions_of", lambda *_, **__: iter([other, *played, simulated]))
+    monkeypatch.setattr(
+        contents.results, "sessions_of", lambda *_, **__: iter([other, *played, simulated])
+    )
     with closing(connect(tmp_path)) as database:
         card = contents.read_card(database, tmp_path, catalogue, "P01", keyboard, date(2026, 4, 1))
     (line,) = progress("P01", played, {"keyboard": keyboard}.get).lines

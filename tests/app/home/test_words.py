@@ -45,25 +45,40 @@ def test_a_date_is_said_as_people_say_it(day: date, said: str) -> None:
 
 
 def test_people_read_seconds_and_other_units_as_they_are() -> None:
-    assert (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850)) == ("0.95 s", "1.0 s", "0.85 s")
+    assert (short(TIME, 953.4), short_goal(TIME, 1000), short_goal(TIME, 850)) == (
+        "0.95 s",
+        "1.0 s",
+        "0.85 s",
+    )
     assert (short(TAPS, 12), short_goal(TAPS, 12)) == ("12 taps", "12 taps")
 
 
 def test_a_programme_is_said_in_a_line_that_fits() -> None:
     programme = Programme(version=3, attempts=10, prompts=20, goal="1.0 s", level=4)
     assert programme_words(programme, is_roomy=False) == "v3: 10 × 20 · goal 1.0 s · start level 4"
-    assert programme_words(programme, is_roomy=True) == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
+    assert (
+        programme_words(programme, is_roomy=True)
+        == "version 3: 10 attempts of 20 · goal 1.0 s · start level 4"
+    )
     never_saved = Programme(version=0, attempts=1, prompts=1, goal="", level=1)
-    assert programme_words(never_saved, is_roomy=True) == "none saved: 1 attempt of 1 · start level 1"
+    assert (
+        programme_words(never_saved, is_roomy=True) == "none saved: 1 attempt of 1 · start level 1"
+    )
 
 
 @pytest.mark.parametrize("base", [50.0, 450.0, 750.0])
 def test_the_card_and_the_note_give_one_verdict(keyboard: type[Task], base: float) -> None:
-    played = [*(session(number, adapted(number)) for number in range(5)), session(9, adapted(9, base=base))]
+    played = [
+        *(session(number, adapted(number)) for number in range(5)),
+        session(9, adapted(9, base=base)),
+    ]
     (line,) = progress("P01", played, {"keyboard": keyboard}.get).lines
     note = report_words.note("P01", line, Language())
     card, sentence = {
-        50.0: ("better than noise and practice explain", "is better than that: a change that noise and practice do"),
+        50.0: (
+            "better than noise and practice explain",
+            "is better than that: a change that noise and practice do",
+        ),
         450.0: ("no change can be shown", "no change can be shown"),
         750.0: ("worse than noise explains", "is worse than that: a change that noise does not"),
     }[base]
@@ -84,12 +99,17 @@ def test_the_card_says_which_session_the_verdict_is_on(keyboard: type[Task]) -> 
     assert said([*played, *easy]) == (
         "Last session all too easy. 2026-03-03: Level 3.2 at goal, no change can be shown"
     )
-    assert said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])]) == "Last session all too easy"
+    assert (
+        said([session(1, [AttemptResult(level, 400.0, 20) for level in (1, 2, 3)])])
+        == "Last session all too easy"
+    )
     assert said(easy) == "Mean 0.41 s at level 3: change not yet known"
 
 
 def test_the_last_session_is_a_sentence() -> None:
-    last = session(0, at_one_level(0, 900.0), began=datetime(2026, 11, 17, 10, tzinfo=UTC), reached=7)
+    last = session(
+        0, at_one_level(0, 900.0), began=datetime(2026, 11, 17, 10, tzinfo=UTC), reached=7
+    )
     assert last_words(last, "tired 3", TODAY) == "Tue 17 Nov: 7 of 12 reached, tired 3"
     nothing = session(0, [], began=datetime(2026, 11, 21, 10, tzinfo=UTC), status="aborted")
     assert last_words(nothing, "", TODAY) == "Yesterday: no attempt was finished, ended early"

@@ -44,7 +44,9 @@ class Plugged:
 
 @pytest.fixture(autouse=True)
 def plugged(monkeypatch: pytest.MonkeyPatch) -> type[Plugged]:
-    """Fake sensor, not plugged in unless a test sets its statuses; the doctor does not wait for a real one."""
+    """Fake sensor, not plugged in unless a test sets its statuses; the doctor does not wait for a
+    real one.
+    """
 
     class Socket(Plugged):
         pass
@@ -85,7 +87,17 @@ def test_without_problems_the_exit_code_is_0(call: Call) -> None:
     called = call("doctor")
     assert (called.code, called.err) == (0, "")
     assert "✗" not in called.out
-    for name in ("Python", "Terminal", "Clock", "Onset stamps", "Priority", "Data", "Disk space", "Tasks", "Themes"):
+    for name in (
+        "Python",
+        "Terminal",
+        "Clock",
+        "Onset stamps",
+        "Priority",
+        "Data",
+        "Disk space",
+        "Tasks",
+        "Themes",
+    ):
         assert name in called.out
 
 
@@ -120,13 +132,18 @@ def test_checks_that_wait_for_devices_and_the_voice_wait_side_by_side(
     assert [row["name"] for row in rows].index("motion_sensor") == 11
 
 
-def test_a_check_that_fails_beside_others_is_a_finding(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_check_that_fails_beside_others_is_a_finding(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fails() -> Finding:
         raise ZeroDivisionError("a plain mistake")
 
     monkeypatch.setattr(examination, "motion_sensor", fails)
     found = finding(call("doctor", "--json"), "Motion sensor")
-    assert (found["state"], found["found"]) == ("bad", "This check failed (ZeroDivisionError: a plain mistake).")
+    assert (found["state"], found["found"]) == (
+        "bad",
+        "This check failed (ZeroDivisionError: a plain mistake).",
+    )
 
 
 def test_the_data_folder_is_made_and_named(call: Call, tmp_path: Path) -> None:
@@ -191,7 +208,11 @@ def test_no_color_is_fine(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("way", "found"),
-    [("kitty", "by kitty's graphics"), ("half blocks", "in half blocks, as this"), (None, "not installed.")],
+    [
+        ("kitty", "by kitty's graphics"),
+        ("half blocks", "in half blocks, as this"),
+        (None, "not installed."),
+    ],
 )
 def test_the_way_of_showing_pictures_is_told(
     call: Call, monkeypatch: pytest.MonkeyPatch, way: str | None, found: str
@@ -204,7 +225,9 @@ def test_the_way_of_showing_pictures_is_told(
 
 
 @pytest.mark.parametrize(("free", "state"), [(10, "bad"), (100, "care"), (10_000, "ok")])
-def test_a_full_disk_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch, free: int, state: str) -> None:
+def test_a_full_disk_is_noticed(
+    call: Call, monkeypatch: pytest.MonkeyPatch, free: int, state: str
+) -> None:
     usage = namedtuple("usage", "total used free")
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage(10**12, 0, free * 1_000_000))
     called = call("doctor", "--json")
@@ -223,11 +246,20 @@ def test_a_full_disk_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch, fre
     ],
     ids=["none", "broken", "incomplete", "fit", "not fit"],
 )
-def test_measured_timing_is_reported(call: Call, tmp_path: Path, text: str | None, state: str, says: str) -> None:
+def test_measured_timing_is_reported(
+    call: Call, tmp_path: Path, text: str | None, state: str, says: str
+) -> None:
     if text is not None:
         (tmp_path / "data").mkdir()
-        figures = {"measured_at": "2026-01-02T03:04", "median_ms": 0.3, "robust_sd_ms": 0.1, "p99_ms": 0.9}
-        whole = json.dumps({**figures, "verdict": text}) if "fit" in text and "{" not in text else text
+        figures = {
+            "measured_at": "2026-01-02T03:04",
+            "median_ms": 0.3,
+            "robust_sd_ms": 0.1,
+            "p99_ms": 0.9,
+        }
+        whole = (
+            json.dumps({**figures, "verdict": text}) if "fit" in text and "{" not in text else text
+        )
         (tmp_path / "data" / "timing.json").write_text(whole)
     found = finding(call("doctor", "--json"), "Measured timing")
     assert found["state"] == state
@@ -245,7 +277,9 @@ def test_a_check_that_fails_is_a_finding(call: Call, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the driver of POSIX systems")
-def test_a_textual_without_the_expected_file_is_noticed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_textual_without_the_expected_file_is_noticed(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from textual.drivers.linux_driver import LinuxDriver
 
     monkeypatch.setattr(LinuxDriver, "__init__", lambda self: None)
@@ -261,7 +295,9 @@ def test_no_motion_sensor_is_no_fault(call: Call, plugged: type[Plugged]) -> Non
 
 
 def test_a_motion_sensor_is_named(call: Call, plugged: type[Plugged]) -> None:
-    plugged.info = Info(source="USB", model="PhidgetSpatial 3/3/3 (1044_1B)", serial="629001", rate_hz=250.0)
+    plugged.info = Info(
+        source="USB", model="PhidgetSpatial 3/3/3 (1044_1B)", serial="629001", rate_hz=250.0
+    )
     plugged.statuses = (Status(state="detached", at=0), Status(state="attached", at=1))
     found = finding(call("doctor", "--json"), "Motion sensor")
     assert (found["state"], plugged.stopped) == ("ok", 1)
@@ -288,7 +324,11 @@ def test_missing_permission_for_a_motion_sensor_exits_with_1_and_shows_the_udev_
 
 @pytest.mark.parametrize(
     ("system", "rule", "says"),
-    [("linux", False, "To be allowed to use one, write the line"), ("linux", True, ""), ("win32", False, "")],
+    [
+        ("linux", False, "To be allowed to use one, write the line"),
+        ("linux", True, ""),
+        ("win32", False, ""),
+    ],
 )
 def test_without_a_sensor_the_doctor_says_what_one_needs(
     call: Call, monkeypatch: pytest.MonkeyPatch, system: str, rule: bool, says: str
@@ -318,7 +358,11 @@ def test_a_udev_rule_is_known_by_its_vendor(tmp_path: Path) -> None:
             "The Python package Phidget22 is missing",
             "Install it with: " + pip_install("phidget22"),
         ),
-        (OSError("libusb-1.0.so.0: none"), "libusb-1.0.so.0: none", "pip install phidget22 libusb-package"),
+        (
+            OSError("libusb-1.0.so.0: none"),
+            "libusb-1.0.so.0: none",
+            "pip install phidget22 libusb-package",
+        ),
     ],
     ids=["package", "library"],
 )
@@ -336,7 +380,8 @@ def test_a_missing_driver_is_reported_with_its_fix(
     assert advice in row["mend"]
 
 
-# --- outputs ---------------------------------------------------------------------------------------------------------
+# --- outputs
+# ---------------------------------------------------------------------------------------------------------
 
 
 class Plugin:
@@ -382,5 +427,7 @@ def test_an_output_of_a_plug_in_that_does_not_load_exits_with_1(
     called = call("doctor", "--json")
     row = finding(called, "Outputs")
     assert (called.code, row["state"]) == (1, "bad")
-    assert row["found"] == "The output lamp (lamp:Lamp) cannot be loaded: ImportError: no lamp here."
+    assert (
+        row["found"] == "The output lamp (lamp:Lamp) cannot be loaded: ImportError: no lamp here."
+    )
     assert row["mend"] == "Install its package again, or remove it."

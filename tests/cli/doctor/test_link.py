@@ -89,7 +89,10 @@ def test_missing_packages_are_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
         f"To install it: {pip_install_extra('link')}",
     )
     assert browser() == Finding(
-        "Browser", "ok", "not installed. Only `sar-tui serve` needs it.", f"To install it: {pip_install_extra('serve')}"
+        "Browser",
+        "ok",
+        "not installed. Only `sar-tui serve` needs it.",
+        f"To install it: {pip_install_extra('serve')}",
     )
 
 

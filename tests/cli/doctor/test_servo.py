@@ -27,7 +27,9 @@ def test_a_controller_with_a_failsafe_is_ok(motor: FakeServo) -> None:
     motor.during["open"] = motor.plug_in
     finding = servo_controller()
     assert finding.state == "ok"
-    assert finding.found.startswith("16x RC Servo Phidget (RCC1000_0), serial 620001, makes its motors limp 1000 ms")
+    assert finding.found.startswith(
+        "16x RC Servo Phidget (RCC1000_0), serial 620001, makes its motors limp 1000 ms"
+    )
     assert motor.sent("setEngaged") == []
     assert motor.sent("close") == [None]
 
@@ -57,7 +59,9 @@ def test_no_controller_is_waited_for_if_the_system_lists_none(
 
 
 @pytest.mark.parametrize(("vendor", "found"), [("06c2", True), ("046d", False)])
-def test_an_attached_controller_is_known_by_its_vendor(tmp_path: Path, vendor: str, found: bool) -> None:
+def test_an_attached_controller_is_known_by_its_vendor(
+    tmp_path: Path, vendor: str, found: bool
+) -> None:
     assert phidget.plugged_in(tmp_path) is False
     device = tmp_path / "1-2"
     device.mkdir()
@@ -66,7 +70,9 @@ def test_an_attached_controller_is_known_by_its_vendor(tmp_path: Path, vendor: s
     assert phidget.plugged_in(tmp_path / "none") is None
 
 
-def test_missing_permission_is_reported_with_where_to_fix_it(motor: FakeServo, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_permission_is_reported_with_where_to_fix_it(
+    motor: FakeServo, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(phidget, "usb_denied", lambda: True)
     finding = servo_controller()
     assert (finding.state, finding.advice) == ("care", "See: Motion sensor.")

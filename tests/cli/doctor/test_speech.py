@@ -30,7 +30,9 @@ def test_a_missing_engine_is_a_warning_with_what_to_install() -> None:
 
 
 def test_a_sound_card_is_named_by_its_system() -> None:
-    assert sound_card(partial(examine_voice, backends=NOBODY)) == Finding("Sound card", "ok", "there is one, by Null")
+    assert sound_card(partial(examine_voice, backends=NOBODY)) == Finding(
+        "Sound card", "ok", "there is one, by Null"
+    )
 
 
 def test_a_missing_sound_card_is_a_warning_with_what_to_do() -> None:

@@ -1,4 +1,6 @@
-"""Drives memory and action center with scored attempts; and a theme whose phrases spell out their keys and slots."""
+"""Drives memory and action center with scored attempts; and a theme whose phrases spell out their
+keys and slots.
+"""
 
 import re
 from typing import Any, NamedTuple
@@ -23,7 +25,9 @@ from sar_tui.rules.version import RULES
 
 
 class Done(Message, frozen=True, kw_only=True):
-    """An attempt that has just ended. ``sums_up``: number of attempts that the feedback summarises."""
+    """An attempt that has just ended. ``sums_up``: number of attempts that the feedback
+    summarises.
+    """
 
     attempt: int
     level: int
@@ -60,7 +64,9 @@ class Judge(Node):
         target = self.task.target(done.level)
         verdict = judgement.judge(score, self.task.metric, target, 0.0 if done.sums_up > 1 else 0.8)
         judged = judgement.JudgedAttempt(score, target, verdict)
-        choice = feedback_choice.choose(History(since=1), judged, self.task.parameters, self.task.feedback_on)
+        choice = feedback_choice.choose(
+            History(since=1), judged, self.task.parameters, self.task.feedback_on
+        )
         choice = msgspec.structs.replace(choice, attempts=done.sums_up)
         facts: dict[str, Any] = {
             "attempt": done.attempt,
@@ -119,21 +125,32 @@ class Agent:
         rules: int = RULES,
         **parameters: object,
     ) -> None:
-        self.task = task(build(task.Parameters, {"feedback_form": form, "language": theme.language, **parameters}))
+        self.task = task(
+            build(
+                task.Parameters, {"feedback_form": form, "language": theme.language, **parameters}
+            )
+        )
         self.task.rules = rules
         self.bus = Bus(VirtualClock())
         self.count = 0
         self.said: list[Proposal] = []
         for node in (Memory(), Judge(self.task), ActionCenter(self.task, theme, seed)):
             node.attach(self.bus)
-        self.bus.publish(SESSION, SessionStarted(run=1, task=task.name, theme=theme.name, seed=seed, best=best or {}))
+        self.bus.publish(
+            SESSION,
+            SessionStarted(run=1, task=task.name, theme=theme.name, seed=seed, best=best or {}),
+        )
         self.bus.subscribe(PROPOSED, self.said.append)
 
     def feedback_on(self, metric: float | None, level: int = 1, **fields: Any) -> str:
-        """Publish an attempt and return the feedback text. Keyword arguments: fields of `Done`, and qualities."""
+        """Publish an attempt and return the feedback text. Keyword arguments: fields of `Done`, and
+        qualities.
+        """
         self.count += 1
         known = {name: fields.pop(name) for name in list(fields) if name in Done.__struct_fields__}
-        self.bus.publish(DONE, Done(attempt=self.count, level=level, metric=metric, qualities=fields, **known))
+        self.bus.publish(
+            DONE, Done(attempt=self.count, level=level, metric=metric, qualities=fields, **known)
+        )
         return self.said[-1].text
 
 
@@ -145,9 +162,13 @@ class Spelled(NamedTuple):
 
 
 def spelling(theme: Theme) -> Theme:
-    """Return a theme with one phrase per key, which names the key and all its slots: read them with ``spelled``."""
+    """Return a theme with one phrase per key, which names the key and all its slots: read them with
+    ``spelled``.
+    """
     phrases = {
-        situation: ("".join((f"<{situation}", *(f";{slot}={{{slot}}}" for slot in sorted(slots)), ">")),)
+        situation: (
+            "".join((f"<{situation}", *(f";{slot}={{{slot}}}" for slot in sorted(slots)), ">")),
+        )
         for situation, slots in PHRASE_KEYS.items()
     }
     return msgspec.structs.replace(theme, phrases=phrases)

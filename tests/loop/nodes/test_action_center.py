@@ -44,16 +44,23 @@ def lift_once(driver: LiftDriver, time_ms: float) -> None:
 GOOD, BAD = 400.0, 1900.0
 
 
-# --- greeting, instructions, goodbye --------------------------------------------------------------------------
+# --- greeting, instructions, goodbye
+# --------------------------------------------------------------------------
 
 
-def test_the_agent_greets_gives_instructions_and_says_goodbye(new_session: NewSession, calm: Theme) -> None:
+def test_the_agent_greets_gives_instructions_and_says_goodbye(
+    new_session: NewSession, calm: Theme
+) -> None:
     driver = new_session(attempts=1)
     greeting, instruction = proposed(driver)
     assert (greeting.kind, greeting.face, greeting.gesture) == ("greeting", "happy", "wave")
     assert greeting.text in calm.phrases["greeting"]
     assert greeting.spoken == greeting.text
-    assert (instruction.kind, instruction.text, instruction.spoken) == ("instruction", "", "Press Space, and lift.")
+    assert (instruction.kind, instruction.text, instruction.spoken) == (
+        "instruction",
+        "",
+        "Press Space, and lift.",
+    )
     driver.enter()
     lift_once(driver, GOOD)
     assert proposed(driver, "goodbye") == [], "the last feedback is read first"
@@ -70,17 +77,23 @@ def test_instructions_are_given_once_per_run(new_session: NewSession) -> None:
     assert len(proposed(driver, "instruction")) == 1
 
 
-def test_instructions_are_given_again_after_an_interruption_in_them(new_session: NewSession, calm: Theme) -> None:
+def test_instructions_are_given_again_after_an_interruption_in_them(
+    new_session: NewSession, calm: Theme
+) -> None:
     driver = new_session()
     resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
     assert [proposal.kind for proposal in proposed(resumed)] == ["greeting", "instruction"]
 
 
-def test_a_resumed_session_welcomes_the_participant_back(new_session: NewSession, calm: Theme) -> None:
+def test_a_resumed_session_welcomes_the_participant_back(
+    new_session: NewSession, calm: Theme
+) -> None:
     driver = new_session()
     driver.begin_lifts()
     resumed = LiftDriver(Lift, calm, attempts=5, lifts=1, start_level=3, history=driver.records)
-    assert [proposal.text in calm.phrases["welcome_back"] for proposal in proposed(resumed)] == [True]
+    assert [proposal.text in calm.phrases["welcome_back"] for proposal in proposed(resumed)] == [
+        True
+    ]
 
 
 def test_an_aborted_session_ends_with_a_goodbye_too(new_session: NewSession) -> None:
@@ -90,16 +103,23 @@ def test_an_aborted_session_ends_with_a_goodbye_too(new_session: NewSession) -> 
     assert [proposal.kind for proposal in proposed(driver)][-1] == "goodbye"
 
 
-# --- between attempts -----------------------------------------------------------------------------------------
+# --- between attempts
+# -----------------------------------------------------------------------------------------
 
 
-def test_encouragement_precedes_a_new_level_and_follows_two_failures(new_session: NewSession) -> None:
+def test_encouragement_precedes_a_new_level_and_follows_two_failures(
+    new_session: NewSession,
+) -> None:
     driver = new_session(attempts=6)
     driver.enter()
     for time_ms in (GOOD, BAD, GOOD, BAD, BAD):
         lift_once(driver, time_ms)
-    proposals = [(proposal.attempt, proposal.joins) for proposal in proposed(driver, "encouragement")]
-    assert proposals == [(2, True), (6, True)], "level 4 is new before attempt 2; attempts 4 and 5 failed"
+    proposals = [
+        (proposal.attempt, proposal.joins) for proposal in proposed(driver, "encouragement")
+    ]
+    assert proposals == [(2, True), (6, True)], (
+        "level 4 is new before attempt 2; attempts 4 and 5 failed"
+    )
 
 
 def test_encouragement_fits_what_has_just_happened(new_session: NewSession, calm: Theme) -> None:
@@ -112,7 +132,9 @@ def test_encouragement_fits_what_has_just_happened(new_session: NewSession, calm
     assert missed.text in calm.phrases["encouragement"]
 
 
-def test_feedback_says_nothing_twice_and_not_what_the_last_feedback_said(new_session: NewSession) -> None:
+def test_feedback_says_nothing_twice_and_not_what_the_last_feedback_said(
+    new_session: NewSession,
+) -> None:
     driver = new_session(attempts=8, encouragement=False, rest_every=0, max_level=3)
     driver.enter()
     for _ in range(8):
@@ -176,7 +198,9 @@ def test_rest_and_encouragement_are_not_both_given(new_session: NewSession) -> N
     driver.enter()
     for _ in range(4):
         lift_once(driver, GOOD)
-    assert proposed(driver, "encouragement") == [], "each was harder, and a rest was suggested before each"
+    assert proposed(driver, "encouragement") == [], (
+        "each was harder, and a rest was suggested before each"
+    )
     assert len(proposed(driver, "rest")) == 4
 
 
@@ -189,7 +213,8 @@ def test_encouragement_is_given_once_per_attempt(new_session: NewSession) -> Non
     assert len(proposed(driver, "encouragement")) == 1
 
 
-# --- manner of feedback ---------------------------------------------------------------------------------------
+# --- manner of feedback
+# ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -213,7 +238,12 @@ def test_distance_from_the_goal_selects_text_face_and_gesture(
     said = agent.feedback_on(metric)
     answer = agent.said[-1]
     assert said in theme.phrases[situation]
-    assert (answer.kind, answer.valence, answer.degree, answer.attempt) == ("feedback", valence, degree, 1)
+    assert (answer.kind, answer.valence, answer.degree, answer.attempt) == (
+        "feedback",
+        valence,
+        degree,
+        1,
+    )
     manner = theme.manner(situation)
     assert Manner(answer.face, answer.gesture, answer.gaze, answer.tone) == manner
     assert manner.tone == ("success" if valence == "positive" else "")
@@ -254,7 +284,9 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
         "filler",
     }
     assert {kind for kind, rule in RULES.items() if rule.policy == "interrupt"} == {"feedback"}
-    helps = max(rule.priority for kind, rule in RULES.items() if rule.policy == "drop" and kind != "filler")
+    helps = max(
+        rule.priority for kind, rule in RULES.items() if rule.policy == "drop" and kind != "filler"
+    )
     assert RULES["filler"].priority > RULES["feedback"].priority  # a filler is not interrupted
     assert helps < RULES["greeting"].priority < RULES["feedback"].priority
     assert min(RULES, key=lambda kind: RULES[kind].priority) in ("goodbye", "rest")
@@ -263,7 +295,8 @@ def test_priorities_and_policies_of_the_kinds(calm: Theme) -> None:
     assert (agent.said[-1].priority, agent.said[-1].policy) == RULES["feedback"]
 
 
-# --- choice of phrases ----------------------------------------------------------------------------------------
+# --- choice of phrases
+# ----------------------------------------------------------------------------------------
 
 
 @given(st.lists(st.sampled_from([500.0, 800.0, 950.0, 1005.0, 1050.0, 1200.0, 2000.0, None]), max_size=20),
@@ -291,7 +324,9 @@ def test_a_phrase_with_figures_is_not_used_twice_in_a_row(catalogue: Catalogue, 
 )
 def test_every_phrase_is_used(keyboard: type[Task], calm: Theme, form: str, situation: str) -> None:
     said = {Agent(keyboard, calm, form, seed).feedback_on(700) for seed in range(30)}
-    assert said == {wording.format(value="0.70 seconds", goal="1 second") for wording in calm.phrases[situation]}
+    assert said == {
+        wording.format(value="0.70 seconds", goal="1 second") for wording in calm.phrases[situation]
+    }
 
 
 def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
@@ -302,14 +337,22 @@ def test_the_same_seed_says_the_same(keyboard: type[Task], calm: Theme) -> None:
     assert session() == session()
 
 
-# --- another theme --------------------------------------------------------------------------------------------
+# --- another theme
+# --------------------------------------------------------------------------------------------
 
 
 def test_an_edited_theme_is_used_from_then_on(calm: Theme) -> None:
     agent = Agent(Lift, calm, "qualitative")
     agent.feedback_on(500)
-    words, manner = {"positive_strong": ("Splendid.",)}, {"positive_strong": Manner("neutral", "", "up")}
+    words, manner = (
+        {"positive_strong": ("Splendid.",)},
+        {"positive_strong": Manner("neutral", "", "up")},
+    )
     edited = msgspec.structs.replace(calm, phrases={**calm.phrases, **words}, manners=manner)
     agent.bus.publish(THEME, ThemeApplied(theme=edited))
     assert agent.feedback_on(500) == "Splendid."
-    assert (agent.said[-1].face, agent.said[-1].gesture, agent.said[-1].gaze) == ("neutral", "", "up")
+    assert (agent.said[-1].face, agent.said[-1].gesture, agent.said[-1].gaze) == (
+        "neutral",
+        "",
+        "up",
+    )

@@ -64,7 +64,10 @@ def new_session(keyboard: type[Task], calm: Theme) -> NewSession:
     def start(output: Output | None = None, **settings: Any) -> LoopDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
         return LoopDriver(
-            keyboard, calm, extra=[speech], **{"prompts_per_attempt": 2, "attempts": 2, **FIXED, **settings}
+            keyboard,
+            calm,
+            extra=[speech],
+            **{"prompts_per_attempt": 2, "attempts": 2, **FIXED, **settings},
         )
 
     return start
@@ -76,7 +79,9 @@ def new_lift_session(calm: Theme) -> NewSession:
 
     def start(output: Output | None = None, **settings: Any) -> LiftDriver:
         speech = OutputNode(output or Speaker(3000), "speech", calm)
-        return LiftDriver(Lift, calm, extra=[speech, Prompter()], **{"attempts": 2, **FIXED, **settings})
+        return LiftDriver(
+            Lift, calm, extra=[speech, Prompter()], **{"attempts": 2, **FIXED, **settings}
+        )
 
     return start
 
@@ -87,14 +92,19 @@ def is_acting(driver: LoopDriver) -> bool:
 
 def when_still(driver: LoopDriver) -> int:
     """Return when the agent last became silent."""
-    return [record.at for record in driver.records if record.topic is ACTING and not record.message.acting][-1]
+    return [
+        record.at
+        for record in driver.records
+        if record.topic is ACTING and not record.message.acting
+    ][-1]
 
 
 def shown_at(driver: LoopDriver) -> int:
     return [record.at for record in driver.records if record.topic is PROMPT][-1]
 
 
-# --- with a foreperiod ----------------------------------------------------------------------------------------
+# --- with a foreperiod
+# ----------------------------------------------------------------------------------------
 
 
 def test_the_first_foreperiod_waits_for_the_end_of_the_greeting(new_session: NewSession) -> None:
@@ -144,7 +154,9 @@ def test_keys_pressed_while_the_agent_speaks_are_no_false_starts_but_delay_the_f
     assert driver.last(TRIAL).timing.false_starts == 0
 
 
-def test_encouragement_that_waits_for_feedback_is_spoken_before_the_next_trial(new_session: NewSession) -> None:
+def test_encouragement_that_waits_for_feedback_is_spoken_before_the_next_trial(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.wait(10_000)
     driver.enter()
@@ -204,7 +216,12 @@ def test_the_stop_key_lets_the_trial_come_at_once(new_session: NewSession) -> No
     driver.to_prompt()
     assert shown_at(driver) - stopped_at == 900 * MS
     (stopped,) = driver.all(STOPPED)
-    assert (stopped.output, stopped.asked, stopped.at, stopped.detail) == ("speech", stopped_at, stopped_at, "")
+    assert (stopped.output, stopped.asked, stopped.at, stopped.detail) == (
+        "speech",
+        stopped_at,
+        stopped_at,
+        "",
+    )
 
 
 def test_a_stop_in_a_trial_changes_nothing_in_it(new_session: NewSession) -> None:
@@ -254,7 +271,8 @@ def test_a_session_cut_off_while_the_agent_speaks_can_be_resumed(
     assert not is_acting(resumed)
 
 
-# --- with a key that starts each trial ------------------------------------------------------------------------
+# --- with a key that starts each trial
+# ------------------------------------------------------------------------
 
 
 def test_no_trial_can_be_started_while_the_agent_speaks(new_lift_session: NewSession) -> None:
@@ -291,12 +309,16 @@ def test_an_utterance_begun_before_the_start_key_ends_before_the_trial_continues
     assert shown_at(driver) - when_still(driver) == (900 * MS if signal else 0)
 
 
-# --- arbitrary input ------------------------------------------------------------------------------------------
+# --- arbitrary input
+# ------------------------------------------------------------------------------------------
 
 CATALOGUE = Catalogue()
 CALM = CATALOGUE.theme("calm")
 KEYS = st.lists(
-    st.tuples(st.integers(0, 2500), st.sampled_from(["enter", "enter", "space", "right", "tab", "f", "k", "u", "d"])),
+    st.tuples(
+        st.integers(0, 2500),
+        st.sampled_from(["enter", "enter", "space", "right", "tab", "f", "k", "u", "d"]),
+    ),
     max_size=60,
 )
 
@@ -318,12 +340,23 @@ def test_prompts_and_speech_never_overlap(
         "lift on a signal": {"signal": True},
         "lifts by themselves": {"by_itself": True},
     }[which]
-    settings = {"attempts": 3, "feedback_delay_ms": delay_ms, "feedback_schedule": schedule, "rest_every": 1}
+    settings = {
+        "attempts": 3,
+        "feedback_delay_ms": delay_ms,
+        "feedback_schedule": schedule,
+        "rest_every": 1,
+    }
     extra = [OutputNode(Speaker(takes_ms), "speech", CALM)]
-    driver = LoopDriver(kind, CALM, extra=extra, feedback_every=2, foreperiod_max_ms=700, **settings, **own)
+    driver = LoopDriver(
+        kind, CALM, extra=extra, feedback_every=2, foreperiod_max_ms=700, **settings, **own
+    )
     for after_ms, key in keys:
         driver.wait(after_ms)
-        expected = driver.screen.prompt.expected if driver.screen.onset is not None and driver.screen.prompt else key
+        expected = (
+            driver.screen.prompt.expected
+            if driver.screen.onset is not None and driver.screen.prompt
+            else key
+        )
         driver.press(expected if key == "right" else key)
     driver.wait(20_000)
     assert driver.session.faults == []
@@ -340,6 +373,10 @@ def _after(record: Record, speaking: bool, up: bool) -> tuple[bool, bool]:
     if record.topic is ACTING:
         return record.message.acting, up
     if record.topic is WAITING:
-        in_trial = record.message.stage == "trial" and record.message.what in ("foreperiod", "storage", "response")
+        in_trial = record.message.stage == "trial" and record.message.what in (
+            "foreperiod",
+            "storage",
+            "response",
+        )
         return speaking, in_trial
     return speaking, up

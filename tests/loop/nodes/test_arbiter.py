@@ -79,7 +79,9 @@ class ArbiterDriver:
     def begin(self, outputs: dict[str, tuple[m.ActionPart, ...]], run: int = 1) -> None:
         for name, can in outputs.items():
             self.bus.publish(OUTPUT, m.OutputOpened(output=name, address=name, can=can))
-        self.bus.publish(SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1, rules=RULES))
+        self.bus.publish(
+            SESSION, m.SessionStarted(run=run, task="lift", theme="calm", seed=1, rules=RULES)
+        )
 
     def wait_for(self, what: Any, stage: Any = "trial", reason: str = "") -> None:
         """Publish that the session waits for something."""
@@ -89,8 +91,12 @@ class ArbiterDriver:
         made = [proposal(name, **how) for name in names]
         self.bus.publish(EVENT, Event(proposals=tuple(made)))
 
-    def report(self, action: str, state: Any = "done", output: str = "speech", part: m.ActionPart = "say") -> None:
-        report = m.OutputReport(action=action, output=output, part=part, state=state, at=self.clock.now())
+    def report(
+        self, action: str, state: Any = "done", output: str = "speech", part: m.ActionPart = "say"
+    ) -> None:
+        report = m.OutputReport(
+            action=action, output=output, part=part, state=state, at=self.clock.now()
+        )
         self.bus.publish(REPORT, report)
 
     def stop(self, at: int = 0) -> None:
@@ -126,7 +132,8 @@ def driver() -> ArbiterDriver:
     return ArbiterDriver({"speech": ("say",)})
 
 
-# --- proposals outside and inside trials ----------------------------------------------------------------------
+# --- proposals outside and inside trials
+# ----------------------------------------------------------------------
 
 
 def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
@@ -147,7 +154,9 @@ def test_outside_a_trial_proposals_are_passed_on_unchanged() -> None:
     }
     driver.propose("hello", **whole)
     (action,) = driver.all(ACTION)
-    assert action == m.Action(id="hello", text="hello", spoken="hello", decision="accepted", actor="agent", **whole)
+    assert action == m.Action(
+        id="hello", text="hello", spoken="hello", decision="accepted", actor="agent", **whole
+    )
 
 
 @pytest.mark.parametrize("what", IN_TRIAL)
@@ -171,7 +180,8 @@ def test_waiting_for_storage_at_the_end_is_not_a_trial() -> None:
     assert driver.acted == ["bye"]
 
 
-# --- one at a time --------------------------------------------------------------------------------------------
+# --- one at a time
+# --------------------------------------------------------------------------------------------
 
 
 def test_a_queued_action_waits_for_the_current_one(driver: ArbiterDriver) -> None:
@@ -196,9 +206,16 @@ def test_a_higher_priority_goes_first(driver: ArbiterDriver) -> None:
 
 
 def test_an_action_is_over_when_every_output_has_done_its_part_of_it() -> None:
-    driver = ArbiterDriver({"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)})
+    driver = ArbiterDriver(
+        {"speech": ("say",), "robot": ("gesture", "gaze", "say"), "screen": ("show",)}
+    )
     driver.propose("a", gesture="wave")
-    for output, part in (("speech", "say"), ("robot", "say"), ("robot", "gaze"), ("screen", "show")):
+    for output, part in (
+        ("speech", "say"),
+        ("robot", "say"),
+        ("robot", "gaze"),
+        ("screen", "show"),
+    ):
         driver.report("a", "done", output, part)  # type: ignore[arg-type]
         assert driver.acting == [True], "its gesture continues"
     driver.report("a", "done", "robot", "gesture")
@@ -211,14 +228,19 @@ def test_text_on_the_screen_is_not_waited_for() -> None:
     assert (driver.acted, driver.acting) == (["a", "b"], [])
 
 
-# --- interrupting ---------------------------------------------------------------------------------------------
+# --- interrupting
+# ---------------------------------------------------------------------------------------------
 
 
 def test_an_interrupting_action_halts_one_of_equal_or_lower_priority(driver: ArbiterDriver) -> None:
     driver.propose("a", priority=3)
     driver.propose("b", priority=3, policy="interrupt")
     assert driver.halted == [("a", "interrupted")]
-    assert [record.topic for record in driver.records if record.topic in (HALT, ACTION)] == [ACTION, HALT, ACTION]
+    assert [record.topic for record in driver.records if record.topic in (HALT, ACTION)] == [
+        ACTION,
+        HALT,
+        ACTION,
+    ]
     driver.report("a", "aborted")
     assert driver.acting == [True], "b continues"
     driver.report("b")
@@ -256,7 +278,8 @@ def test_instructions_are_halted_when_the_participant_continues(
     assert driver.halted == halted
 
 
-# --- too late, too early --------------------------------------------------------------------------------------
+# --- too late, too early
+# --------------------------------------------------------------------------------------
 
 
 def test_an_action_of_policy_drop_is_dropped_by_a_trial(driver: ArbiterDriver) -> None:
@@ -271,7 +294,9 @@ def test_an_action_of_policy_drop_is_dropped_by_a_trial(driver: ArbiterDriver) -
     assert driver.acted == ["a", "c"]
 
 
-def test_an_action_of_policy_drop_is_done_while_the_trial_waits_for_the_agent(driver: ArbiterDriver) -> None:
+def test_an_action_of_policy_drop_is_done_while_the_trial_waits_for_the_agent(
+    driver: ArbiterDriver,
+) -> None:
     driver.propose("a")
     driver.propose("b", policy="drop")
     driver.wait_for("agent")
@@ -311,7 +336,8 @@ def test_a_due_action_interrupts_while_others_wait(driver: ArbiterDriver) -> Non
     assert driver.acted == ["a", "c"]
 
 
-# --- the stop key ---------------------------------------------------------------------------------------------
+# --- the stop key
+# ---------------------------------------------------------------------------------------------
 
 
 def test_the_stop_key_stops_all_actions_and_drops_waiting_ones(driver: ArbiterDriver) -> None:
@@ -335,7 +361,9 @@ def test_the_stop_key_works_in_a_trial_too(driver: ArbiterDriver) -> None:
     driver.stop()
     driver.wait_for("enter", "attempt")
     assert (driver.acted, driver.dropped) == ([], [("a", "stopped")])
-    assert driver.all(HALT)[0].asked == driver.clock.now(), "without a time stamp it counts from its handling"
+    assert driver.all(HALT)[0].asked == driver.clock.now(), (
+        "without a time stamp it counts from its handling"
+    )
 
 
 def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
@@ -345,7 +373,8 @@ def test_other_commands_stop_nothing(driver: ArbiterDriver) -> None:
     assert driver.halted == []
 
 
-# --- silent outputs, and a new run ----------------------------------------------------------------------------
+# --- silent outputs, and a new run
+# ----------------------------------------------------------------------------
 
 
 def test_no_session_hangs_on_an_output_that_never_answers(driver: ArbiterDriver) -> None:
@@ -423,7 +452,8 @@ def test_a_new_run_is_not_in_a_trial() -> None:
     assert driver.acted == ["welcome"]
 
 
-# --- arbitrary input ------------------------------------------------------------------------------------------
+# --- arbitrary input
+# ------------------------------------------------------------------------------------------
 
 EVENTS = st.one_of(
     st.tuples(
@@ -445,7 +475,9 @@ def test_actions_never_overlap_or_begin_in_a_trial_and_none_is_lost(
 ) -> None:
     robot = Speaker(robot_takes_ms)
     robot.name = "robot"
-    extra = tuple(OutputNode(output, output.name, PLAIN_THEME) for output in (Speaker(takes_ms), robot))
+    extra = tuple(
+        OutputNode(output, output.name, PLAIN_THEME) for output in (Speaker(takes_ms), robot)
+    )
     driver = ArbiterDriver(extra=extra)
     in_trial = False
     for number, (what, *how) in enumerate(events):

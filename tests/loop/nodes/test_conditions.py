@@ -1,4 +1,6 @@
-"""The condition of an attempt: asked for when it begins, kept with it, the same again in a resumed session."""
+"""The condition of an attempt: asked for when it begins, kept with it, the same again in a resumed
+session.
+"""
 
 import pytest
 
@@ -10,7 +12,9 @@ from tests.staircase_task import Contrast
 
 
 class Blocked(Contrast):
-    """Each second attempt is cued; the prompt names the condition, and those of the attempts before."""
+    """Each second attempt is cued; the prompt names the condition, and those of the attempts
+    before.
+    """
 
     def condition(self, situation: Situation) -> str:
         assert situation.trial == 1
@@ -29,7 +33,11 @@ def test_it_is_kept_with_the_attempt_and_known_to_its_prompts(calm: Theme) -> No
     assert [started.condition for started in driver.all(ATTEMPT_STARTED)] == ["", "cued", ""]
     assert [ended.condition for ended in driver.all(ATTEMPT_ENDED)] == ["", "cued", ""]
     assert [feedback.condition for feedback in driver.all(FEEDBACK)] == ["", "cued", ""]
-    assert [prompt.text for prompt in driver.all(PROMPT)][::6] == ["Now::", "Now:cued:", "Now::-cued"]
+    assert [prompt.text for prompt in driver.all(PROMPT)][::6] == [
+        "Now::",
+        "Now:cued:",
+        "Now::-cued",
+    ]
 
 
 def test_it_is_the_same_in_a_resumed_session(calm: Theme) -> None:
@@ -53,7 +61,9 @@ def test_an_attempt_that_is_scored_again_keeps_it(calm: Theme) -> None:
 
 
 @pytest.mark.parametrize("returned", [None, 3, "two\nlines"])
-def test_what_cannot_be_stored_ends_the_session_with_a_sentence(calm: Theme, returned: object) -> None:
+def test_what_cannot_be_stored_ends_the_session_with_a_sentence(
+    calm: Theme, returned: object
+) -> None:
     class Wrong(Contrast):
         def condition(self, situation: Situation) -> str:
             return returned  # type: ignore[return-value]

@@ -1,4 +1,6 @@
-"""Attempts of a continuous task follow each other without Enter, but never where a person may need a moment."""
+"""Attempts of a continuous task follow each other without Enter, but never where a person may need
+a moment.
+"""
 
 import pytest
 
@@ -114,7 +116,10 @@ def test_it_is_replayed_and_resumed(calm: Theme, wait_ms: int) -> None:
     driver = answered(begun(calm))
     driver.wait(wait_ms)
     parameters = driver.session.parameters
-    assert Session(Stream(parameters), calm, driver.clock, 1).compare(driver.records).difference is None
+    assert (
+        Session(Stream(parameters), calm, driver.clock, 1).compare(driver.records).difference
+        is None
+    )
     resumed = LoopDriver(Stream, calm, attempts=3, history=driver.records, **SILENT)
     resumed.press("enter")
     resumed.wait(300)

@@ -1,4 +1,6 @@
-"""A session uses the goal and the level of its difficulty policy for all that depends on them, and says why."""
+"""A session uses the goal and the level of its difficulty policy for all that depends on them, and
+says why.
+"""
 
 from typing import Any
 
@@ -16,7 +18,9 @@ PERCENTILE = {"difficulty_policy": "percentile", "percentile_rank": 2, "percenti
 
 
 def keyboard(calm: Theme, **settings: Any) -> LoopDriver:
-    return LoopDriver(Catalogue().task("keyboard"), calm, **{"attempts": 6, "prompts_per_attempt": 2, **settings})
+    return LoopDriver(
+        Catalogue().task("keyboard"), calm, **{"attempts": 6, "prompts_per_attempt": 2, **settings}
+    )
 
 
 def enter_and_do(driver: LoopDriver, *reaction_ms: float, wrong: int = 0) -> None:
@@ -28,7 +32,8 @@ def goals(driver: LoopDriver) -> list[float | None]:
     return [ended.goal for ended in driver.all(ATTEMPT_ENDED)]
 
 
-# --- a goal that moves ----------------------------------------------------------------------------------------------
+# --- a goal that moves
+# ----------------------------------------------------------------------------------------------
 
 
 def test_the_goal_follows_the_results_and_decides_on_success_and_feedback(calm: Theme) -> None:
@@ -36,8 +41,16 @@ def test_the_goal_follows_the_results_and_decides_on_success_and_feedback(calm: 
     driver.enter()
     enter_and_do(driver, 800, 700, 650, 900, 720)
     ended = driver.all(ATTEMPT_ENDED)
-    assert goals(driver) == [1000, 800, 800, 700, 700], "number 1 of 1, 2 of 2, and then 2 of the last 3 results"
-    assert [each.outcome for each in ended] == ["success", "success", "success", "failure", "failure"]
+    assert goals(driver) == [1000, 800, 800, 700, 700], (
+        "number 1 of 1, 2 of 2, and then 2 of the last 3 results"
+    )
+    assert [each.outcome for each in ended] == [
+        "success",
+        "success",
+        "success",
+        "failure",
+        "failure",
+    ]
     assert [each.goal for each in driver.all(FEEDBACK)] == goals(driver)
     assert [each.valence for each in driver.all(FEEDBACK)][3:] == ["negative", "negative"]
     assert {each.level for each in ended} == {1}
@@ -131,28 +144,39 @@ def test_a_mark_that_takes_a_lift_away_takes_its_goal_away(calm: Theme) -> None:
     assert (driver.last(GOAL).previous, driver.last(GOAL).goal) == (600, 1000)
 
 
-# --- replay and resume ----------------------------------------------------------------------------------------------
+# --- replay and resume
+# ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("settings", [PERCENTILE, {"difficulty_policy": "target"}], ids=["percentile", "target"])
-def test_a_session_is_resumed_with_the_goal_and_the_level_that_it_had(calm: Theme, settings: dict[str, Any]) -> None:
+@pytest.mark.parametrize(
+    "settings", [PERCENTILE, {"difficulty_policy": "target"}], ids=["percentile", "target"]
+)
+def test_a_session_is_resumed_with_the_goal_and_the_level_that_it_had(
+    calm: Theme, settings: dict[str, Any]
+) -> None:
     straight, killed = keyboard(calm, **settings), keyboard(calm, **settings)
     for driver in (straight, killed):
         driver.enter()
         enter_and_do(driver, 800, 700, 900)
     resumed = LoopDriver(
-        Catalogue().task("keyboard"), calm, attempts=6, prompts_per_attempt=2, history=killed.records, **settings
+        Catalogue().task("keyboard"),
+        calm,
+        attempts=6,
+        prompts_per_attempt=2,
+        history=killed.records,
+        **settings,
     )
     resumed.enter()
     for driver in (straight, resumed):
         enter_and_do(driver, 650, 720)
     assert goals(resumed) == goals(straight)[3:]
-    assert [each.level for each in resumed.all(ATTEMPT_ENDED)] == [each.level for each in straight.all(ATTEMPT_ENDED)][
-        3:
-    ]
+    assert [each.level for each in resumed.all(ATTEMPT_ENDED)] == [
+        each.level for each in straight.all(ATTEMPT_ENDED)
+    ][3:]
 
 
-# --- a level that moves ---------------------------------------------------------------------------------------------
+# --- a level that moves
+# ---------------------------------------------------------------------------------------------
 
 
 def test_a_target_moves_the_level_by_the_share_of_prompts_and_says_why(calm: Theme) -> None:
@@ -184,7 +208,11 @@ def test_by_default_the_participant_is_told_nothing_more(calm: Theme) -> None:
 
 
 def test_a_list_begins_with_its_first_level_in_practice_too(calm: Theme) -> None:
-    settings = {"difficulty_policy": "sequence", "level_sequence": [2, 4, 4, 1], "practice_attempts": 1}
+    settings = {
+        "difficulty_policy": "sequence",
+        "level_sequence": [2, 4, 4, 1],
+        "practice_attempts": 1,
+    }
     driver = keyboard(calm, **settings)
     driver.enter()
     enter_and_do(driver, 400, 400, 400, 400, 400)
@@ -194,11 +222,19 @@ def test_a_list_begins_with_its_first_level_in_practice_too(calm: Theme) -> None
 
 def test_a_step_that_an_operator_accepts_goes_on_from_its_own_place(calm: Theme) -> None:
     """An accepted change is as if nobody had been asked: the steps that follow are the same."""
-    settings: dict[str, Any] = {"difficulty_policy": "target", "prompts_per_attempt": 10, "start_level": 5}
+    settings: dict[str, Any] = {
+        "difficulty_policy": "target",
+        "prompts_per_attempt": 10,
+        "start_level": 5,
+    }
     alone = keyboard(calm, **settings)
     asked = keyboard(calm, operator_difficulty="approve", operator_time_ms=60_000, **settings)
-    asked.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
-    asked.session.bus.publish(MODE, m.ModeChanged(kind="difficulty", mode="approve", actor="operator.ana"))
+    asked.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
+    asked.session.bus.publish(
+        MODE, m.ModeChanged(kind="difficulty", mode="approve", actor="operator.ana")
+    )
     for driver in (alone, asked):
         driver.enter()
         for number, wrong in enumerate((0, 9, 0, 9), 1):

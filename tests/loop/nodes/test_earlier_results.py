@@ -1,4 +1,6 @@
-"""Prompts and measures that follow from earlier results: of the same attempt, and of the attempts before."""
+"""Prompts and measures that follow from earlier results: of the same attempt, and of the attempts
+before.
+"""
 
 import pytest
 
@@ -68,7 +70,11 @@ def test_they_are_the_same_in_a_resumed_session(calm: Theme, cut: int) -> None:
 def history_before(driver: LoopDriver, end: int) -> list[Record]:
     """The record up to the end of the cascade that holds a message."""
     at = driver.records[end].at
-    while end < len(driver.records) and driver.records[end].topic.origin != "input" and driver.records[end].at == at:
+    while (
+        end < len(driver.records)
+        and driver.records[end].topic.origin != "input"
+        and driver.records[end].at == at
+    ):
         end += 1
     return driver.records[:end]
 

@@ -52,7 +52,8 @@ def numbers(driver: LoopDriver) -> list[tuple[int, int]]:
     return [(trial.attempt, trial.trial) for trial in driver.all(TRIAL)]
 
 
-# --- a normal session -------------------------------------------------------------------------------------
+# --- a normal session
+# -------------------------------------------------------------------------------------
 
 
 def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession) -> None:
@@ -64,7 +65,10 @@ def test_a_session_runs_from_the_instructions_to_its_end(new_session: NewSession
         "attempt",
         "attempt 1 of 2",
     )
-    assert driver.waiting.goal == "Your goal: press the right key in less than 1 second on average, with 3 of 3 right."
+    assert (
+        driver.waiting.goal
+        == "Your goal: press the right key in less than 1 second on average, with 3 of 3 right."
+    )
     driver.attempt()
     assert (driver.waiting.stage, driver.waiting.attempt_name) == ("attempt", "attempt 2 of 2")
     driver.attempt()
@@ -98,7 +102,12 @@ def test_a_correct_key_is_stored_with_its_time_from_onset_to_stamp(new_session: 
     driver.wait(432)
     driver.press(prompt.expected, at=driver.clock.now() - 2 * MS, lag=3 * MS)
     trial = driver.last(TRIAL)
-    assert (trial.attempt, trial.trial, trial.stimulus, trial.response) == (1, 1, prompt.stimulus, prompt.expected)
+    assert (trial.attempt, trial.trial, trial.stimulus, trial.response) == (
+        1,
+        1,
+        prompt.stimulus,
+        prompt.expected,
+    )
     assert trial.correct
     assert (trial.onset, trial.response_at) == (onset, onset + 430 * MS)
     assert trial.reaction_time_ms == trial.value == 430.0
@@ -113,11 +122,21 @@ def test_a_wrong_key_lowers_accuracy_and_is_not_in_the_metric(new_session: NewSe
     driver.press("enter")
     driver.answer(300, key="#")
     wrong = driver.last(TRIAL)
-    assert (wrong.response, wrong.correct, wrong.reaction_time_ms, wrong.value) == ("#", False, 300.0, None)
+    assert (wrong.response, wrong.correct, wrong.reaction_time_ms, wrong.value) == (
+        "#",
+        False,
+        300.0,
+        None,
+    )
     driver.answer(400)
     driver.answer(500)
     ended = driver.last(ATTEMPT_ENDED)
-    assert (ended.metric, ended.accuracy, ended.correct, ended.trials) == (450.0, pytest.approx(2 / 3), 2, 3)
+    assert (ended.metric, ended.accuracy, ended.correct, ended.trials) == (
+        450.0,
+        pytest.approx(2 / 3),
+        2,
+        3,
+    )
     assert (ended.outcome, ended.feedback) == ("failure", "negative")
     assert driver.last(FEEDBACK).reason == "accuracy"
 
@@ -129,22 +148,36 @@ def test_a_miss_is_stored_with_nulls_after_the_time_out(new_session: NewSession)
     assert driver.all(TRIAL) == []
     driver.wait(1)
     miss = driver.last(TRIAL)
-    assert (miss.response, miss.response_at, miss.reaction_time_ms, miss.value) == (None, None, None, None)
+    assert (miss.response, miss.response_at, miss.reaction_time_ms, miss.value) == (
+        None,
+        None,
+        None,
+        None,
+    )
     assert not miss.correct
     assert miss.onset is not None
 
 
-def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(new_session: NewSession) -> None:
+def test_an_attempt_with_no_correct_response_fails_with_an_empty_metric(
+    new_session: NewSession,
+) -> None:
     driver = new_session(start_level=2, min_accuracy=0.0)
     driver.enter()
     driver.attempt(wrong=3)
     ended = driver.last(ATTEMPT_ENDED)
-    assert (ended.metric, ended.accuracy, ended.outcome, ended.feedback) == (None, 0.0, "failure", "negative")
+    assert (ended.metric, ended.accuracy, ended.outcome, ended.feedback) == (
+        None,
+        0.0,
+        "failure",
+        "negative",
+    )
     assert driver.last(FEEDBACK).reason == "empty"
     assert driver.last(LEVEL).level == 1
 
 
-def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(new_session: NewSession) -> None:
+def test_success_raises_and_failure_lowers_the_level_of_the_next_attempt(
+    new_session: NewSession,
+) -> None:
     driver = new_session(attempts=3, start_level=4)
     driver.enter()
     driver.attempt(400)
@@ -164,21 +197,33 @@ def test_an_attempt_is_in_memory_before_its_feedback(new_session: NewSession) ->
     for time_ms in (700, 700, 700, 650):
         driver.attempt(time_ms)
     assert "0.05 seconds faster than last time" in driver.last(ACTION).text
-    topics = [record.topic for record in driver.records if record.topic in (TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION)]
+    topics = [
+        record.topic
+        for record in driver.records
+        if record.topic in (TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION)
+    ]
     assert topics[-4:] == [TRIAL, ATTEMPT_ENDED, FEEDBACK, ACTION]
 
 
 def test_feedback_frequency_is_independent_of_difficulty(new_session: NewSession) -> None:
-    driver = new_session(attempts=6, prompts_per_attempt=1, feedback_every=3, consecutive_successes=2)
+    driver = new_session(
+        attempts=6, prompts_per_attempt=1, feedback_every=3, consecutive_successes=2
+    )
     driver.enter()
     for _ in range(6):
         driver.attempt(400)
-    assert [ended.feedback for ended in driver.all(ATTEMPT_ENDED)] == ["none", "none", "positive"] * 2
+    assert [ended.feedback for ended in driver.all(ATTEMPT_ENDED)] == [
+        "none",
+        "none",
+        "positive",
+    ] * 2
     assert [feedback.attempt for feedback in driver.all(FEEDBACK)] == [3, 6]
     assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 1, 2, 2, 3, 3]
 
 
-def test_practice_gets_feedback_but_changes_neither_level_nor_count(new_session: NewSession) -> None:
+def test_practice_gets_feedback_but_changes_neither_level_nor_count(
+    new_session: NewSession,
+) -> None:
     driver = new_session(practice_attempts=1, attempts=2, feedback_every=2, start_level=3)
     driver.enter()
     assert driver.waiting.attempt_name == "practice 1 of 1"
@@ -205,7 +250,8 @@ def test_failures_in_practice_do_not_count_as_consecutive(new_session: NewSessio
     assert driver.all(LEVEL) == []
 
 
-# --- keys outside the response window ---------------------------------------------------------------------
+# --- keys outside the response window
+# ---------------------------------------------------------------------
 
 
 def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: NewSession) -> None:
@@ -226,7 +272,9 @@ def test_a_key_in_the_foreperiod_restarts_it_and_is_no_response(new_session: New
     assert driver.last(TRIAL).reaction_time_ms == 400.0
 
 
-def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(new_session: NewSession) -> None:
+def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(
+    new_session: NewSession,
+) -> None:
     driver = new_session(prompts_per_attempt=20, foreperiod_min_ms=600, foreperiod_max_ms=900)
     driver.enter()
     driver.attempt()
@@ -234,8 +282,14 @@ def test_the_foreperiod_lies_between_its_bounds_and_differs_from_trial_to_trial(
     assert all(600 <= wait <= 900 for wait in waits)
     assert len(set(waits)) == 20
     shown = [record.at for record in driver.records if record.topic is PROMPT]
-    began = [record.at for record in driver.records if record.topic is WAITING and record.message.what == "foreperiod"]
-    assert [(end - begin) / MS for begin, end in zip(began, shown, strict=True)] == pytest.approx(waits)
+    began = [
+        record.at
+        for record in driver.records
+        if record.topic is WAITING and record.message.what == "foreperiod"
+    ]
+    assert [(end - begin) / MS for begin, end in zip(began, shown, strict=True)] == pytest.approx(
+        waits
+    )
 
 
 def test_a_foreperiod_begins_only_after_half_a_second_without_keys(new_session: NewSession) -> None:
@@ -251,7 +305,9 @@ def test_a_foreperiod_begins_only_after_half_a_second_without_keys(new_session: 
     assert driver.clock.now() - answered == 500 * MS
 
 
-def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(new_session: NewSession) -> None:
+def test_a_key_before_the_foreperiod_delays_it_and_is_no_false_start(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.enter()
     driver.press("enter")
@@ -298,7 +354,9 @@ def test_a_held_enter_begins_no_attempt(new_session: NewSession) -> None:
     assert driver.waiting.stage == "trial"
 
 
-def test_an_enter_that_was_down_when_the_session_began_skips_nothing(new_session: NewSession) -> None:
+def test_an_enter_that_was_down_when_the_session_began_skips_nothing(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.hold("enter", ms=5000)
     assert driver.waiting.stage == "instructions"
@@ -349,7 +407,9 @@ def test_only_enter_begins_an_attempt(new_session: NewSession) -> None:
     assert driver.waiting.stage == "attempt"
 
 
-def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(new_session: NewSession) -> None:
+def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.enter()
     driver.press("enter")
@@ -360,7 +420,12 @@ def test_a_key_before_onset_is_stored_as_an_anticipation_outside_the_metric(new_
     assert driver.all(TRIAL) == []
     driver.wait(3)
     trial = driver.last(TRIAL)
-    assert (trial.response, trial.correct, trial.reaction_time_ms, trial.value) == (prompt.expected, True, None, None)
+    assert (trial.response, trial.correct, trial.reaction_time_ms, trial.value) == (
+        prompt.expected,
+        True,
+        None,
+        None,
+    )
     assert trial.response_at == trial.onset - 3 * MS
     assert trial.timing.flags == ("anticipation",)
 
@@ -378,7 +443,9 @@ def test_the_first_of_two_keys_before_onset_is_the_response(new_session: NewSess
     assert driver.session.faults == []
 
 
-def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(new_session: NewSession) -> None:
+def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.screen.shows = False
     driver.enter()
@@ -393,7 +460,9 @@ def test_a_key_stamped_after_onset_but_handled_before_it_is_a_response(new_sessi
     assert flags(driver) == ()
 
 
-@pytest.mark.parametrize(("reaction", "flagged"), [(0, True), (99, True), (99.999, True), (100, False), (101, False)])
+@pytest.mark.parametrize(
+    ("reaction", "flagged"), [(0, True), (99, True), (99.999, True), (100, False), (101, False)]
+)
 def test_faster_than_a_tenth_of_a_second_is_an_anticipation(
     new_session: NewSession, reaction: float, flagged: bool
 ) -> None:
@@ -534,7 +603,9 @@ def test_an_onset_of_another_presentation_is_ignored(new_session: NewSession) ->
     assert driver.all(TRIAL) == []
 
 
-@pytest.mark.parametrize(("level", "typed", "correct"), [(1, str.upper, True), (16, str.swapcase, False)])
+@pytest.mark.parametrize(
+    ("level", "typed", "correct"), [(1, str.upper, True), (16, str.swapcase, False)]
+)
 def test_case_is_ignored_unless_the_level_asks_for_shift(
     new_session: NewSession, level: int, typed: Callable[[str], str], correct: bool
 ) -> None:
@@ -546,7 +617,8 @@ def test_case_is_ignored_unless_the_level_asks_for_shift(
     assert driver.last(TRIAL).correct is correct
 
 
-# --- pauses and commands ----------------------------------------------------------------------------------
+# --- pauses and commands
+# ----------------------------------------------------------------------------------
 
 
 def in_quiet(driver: LoopDriver) -> None:
@@ -605,7 +677,11 @@ def test_a_trial_voided_by_a_pause_is_repeated_unchanged(
     while len(driver.all(TRIAL)) < 3:
         driver.answer()
     for trial, as_it_was in zip(driver.all(TRIAL), undisturbed.all(TRIAL), strict=True):
-        assert (trial.attempt, trial.trial, trial.stimulus) == (as_it_was.attempt, as_it_was.trial, as_it_was.stimulus)
+        assert (trial.attempt, trial.trial, trial.stimulus) == (
+            as_it_was.attempt,
+            as_it_was.trial,
+            as_it_was.stimulus,
+        )
         assert trial.timing.foreperiod_ms == as_it_was.timing.foreperiod_ms
     assert driver.session.faults == []
 
@@ -616,7 +692,12 @@ def test_a_repeated_prompt_counts_its_presentations(new_session: NewSession) -> 
     driver.operate("pause")
     driver.operate("resume")
     again = driver.to_prompt()
-    assert (again.trial, again.stimulus, first.presentation, again.presentation) == (1, first.stimulus, 1, 2)
+    assert (again.trial, again.stimulus, first.presentation, again.presentation) == (
+        1,
+        first.stimulus,
+        1,
+        2,
+    )
     assert driver.answer().timing.presentation == 2
 
 
@@ -661,7 +742,11 @@ def test_a_pause_between_attempts_voids_nothing_and_returns_there(new_session: N
     driver.operate("pause")
     assert driver.waiting.stage == "paused"
     driver.operate("resume")
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == ("enter", "attempt", 2)
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == (
+        "enter",
+        "attempt",
+        2,
+    )
     assert driver.all(VOIDED) == []
 
 
@@ -673,12 +758,18 @@ def test_a_pause_in_the_instructions_returns_to_them(new_session: NewSession) ->
 
 
 @pytest.mark.parametrize("reason", ["tired", "pain", "finished"])
-def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(new_session: NewSession, reason: str) -> None:
+def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(
+    new_session: NewSession, reason: str
+) -> None:
     driver = new_session()
     driver.start()
     driver.operate("pause")
     driver.operate("pause", reason=reason)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == ("resume", "paused", reason)
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == (
+        "resume",
+        "paused",
+        reason,
+    )
     driver.press("enter")
     assert driver.waiting.stage == "paused"
     driver.operate("resume")
@@ -687,7 +778,8 @@ def test_the_reason_of_a_pause_is_reported_and_only_a_command_resumes(new_sessio
 
 
 @pytest.mark.parametrize(
-    "moment", [*IN_A_TRIAL, lambda driver: None, LoopDriver.enter, lambda driver: driver.operate("pause")]
+    "moment",
+    [*IN_A_TRIAL, lambda driver: None, LoopDriver.enter, lambda driver: driver.operate("pause")],
 )
 def test_an_end_aborts_from_anywhere_and_is_final(
     new_session: NewSession, moment: Callable[[LoopDriver], None]
@@ -736,7 +828,9 @@ def test_a_repeat_shows_the_prompt_again_under_its_number(new_session: NewSessio
 
 
 @pytest.mark.parametrize("act", ["skip", "repeat"])
-def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(new_session: NewSession, act: str) -> None:
+def test_outside_a_trial_there_is_nothing_to_skip_or_repeat(
+    new_session: NewSession, act: str
+) -> None:
     driver = new_session()
     driver.enter()
     said = len(driver.all(WAITING))
@@ -749,7 +843,11 @@ def test_a_level_set_between_attempts_applies_to_the_next_at_once(new_session: N
     driver.enter()
     driver.operate("level", value=5)
     assert driver.waiting.level == 5
-    assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (1, 5, "operator")
+    assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (
+        1,
+        5,
+        "operator",
+    )
     driver.attempt()
     assert driver.last(ATTEMPT_ENDED).level == 5
     assert driver.waiting.level == 6
@@ -770,7 +868,9 @@ def test_a_level_set_in_an_attempt_applies_to_the_next(new_session: NewSession) 
     assert driver.last(PROMPT).level == 7
 
 
-def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(new_session: NewSession) -> None:
+def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.start()
     driver.operate("pause")
@@ -780,14 +880,17 @@ def test_a_level_set_in_a_pause_of_an_attempt_waits_for_its_end_too(new_session:
 
 
 @pytest.mark.parametrize(("asked", "given"), [(0, 2), (-3, 2), (99, 6), (4, 4)])
-def test_a_level_set_stays_within_its_bounds(new_session: NewSession, asked: int, given: int) -> None:
+def test_a_level_set_stays_within_its_bounds(
+    new_session: NewSession, asked: int, given: int
+) -> None:
     driver = new_session(min_level=2, max_level=6, start_level=3)
     driver.enter()
     driver.operate("level", value=asked)
     assert driver.last(LEVEL).level == given
 
 
-# --- the disk -----------------------------------------------------------------------------------------------
+# --- the disk
+# -----------------------------------------------------------------------------------------------
 
 
 def test_the_next_prompt_waits_until_the_trial_is_stored(new_session: NewSession) -> None:
@@ -827,7 +930,9 @@ def test_a_key_while_the_trial_is_stored_restarts_the_foreperiod(new_session: Ne
     assert len(driver.all(PROMPT)) == 2
 
 
-def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before(new_session: NewSession) -> None:
+def test_the_first_prompt_of_an_attempt_waits_for_the_last_trial_of_the_one_before(
+    new_session: NewSession,
+) -> None:
     driver = new_session(prompts_per_attempt=1)
     driver.screen.stores = False
     driver.start()
@@ -856,7 +961,9 @@ def test_a_session_is_complete_only_when_its_last_trial_is_stored(new_session: N
     assert driver.last(SESSION_ENDED).status == "completed"
 
 
-def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(new_session: NewSession) -> None:
+def test_at_the_end_too_an_acknowledgement_of_an_earlier_trial_is_not_enough(
+    new_session: NewSession,
+) -> None:
     driver = new_session(attempts=1, prompts_per_attempt=2)
     driver.screen.stores = False
     driver.start()
@@ -878,7 +985,11 @@ def test_a_disk_failure_pauses_and_enter_resumes_after_it(
     moment(driver)
     done = len(driver.all(TRIAL))
     driver.disk(False)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == ("resume", "paused", "storage")
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == (
+        "resume",
+        "paused",
+        "storage",
+    )
     for act in (
         lambda: driver.press("enter"),
         lambda: driver.operate("resume"),
@@ -888,7 +999,11 @@ def test_a_disk_failure_pauses_and_enter_resumes_after_it(
         assert (driver.waiting.stage, driver.waiting.reason) == ("paused", "storage")
     driver.wait(60_000)
     driver.disk(True)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == ("enter", "paused", "restored")
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.reason) == (
+        "enter",
+        "paused",
+        "restored",
+    )
     driver.screen.stores = True
     if done:
         driver.screen.store(1, done)
@@ -939,7 +1054,9 @@ def suspended_in_foreperiod(driver: LoopDriver) -> None:
     driver.wait(0)
 
 
-def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(new_session: NewSession) -> None:
+def test_a_foreperiod_begins_anew_if_the_program_was_suspended_in_it(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     suspended_in_foreperiod(driver)
     assert driver.all(PROMPT) == []
@@ -958,7 +1075,9 @@ def test_a_session_of_earlier_rules_keeps_its_foreperiods(new_session: NewSessio
     assert new_session(history=earlier.records).waiting.reason == "interrupted"
 
 
-def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(new_session: NewSession) -> None:
+def test_a_trial_is_repeated_if_its_key_waited_while_the_program_was_suspended(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     prompt = driver.start()
     driver.wait(2800)
@@ -1005,7 +1124,9 @@ def test_a_participant_who_holds_a_key_is_asked_to_release_it(new_session: NewSe
         Result(correct=True, response="j", details={"share": float("inf")}),
     ],
 )
-def test_a_result_that_cannot_be_stored_stops_the_session(new_session: NewSession, result: Result) -> None:
+def test_a_result_that_cannot_be_stored_stops_the_session(
+    new_session: NewSession, result: Result
+) -> None:
     driver = new_session()
     driver.start()
     driver.session.task.perceived = lambda trial, percept: result  # type: ignore[method-assign]
@@ -1031,7 +1152,8 @@ def test_a_working_disk_changes_nothing(new_session: NewSession) -> None:
     assert len(driver.all(WAITING)) == said
 
 
-# --- tasks of more than one key -----------------------------------------------------------------------------
+# --- tasks of more than one key
+# -----------------------------------------------------------------------------
 
 
 class Taps(Task):
@@ -1051,11 +1173,15 @@ class Taps(Task):
         return None
 
     def timed_out(self, trial: Trial) -> Result:
-        return Result(correct=True, response=f"{len(trial.percepts)} taps", value=float(len(trial.percepts)))
+        return Result(
+            correct=True, response=f"{len(trial.percepts)} taps", value=float(len(trial.percepts))
+        )
 
 
 def test_a_task_may_judge_all_its_keys_at_the_end(calm: Theme) -> None:
-    driver = LoopDriver(Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000)
+    driver = LoopDriver(
+        Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000
+    )
     driver.start()
     for _ in range(5):
         driver.wait(200)
@@ -1073,10 +1199,16 @@ class Counted(Taps):
 
     def timed_out(self, trial: Trial) -> Result:
         taps = len(trial.percepts)
-        return Result(correct=bool(taps), response="j" * taps, details={"taps": taps, "hand": "right"} if taps else {})
+        return Result(
+            correct=bool(taps),
+            response="j" * taps,
+            details={"taps": taps, "hand": "right"} if taps else {},
+        )
 
 
-def test_a_trial_without_a_response_stores_the_same_details_as_others_and_no_empty_response(calm: Theme) -> None:
+def test_a_trial_without_a_response_stores_the_same_details_as_others_and_no_empty_response(
+    calm: Theme,
+) -> None:
     driver = LoopDriver(Counted, calm, attempts=2, response_timeout_ms=3000)
     driver.start()
     driver.until(lambda: driver.all(TRIAL))
@@ -1091,7 +1223,9 @@ def test_a_trial_without_a_response_stores_the_same_details_as_others_and_no_emp
 
 
 def test_repeats_of_a_held_key_are_not_passed_to_the_task(calm: Theme) -> None:
-    driver = LoopDriver(Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000)
+    driver = LoopDriver(
+        Taps, calm, attempts=1, threshold=3, neutral_band=0, response_timeout_ms=3000
+    )
     driver.start()
     driver.wait(200)
     driver.hold("space", ms=2000)
@@ -1128,7 +1262,11 @@ def test_a_text_that_a_task_cannot_give_stops_the_session_instead_of_a_blank_scr
 
     driver = LoopDriver(type("Mute", (Taps,), {"name": "mute", method: give}), calm, attempts=1)
     driver.enter()
-    said = "ZeroDivisionError: no words" if value == "raised" else f"TypeError: {method}() returned {value}, not a text"
+    said = (
+        "ZeroDivisionError: no words"
+        if value == "raised"
+        else f"TypeError: {method}() returned {value}, not a text"
+    )
     assert driver.session.broken is not None
     assert driver.session.broken.error == said
     assert driver.last(WAITING).stage == "broken"
@@ -1144,7 +1282,9 @@ class Bounded(Taps):
 
 
 def test_a_task_with_few_levels_stays_within_them(calm: Theme) -> None:
-    driver = LoopDriver(Bounded, calm, attempts=4, threshold=0, neutral_band=0, response_timeout_ms=1000)
+    driver = LoopDriver(
+        Bounded, calm, attempts=4, threshold=0, neutral_band=0, response_timeout_ms=1000
+    )
     driver.enter()
     for _ in range(4):
         driver.begin_attempt()
@@ -1154,13 +1294,16 @@ def test_a_task_with_few_levels_stays_within_them(calm: Theme) -> None:
     assert [ended.level for ended in driver.all(ATTEMPT_ENDED)] == [1, 2, 2, 2]
 
 
-# --- arbitrary input ------------------------------------------------------------------------------------------
+# --- arbitrary input
+# ------------------------------------------------------------------------------------------
 
 ACTS = st.lists(
     st.one_of(
         st.tuples(st.just("press"), st.sampled_from(["enter", "f", "j", "space", "left"])),
         st.tuples(st.just("wait"), st.sampled_from([1, 30, 99, 500, 1000, 3000])),
-        st.tuples(st.just("operate"), st.sampled_from(["pause", "resume", "skip", "repeat", "level"])),
+        st.tuples(
+            st.just("operate"), st.sampled_from(["pause", "resume", "skip", "repeat", "level"])
+        ),
         st.tuples(st.just("disk"), st.booleans()),
         st.tuples(st.just("focus"), st.booleans()),
         st.just(("paste", 3)),
@@ -1193,7 +1336,10 @@ def test_any_input_gives_every_trial_once_in_order(
         else:
             assert driver.clock.step()
     assert numbers(driver) == [(1, 1), (1, 2), (2, 1), (2, 2)]
-    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [(1, 2), (2, 2)]
+    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [
+        (1, 2),
+        (2, 2),
+    ]
     assert driver.last(SESSION_ENDED).status == "completed"
     assert driver.session.faults == []
     for trial in driver.all(TRIAL):

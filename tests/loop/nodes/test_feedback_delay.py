@@ -53,10 +53,15 @@ def lift(driver: LiftDriver, time_ms: float = 400) -> None:
 
 def feedback_times(driver: LiftDriver) -> list[int]:
     """Return the times (ns) at which the agent gave feedback."""
-    return [record.at for record in driver.records if record.topic is ACTION and record.message.kind == "feedback"]
+    return [
+        record.at
+        for record in driver.records
+        if record.topic is ACTION and record.message.kind == "feedback"
+    ]
 
 
-# --- after a delay --------------------------------------------------------------------------------------------
+# --- after a delay
+# --------------------------------------------------------------------------------------------
 
 
 def test_delayed_feedback_comes_exactly_on_time(new_session: NewSession) -> None:
@@ -127,7 +132,9 @@ def test_feedback_due_in_a_pause_comes_after_it(new_session: NewSession) -> None
     assert len(feedback_times(driver)) == 1
 
 
-def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(new_session: NewSession) -> None:
+def test_a_session_ended_in_the_delay_gives_no_feedback_after_the_goodbye(
+    new_session: NewSession,
+) -> None:
     driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.wait(500)
@@ -147,12 +154,18 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.wait(500)
-    resumed = LiftDriver(Lift, calm, history=driver.records, begin=False, feedback_delay_ms=DELAY_MS, **ONE_LIFT)
+    resumed = LiftDriver(
+        Lift, calm, history=driver.records, begin=False, feedback_delay_ms=DELAY_MS, **ONE_LIFT
+    )
     resumed.clock.set(starts_at)
     resumed.session.begin(2)
     assert (resumed.waiting.what, resumed.waiting.reason) == ("enter", "interrupted")
     resumed.press("enter")
-    assert (resumed.waiting.what, resumed.waiting.stage, resumed.waiting.attempt) == ("enter", "attempt", 2)
+    assert (resumed.waiting.what, resumed.waiting.stage, resumed.waiting.attempt) == (
+        "enter",
+        "attempt",
+        2,
+    )
     resumed.wait(300)
     resumed.press("enter")
     resumed.wait(0)
@@ -164,7 +177,9 @@ def test_a_session_cut_off_in_the_delay_does_not_wait_for_feedback(
     assert [dropped.id for dropped in resumed.all(DROPPED) if dropped.reason == "late"] == late
 
 
-def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(new_session: NewSession) -> None:
+def test_an_attempt_amended_in_the_delay_gets_the_amended_feedback_once(
+    new_session: NewSession,
+) -> None:
     driver = new_session(feedback_delay_ms=DELAY_MS)
     lift(driver)
     driver.operate("mark", reason="caught")
@@ -197,7 +212,8 @@ def test_with_any_pauses_feedback_comes_once_and_on_time(waits: list[int], delay
     assert began[1] >= given
 
 
-# --- on request -----------------------------------------------------------------------------------------------
+# --- on request
+# -----------------------------------------------------------------------------------------------
 
 
 def requests(driver: LiftDriver) -> list[str]:
@@ -209,14 +225,21 @@ def test_feedback_on_request_is_given_once_when_requested(new_session: NewSessio
     driver = new_session(feedback_schedule="request", feedback_delay_ms=DELAY_MS)
     assert set(requests(driver)) == {""}
     lift(driver)
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.ask) == ("enter", "attempt", "tab")
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.ask) == (
+        "enter",
+        "attempt",
+        "tab",
+    )
     assert driver.last(ATTEMPT_ENDED).feedback == "none"
     driver.wait(7000)
     assert feedback_times(driver) == []
     driver.press("tab")
     requested = driver.clock.now()
     assert feedback_times(driver) == [requested], "requested feedback comes at once"
-    assert (driver.last(ATTEMPT_ENDED).feedback, driver.last(FEEDBACK).valence) == ("positive", "positive")
+    assert (driver.last(ATTEMPT_ENDED).feedback, driver.last(FEEDBACK).valence) == (
+        "positive",
+        "positive",
+    )
     assert driver.waiting.ask == ""
     before, after = (ended.choice for ended in driver.all(ATTEMPT_ENDED))
     assert before is not None
@@ -285,7 +308,9 @@ def test_a_request_after_an_amendment_gives_the_amended_feedback(new_session: Ne
 def test_feedback_can_be_requested_after_a_resume(new_session: NewSession, calm: Theme) -> None:
     driver = new_session(feedback_schedule="request")
     lift(driver)
-    resumed = LiftDriver(Lift, calm, history=driver.records, feedback_schedule="request", **ONE_LIFT)
+    resumed = LiftDriver(
+        Lift, calm, history=driver.records, feedback_schedule="request", **ONE_LIFT
+    )
     resumed.press("enter")
     assert resumed.waiting.ask == "tab"
     resumed.press("tab")

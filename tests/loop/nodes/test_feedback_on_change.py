@@ -1,4 +1,6 @@
-"""Feedback reports a change from earlier attempts only if it is more than the person's own noise."""
+"""Feedback reports a change from earlier attempts only if it is more than the person's own
+noise.
+"""
 
 import random
 from statistics import fmean, stdev
@@ -31,13 +33,16 @@ def result(told: Agent, metric: float, n: int = 5, sd: float = 20.0, **fields: A
     return spelled(told.feedback_on(metric, spreads={"lift_time": Spread(n, sd)}, **fields))[-1]
 
 
-def how(told: Agent, sway: float, grip: float = 50.0, metric: float = 900.0, n: int = 5, sd: float = 2.0) -> Spelled:
+def how(
+    told: Agent, sway: float, grip: float = 50.0, metric: float = 900.0, n: int = 5, sd: float = 2.0
+) -> Spelled:
     """Return the feedback on how an attempt was done."""
     spreads = {name: Spread(n, sd) for name in ("lift_time", "sway", "grip")}
     return spelled(told.feedback_on(metric, sway=sway, grip=grip, spreads=spreads))[-1]
 
 
-# --- the result ---------------------------------------------------------------------------------------------------
+# --- the result
+# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("compared_with", COMPARED)
@@ -50,8 +55,12 @@ def test_a_change_within_the_noise_is_not_reported(compared_with: str) -> None:
 
 
 @pytest.mark.parametrize("compared_with", COMPARED)
-@pytest.mark.parametrize(("metric", "situation", "word"), [(700, "improved", "faster"), (980, "worsened", "slower")])
-def test_a_change_beyond_the_noise_is_reported(compared_with: str, metric: float, situation: str, word: str) -> None:
+@pytest.mark.parametrize(
+    ("metric", "situation", "word"), [(700, "improved", "faster"), (980, "worsened", "slower")]
+)
+def test_a_change_beyond_the_noise_is_reported(
+    compared_with: str, metric: float, situation: str, word: str
+) -> None:
     told = agent(compared_with)
     for before in (872, 870, 874, 870):
         result(told, before, sd=10.0)
@@ -101,11 +110,14 @@ def test_success_and_failure_are_told_without_any_earlier_attempt() -> None:
 
 def test_a_result_that_is_no_mean_of_trials_counts_as_one() -> None:
     told = agent()
-    said = [spelled(told.feedback_on(metric))[-1].situation for metric in (900, 920, 890, 910, 880, 500)]
+    said = [
+        spelled(told.feedback_on(metric))[-1].situation for metric in (900, 920, 890, 910, 880, 500)
+    ]
     assert said == [*["positive_first"] * 5, "positive_improved"]
 
 
-# --- how it was done --------------------------------------------------------------------------------------------------
+# --- how it was done
+# --------------------------------------------------------------------------------------------------
 
 
 def test_a_quality_is_not_praised_within_its_noise() -> None:
@@ -172,7 +184,9 @@ def test_by_rules_before_6_a_quality_is_named_although_nothing_changed() -> None
 
 def test_nothing_is_said_of_better_or_worse_before_the_noise_is_known() -> None:
     told = watcher()
-    assert [how(told, sway).situation for sway in (20.0, 10.0, 40.0, 45.0, 44.0)] == ["positive"] * 5
+    assert [how(told, sway).situation for sway in (20.0, 10.0, 40.0, 45.0, 44.0)] == [
+        "positive"
+    ] * 5
 
 
 def test_a_change_less_than_the_margin_is_not_praised_however_steady_the_person_is() -> None:
@@ -207,7 +221,8 @@ def test_with_nothing_trained_better_is_seldom_said(rules: int, most: float) -> 
     assert (said / count <= most) if rules == RULES else (said / count > 0.38)
 
 
-# --- the evidence, for the therapist ----------------------------------------------------------------------------------
+# --- the evidence, for the therapist
+# ----------------------------------------------------------------------------------
 
 
 def test_a_reported_change_stands_beside_its_mdc95() -> None:
@@ -246,7 +261,8 @@ def test_too_many_wrong_responses_report_no_change() -> None:
     assert told.said[-1].evidence == ""
 
 
-# --- doubtful trials --------------------------------------------------------------------------------------------------
+# --- doubtful trials
+# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("doubtful", [4, 5], ids=["the last attempt", "this attempt"])
@@ -255,4 +271,6 @@ def test_no_change_of_a_result_is_reported_from_a_doubtful_trial(doubtful: int) 
     for number, metric in enumerate((900, 902, 898, 901, 905, 600)):
         found = result(told, metric, n=0 if number == doubtful else 5)
     assert found.situation == "positive_first"
-    assert result(told, 1400).situation == ("negative_worsened" if doubtful == 4 else "negative_first")
+    assert result(told, 1400).situation == (
+        "negative_worsened" if doubtful == 4 else "negative_first"
+    )

@@ -18,7 +18,9 @@ from tests.loop.nodes.agent_driver import Agent, Spelled, spelled, spelling
 
 CATALOGUE = Catalogue()
 VOICES = [
-    CATALOGUE.theme(name, language) for name in CATALOGUE.theme_names() for language in CATALOGUE.theme(name).languages
+    CATALOGUE.theme(name, language)
+    for name in CATALOGUE.theme_names()
+    for language in CATALOGUE.theme(name).languages
 ]
 FORMS = ("qualitative", "quantitative", "both")
 REFERENCES = ("last attempt", "best attempt", "session's mean", "goal")
@@ -35,7 +37,9 @@ class Reps(Lift):
 
 LIFTS = st.fixed_dictionaries(
     {
-        "metric": st.one_of(st.none(), st.floats(150, 3000), st.sampled_from([990.0, 1000.0, 1010.0])),
+        "metric": st.one_of(
+            st.none(), st.floats(150, 3000), st.sampled_from([990.0, 1000.0, 1010.0])
+        ),
         "level": st.integers(1, 3),
         "correct": st.integers(10, 20),
         "remark": st.sampled_from(["", REMARK]),
@@ -46,7 +50,9 @@ LIFTS = st.fixed_dictionaries(
     optional={"sway": st.floats(0, 50), "grip": st.floats(0, 99)},
 )
 ANY_CHANGE = 4
-"""The last rules by which feedback reports each change; test_feedback_on_change.py has those that follow."""
+"""The last rules by which feedback reports each change; test_feedback_on_change.py has those that
+follow.
+"""
 SESSIONS = st.lists(LIFTS, min_size=1, max_size=12)
 
 
@@ -55,7 +61,8 @@ def lift(**fields: object) -> dict[str, Any]:
     return {"metric": 900.0, "level": 1, "correct": 20, **fields}
 
 
-# --- the form -------------------------------------------------------------------------------------------------
+# --- the form
+# -------------------------------------------------------------------------------------------------
 
 
 @given(
@@ -77,7 +84,9 @@ def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
     rules: int,
 ) -> None:
     agents = {
-        form: Agent(Lift, theme, form, seed, best, rules, about=about, feedback_compared_with=reference)
+        form: Agent(
+            Lift, theme, form, seed, best, rules, about=about, feedback_compared_with=reference
+        )
         for form in FORMS
     }
     for attempt in attempts:
@@ -91,25 +100,36 @@ def test_qualitative_feedback_has_no_number_and_quantitative_always_one(
 @example([lift(sway=0.0), lift(sway=40.0)], "last attempt", "both", ANY_CHANGE).via(
     "no previous value to compute a percentage from"
 )
-@given(SESSIONS, st.sampled_from(REFERENCES), st.sampled_from(CONTENTS), st.sampled_from([ANY_CHANGE, RULES]))
+@given(
+    SESSIONS,
+    st.sampled_from(REFERENCES),
+    st.sampled_from(CONTENTS),
+    st.sampled_from([ANY_CHANGE, RULES]),
+)
 def test_the_form_both_gives_words_then_figures(
     attempts: list[dict[str, Any]], reference: str, about: str, rules: int
 ) -> None:
     theme, compared = spelling(VOICES[0]), {"feedback_compared_with": reference}
-    agents = {form: Agent(Lift, theme, form, rules=rules, about=about, **compared) for form in FORMS}
+    agents = {
+        form: Agent(Lift, theme, form, rules=rules, about=about, **compared) for form in FORMS
+    }
     for attempt in attempts:
         said = {
-            form: [part.situation for part in spelled(agent.feedback_on(**attempt))] for form, agent in agents.items()
+            form: [part.situation for part in spelled(agent.feedback_on(**attempt))]
+            for form, agent in agents.items()
         }
         assert set(said["qualitative"]) <= set(QUALITATIVE)
         first, *more = said["quantitative"]
         assert first in QUANTITATIVE
-        assert set(more) <= {*QUANTITATIVE, *said["qualitative"]}, "words if the change has no percentage"
+        assert set(more) <= {*QUANTITATIVE, *said["qualitative"]}, (
+            "words if the change has no percentage"
+        )
         assert said["both"][-len(said["quantitative"]) :] == said["quantitative"]
         assert set(said["both"]) <= {*said["qualitative"], *said["quantitative"]}
 
 
-# --- the right number, in the right direction -----------------------------------------------------------------
+# --- the right number, in the right direction
+# -----------------------------------------------------------------
 
 
 def figures(
@@ -137,7 +157,11 @@ def difference(metric: Metric, value: float, against: float, decimals: int) -> s
     """Return the difference of two results as they are shown."""
     if metric.unit != "ms":
         return shown(metric, abs(round(value, metric.decimals) - round(against, metric.decimals)))
-    return shown(metric, 1000 * abs(round(value / 1000, decimals) - round(against / 1000, decimals)), decimals)
+    return shown(
+        metric,
+        1000 * abs(round(value / 1000, decimals) - round(against / 1000, decimals)),
+        decimals,
+    )
 
 
 @pytest.mark.parametrize("task", [Lift, Reps])
@@ -146,8 +170,12 @@ def difference(metric: Metric, value: float, against: float, decimals: int) -> s
 def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
     task: type[Task], reference: str, attempts: list[tuple[float, int]], best: dict[str, float]
 ) -> None:
-    goal_texts = {1: "1 second", 2: "1.1 seconds"} if task is Lift else {1: "1000.0 reps", 2: "1100.0 reps"}
-    words = dict(zip(REFERENCES, ("last time", "your best", "your average today", "the goal"), strict=True))
+    goal_texts = (
+        {1: "1 second", 2: "1.1 seconds"} if task is Lift else {1: "1000.0 reps", 2: "1100.0 reps"}
+    )
+    words = dict(
+        zip(REFERENCES, ("last time", "your best", "your average today", "the goal"), strict=True)
+    )
     metric = task.metric
     goals = {1: 1000.0, 2: 1100.0}
     before: dict[int, list[float]] = {1: [], 2: []}
@@ -167,8 +195,13 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
         }[reference]
         if against is None:
             assert situation.endswith("_first")
-            assert (slots["value"], slots["goal"]) == (shown(metric, value, decimals), goal_texts[level])
-        elif (apart := difference(metric, value, against, decimals)) == shown(metric, 0.0, decimals):
+            assert (slots["value"], slots["goal"]) == (
+                shown(metric, value, decimals),
+                goal_texts[level],
+            )
+        elif (apart := difference(metric, value, against, decimals)) == shown(
+            metric, 0.0, decimals
+        ):
             assert situation.endswith("_same")
             assert slots["reference"] == words[reference]
         else:
@@ -176,7 +209,10 @@ def test_an_attempt_is_compared_with_the_configured_reference_at_its_level(
             assert situation.endswith("_improved" if better else "_worsened")
             assert slots["difference"] == apart
             assert slots["change"] == (metric.improved if better else metric.worsened)
-            assert (slots["reference"], slots["value"]) == (words[reference], shown(metric, value, decimals))
+            assert (slots["reference"], slots["value"]) == (
+                words[reference],
+                shown(metric, value, decimals),
+            )
         known.append(value)
 
 
@@ -187,7 +223,9 @@ def test_the_best_of_earlier_sessions_is_used_only_as_best(reference: str) -> No
 
 
 def test_a_new_best_is_compared_with_the_previous_one() -> None:
-    first, second, third = figures(Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0})
+    first, second, third = figures(
+        Lift, [(520.0, 1), (480.0, 1), (470.0, 1)], "best attempt", {"1": 500.0}
+    )
     assert (first.situation, first.slots["difference"]) == ("positive_worsened", "0.02 seconds")
     assert (second.situation, second.slots["difference"]) == ("positive_improved", "0.02 seconds")
     assert (third.situation, third.slots["difference"]) == ("positive_improved", "0.01 seconds")
@@ -212,10 +250,13 @@ def test_figures_are_written_as_the_language_writes_them() -> None:
     assert found.slots["value"] == "1234,5 reps"
 
 
-# --- where there is nothing to compare ------------------------------------------------------------------------
+# --- where there is nothing to compare
+# ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
+@pytest.mark.parametrize(
+    ("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")]
+)
 def test_an_attempt_without_a_result_reports_the_correct_trials(
     metric: float | None, correct: int, situation: str
 ) -> None:
@@ -226,12 +267,16 @@ def test_an_attempt_without_a_result_reports_the_correct_trials(
     assert found == (f"{situation}_figures", {"correct": str(correct), "trials": "20"})
 
 
-@pytest.mark.parametrize(("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")])
+@pytest.mark.parametrize(
+    ("metric", "correct", "situation"), [(500.0, 12, "accuracy"), (None, 18, "empty")]
+)
 def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
     metric: float | None, correct: int, situation: str
 ) -> None:
     said = {
-        form: Agent(Lift, spelling(VOICES[0]), form).feedback_on(metric, correct=correct, remark=REMARK)
+        form: Agent(Lift, spelling(VOICES[0]), form).feedback_on(
+            metric, correct=correct, remark=REMARK
+        )
         for form in FORMS
     }
     assert said["qualitative"] == REMARK
@@ -240,18 +285,27 @@ def test_the_tasks_remark_replaces_the_words_but_not_the_figures(
 
 
 @pytest.mark.parametrize(("metric", "correct"), [(500.0, 12), (None, 18)])
-def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone(metric: float | None, correct: int) -> None:
+def test_unanswered_prompts_are_answered_with_the_tasks_advice_alone(
+    metric: float | None, correct: int
+) -> None:
     advice = "Lift your arm as soon as you hear the signal."
-    (words,) = spelled(Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice))
+    (words,) = spelled(
+        Agent(Lift, spelling(VOICES[0]), "both").feedback_on(metric, correct=correct, advice=advice)
+    )
     assert words == ("unanswered", {"advice": advice})
-    both = Agent(Lift, VOICES[0], "qualitative").feedback_on(metric, correct=correct, advice=advice, remark=REMARK)
+    both = Agent(Lift, VOICES[0], "qualitative").feedback_on(
+        metric, correct=correct, advice=advice, remark=REMARK
+    )
     assert both == REMARK, "the task's own remark on what went wrong says more"
 
 
 @pytest.mark.parametrize(
-    ("metric", "text"), [(412.4, "0.41 seconds"), (1000.0, "1.00 seconds"), (996.0, "0.996 seconds")]
+    ("metric", "text"),
+    [(412.4, "0.41 seconds"), (1000.0, "1.00 seconds"), (996.0, "0.996 seconds")],
 )
-def test_times_are_in_seconds_and_never_look_like_a_goal_that_they_are_not(metric: float, text: str) -> None:
+def test_times_are_in_seconds_and_never_look_like_a_goal_that_they_are_not(
+    metric: float, text: str
+) -> None:
     (found,) = spelled(Agent(Lift, spelling(VOICES[0])).feedback_on(metric))
     assert (found.slots["value"], found.slots["goal"]) == (text, "1 second")
 
@@ -265,10 +319,13 @@ def test_a_remark_on_an_attempt_that_has_a_result_is_left_out() -> None:
     assert REMARK not in Agent(Lift, VOICES[0], "both").feedback_on(500, remark=REMARK)
 
 
-# --- a summary ------------------------------------------------------------------------------------------------
+# --- a summary
+# ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("metric", "valence"), [(500.0, "positive"), (1005.0, "neutral"), (1500.0, "negative")])
+@pytest.mark.parametrize(
+    ("metric", "valence"), [(500.0, "positive"), (1005.0, "neutral"), (1500.0, "negative")]
+)
 def test_a_summary_reports_goals_reached_and_means(metric: float, valence: str) -> None:
     agent = Agent(Lift, spelling(VOICES[0]), "both", about="both")
     agent.feedback_on(400, sway=3.0)
@@ -292,7 +349,8 @@ def test_a_summary_without_times_gives_counts_only() -> None:
     assert found == ("summary_empty_figures", {"reached": "0", "attempts": "5"})
 
 
-# --- knowledge of performance: how it was done ----------------------------------------------------------------
+# --- knowledge of performance: how it was done
+# ----------------------------------------------------------------
 
 
 def how(agent: Agent, **attempt: Any) -> Spelled:
@@ -309,7 +367,9 @@ STEADY, FIRM = "with a steady arm", "with a firm grip"
 
 
 def test_the_first_performance_feedback_gives_the_aim() -> None:
-    assert how(watcher(), sway=10.0, grip=50.0) in [("performance_first", {"aim": aim}) for aim in (STEADY, FIRM)]
+    assert how(watcher(), sway=10.0, grip=50.0) in [
+        ("performance_first", {"aim": aim}) for aim in (STEADY, FIRM)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -336,14 +396,24 @@ def test_performance_feedback_reports_the_largest_improvement_or_else_decline(
     found = how(agent, sway=sway, grip=grip)
     assert found.situation == situation
     assert found.slots["reference"] == "last time"
-    assert found.slots.get("change", found.slots.get("aim")) in ({words} if words else {STEADY, FIRM})
+    assert found.slots.get("change", found.slots.get("aim")) in (
+        {words} if words else {STEADY, FIRM}
+    )
 
 
 @pytest.mark.parametrize(
     ("sway", "grip", "percent"),
-    [(8.0, 50.0, "20 %"), (10.0, 60.0, "20 %"), (15.0, 50.0, "50 %"), (10.0, 25.0, "50 %"), (10.0, 50.0, "0 %")],
+    [
+        (8.0, 50.0, "20 %"),
+        (10.0, 60.0, "20 %"),
+        (15.0, 50.0, "50 %"),
+        (10.0, 25.0, "50 %"),
+        (10.0, 50.0, "0 %"),
+    ],
 )
-def test_quantitative_performance_feedback_is_in_percent(sway: float, grip: float, percent: str) -> None:
+def test_quantitative_performance_feedback_is_in_percent(
+    sway: float, grip: float, percent: str
+) -> None:
     agent = watcher("quantitative")
     agent.feedback_on(900, sway=10.0, grip=50.0)
     found = how(agent, sway=sway, grip=grip)
@@ -352,7 +422,8 @@ def test_quantitative_performance_feedback_is_in_percent(sway: float, grip: floa
 
 
 @pytest.mark.parametrize(
-    ("sway", "grip", "valence"), [(7.0, 50.0, "positive"), (15.0, 50.0, "negative"), (10.0, 50.0, "neutral")]
+    ("sway", "grip", "valence"),
+    [(7.0, 50.0, "positive"), (15.0, 50.0, "negative"), (10.0, 50.0, "neutral")],
 )
 def test_the_face_matches_the_performance_feedback(sway: float, grip: float, valence: str) -> None:
     """No praise accompanies advice, however fast the attempt was."""
@@ -386,7 +457,10 @@ def test_performance_is_compared_with_the_last_attempt_at_the_level() -> None:
     assert how(agent, level=2, sway=30.0).situation == "performance_first"
     assert how(agent, sway=7.0).situation == "performance_improved"
     reference = "last time at this level"
-    assert how(agent, level=2, sway=40.0) == ("performance_worsened", {"aim": STEADY, "reference": reference})
+    assert how(agent, level=2, sway=40.0) == (
+        "performance_worsened",
+        {"aim": STEADY, "reference": reference},
+    )
 
 
 def test_performance_in_practice_is_not_a_reference() -> None:
@@ -431,7 +505,8 @@ def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
     assert len(spelled(Agent(keyboard, spelling(VOICES[0]), "both").feedback_on(700))) == 2
 
 
-# --- texts of tasks -------------------------------------------------------------------------------------------
+# --- texts of tasks
+# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("language", ["en", "es"])
@@ -439,7 +514,14 @@ def test_the_parameters_decide_the_form(keyboard: type[Task]) -> None:
 def test_text_that_a_task_adds_holds_no_number(name: str, language: str) -> None:
     kind = CATALOGUE.task(name)
     task = kind(build(kind.Parameters, {"language": language}))
-    changes = [quality.improved for quality in task.qualities] + [task.metric.improved, task.metric.worsened]
-    added = [*changes, *(quality.aim for quality in task.qualities), *(mark.remark for mark in task.marks)]
+    changes = [quality.improved for quality in task.qualities] + [
+        task.metric.improved,
+        task.metric.worsened,
+    ]
+    added = [
+        *changes,
+        *(quality.aim for quality in task.qualities),
+        *(mark.remark for mark in task.marks),
+    ]
     said = [*map(task.tr, added), task.when_to_respond()]
     assert [text for text in said if holds_number(text, language)] == []

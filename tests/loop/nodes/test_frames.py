@@ -1,4 +1,6 @@
-"""Prompts of several frames: each is drawn at its time, stamped, and stored; responses count from the timed one."""
+"""Prompts of several frames: each is drawn at its time, stamped, and stored; responses count from
+the timed one.
+"""
 
 import math
 from collections.abc import Sequence
@@ -57,7 +59,9 @@ class Cued(Framed):
 
 def onsets(driver: LoopDriver) -> list[float]:
     """Times of the frames since the first of the last presentation (ms)."""
-    shown = [one for one in driver.all(SHOWN) if one.presentation == driver.last(SHOWN).presentation]
+    shown = [
+        one for one in driver.all(SHOWN) if one.presentation == driver.last(SHOWN).presentation
+    ]
     return [(one.at - shown[0].at) / MS for one in shown]
 
 
@@ -100,9 +104,15 @@ def test_it_counts_from_the_first_frame_if_none_is_marked(calm: Theme) -> None:
     driver.wait(200)
     driver.press("f")
     trial = driver.last(TRIAL)
-    assert (trial.reaction_time_ms, trial.details["frame"], len(trial.timing.frame_onsets_ns)) == (200, 0, 1)
+    assert (trial.reaction_time_ms, trial.details["frame"], len(trial.timing.frame_onsets_ns)) == (
+        200,
+        0,
+        1,
+    )
     driver.wait(2000)
-    assert [due.trial for due in driver.all(FRAME)] == [2], "the rest of the first prompt was never shown"
+    assert [due.trial for due in driver.all(FRAME)] == [2], (
+        "the rest of the first prompt was never shown"
+    )
 
 
 def test_a_key_before_the_awaited_frame_is_flagged_and_no_response(calm: Theme) -> None:
@@ -243,7 +253,9 @@ def test_a_time_for_the_response_that_is_none_ends_the_session_with_a_sentence(
     assert f"The timeout_ms of a prompt is {timeout_ms!r}" in driver.last(FAULT).error
 
 
-def test_a_last_frame_with_a_time_is_followed_by_an_empty_one(calm: Theme, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_last_frame_with_a_time_is_followed_by_an_empty_one(
+    calm: Theme, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(Framed, "frames", (Frame("5", 100),))
     driver = LoopDriver(Framed, calm, **PARAMETERS)
     prompt = driver.start()
@@ -252,7 +264,9 @@ def test_a_last_frame_with_a_time_is_followed_by_an_empty_one(calm: Theme, monke
     assert onsets(driver) == [0, 100]
 
 
-def test_a_prompt_without_frames_is_stored_as_before(calm: Theme, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_prompt_without_frames_is_stored_as_before(
+    calm: Theme, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(Framed, "frames", ())
     driver = LoopDriver(Framed, calm, **PARAMETERS)
     driver.start()

@@ -43,12 +43,18 @@ def test_the_last_trials_mark_is_known_in_the_next_trial_and_after_a_resume(
     mark(driver, "caught")
     driver.press("space")
     driver.to_prompt()
-    assert driver.session.trial_mark == TrialMark(done=(1, 1), open=(1, 2), marks={(1, 1): "caught", (1, 2): ""})
+    assert driver.session.trial_mark == TrialMark(
+        done=(1, 1), open=(1, 2), marks={(1, 1): "caught", (1, 2): ""}
+    )
     resumed = LiftDriver(Lift, calm, attempts=3, start_level=3, history=driver.records)
-    assert (resumed.session.trial_mark.trial, resumed.session.trial_mark.present) == ((1, 1), "caught")
+    assert (resumed.session.trial_mark.trial, resumed.session.trial_mark.present) == (
+        (1, 1),
+        "caught",
+    )
 
 
-# --- the open trial -----------------------------------------------------------------------------------------
+# --- the open trial
+# -----------------------------------------------------------------------------------------
 
 
 def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(new_session: NewSession) -> None:
@@ -63,11 +69,18 @@ def test_a_mark_in_a_trial_is_stored_and_the_trial_does_not_count(new_session: N
     trial = driver.last(TRIAL)
     assert (trial.response, trial.correct, trial.value) == ("lift", False, None)
     assert trial.details == {"sway": 4.0, "grip": 50.0, "mark": "caught"}
-    assert marked(driver) == [(1, 1, "caught", False)], "the mark took effect at once, with no second message"
+    assert marked(driver) == [(1, 1, "caught", False)], (
+        "the mark took effect at once, with no second message"
+    )
     driver.wait(300)
     driver.lift(500)
     ended = driver.last(ATTEMPT_ENDED)
-    assert (ended.metric, ended.correct, ended.accuracy, ended.qualities["sway"]) == (500.0, 1, 0.5, 5.0)
+    assert (ended.metric, ended.correct, ended.accuracy, ended.qualities["sway"]) == (
+        500.0,
+        1,
+        0.5,
+        5.0,
+    )
 
 
 def test_a_counting_mark_leaves_the_trial_correct(new_session: NewSession) -> None:
@@ -102,7 +115,9 @@ def test_the_last_of_two_marks_in_a_trial_counts(new_session: NewSession) -> Non
 
 
 @pytest.mark.parametrize("broken_off", ["?", "pause"])
-def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(new_session: NewSession, broken_off: str) -> None:
+def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(
+    new_session: NewSession, broken_off: str
+) -> None:
     driver = new_session()
     driver.press("space")
     driver.to_prompt()
@@ -118,7 +133,8 @@ def test_a_mark_on_a_voided_trial_is_not_on_its_repetition(new_session: NewSessi
     assert (driver.last(TRIAL).correct, "mark" in driver.last(TRIAL).details) == (True, False)
 
 
-# --- the last trial ------------------------------------------------------------------------------------------
+# --- the last trial
+# ------------------------------------------------------------------------------------------
 
 
 def test_between_trials_the_last_one_is_marked(new_session: NewSession) -> None:
@@ -134,7 +150,9 @@ def test_between_trials_the_last_one_is_marked(new_session: NewSession) -> None:
     assert driver.last(FEEDBACK).reason == "accuracy"
 
 
-def test_before_the_first_trial_of_a_session_there_is_nothing_to_mark(new_session: NewSession) -> None:
+def test_before_the_first_trial_of_a_session_there_is_nothing_to_mark(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     mark(driver, "caught")
     assert marked(driver) == []
@@ -147,15 +165,30 @@ def test_a_mark_after_an_attempt_corrects_its_score_and_the_level(new_session: N
     driver.lift(400)
     driver.lift(500)
     before = driver.last(ATTEMPT_ENDED)
-    assert (before.metric, before.outcome, before.feedback, driver.waiting.level) == (450.0, "success", "positive", 4)
+    assert (before.metric, before.outcome, before.feedback, driver.waiting.level) == (
+        450.0,
+        "success",
+        "positive",
+        4,
+    )
     said = len(driver.all(ACTION))
     mark(driver, "caught")
     assert marked(driver) == [(1, 2, "caught", False)]
     again = driver.last(ATTEMPT_ENDED)
-    assert (again.attempt, again.level, again.metric, again.correct, again.outcome) == (1, 3, 400.0, 1, "failure")
+    assert (again.attempt, again.level, again.metric, again.correct, again.outcome) == (
+        1,
+        3,
+        400.0,
+        1,
+        "failure",
+    )
     assert (again.started, again.ended, again.goal) == (before.started, before.ended, before.goal)
     assert again.feedback == "positive", "the feedback that was given stands"
-    assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (4, 2, "mark")
+    assert (driver.last(LEVEL).previous, driver.last(LEVEL).level, driver.last(LEVEL).reason) == (
+        4,
+        2,
+        "mark",
+    )
     assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.level) == ("attempt", 2, 2)
     assert driver.waiting.goal == "Your goal: less than 1.1 seconds, with at least 80% right."
     assert len(driver.all(ACTION)) == said, "no further feedback is given"
@@ -192,14 +225,21 @@ def test_the_last_trial_of_the_last_attempt_can_be_marked(new_session: NewSessio
     mark(driver, "caught")
     assert marked(driver) == [(1, 2, "caught", False)]
     again = driver.last(ATTEMPT_ENDED)
-    assert (again.metric, again.correct, again.outcome, again.feedback) == (400.0, 1, "failure", "positive")
+    assert (again.metric, again.correct, again.outcome, again.feedback) == (
+        400.0,
+        1,
+        "failure",
+        "positive",
+    )
     assert driver.waiting.stage == "review"
     mark(driver, "leaned")
     assert driver.last(ATTEMPT_ENDED) == driver.all(ATTEMPT_ENDED)[0]
 
 
 def test_a_mark_may_lead_to_the_same_level(new_session: NewSession) -> None:
-    """The level falls after two consecutive failures: the mark makes the first, the next attempt is the second."""
+    """The level falls after two consecutive failures: the mark makes the first, the next attempt is
+    the second.
+    """
     driver = new_session(consecutive_successes=2, consecutive_failures=2)
     driver.lift(400)
     driver.lift(500)
@@ -213,7 +253,9 @@ def test_a_mark_may_lead_to_the_same_level(new_session: NewSession) -> None:
     assert (driver.last(LEVEL).level, driver.last(LEVEL).reason) == (2, "failure")
 
 
-def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(new_session: NewSession) -> None:
+def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.lift()
     driver.lift()
@@ -225,14 +267,20 @@ def test_after_the_next_attempt_has_begun_the_last_cannot_be_marked(new_session:
 
 
 @pytest.mark.parametrize("attempts", [1, 3])
-def test_a_level_set_by_hand_is_not_undone_by_a_mark(new_session: NewSession, attempts: int) -> None:
+def test_a_level_set_by_hand_is_not_undone_by_a_mark(
+    new_session: NewSession, attempts: int
+) -> None:
     driver = new_session(attempts=attempts)
     driver.lift()
     driver.lift()
     driver.operate("level", value=7)
     ended = len(driver.all(ATTEMPT_ENDED))
     mark(driver, "caught")
-    assert (marked(driver), len(driver.all(ATTEMPT_ENDED)), driver.last(LEVEL).level) == ([], ended, 7)
+    assert (marked(driver), len(driver.all(ATTEMPT_ENDED)), driver.last(LEVEL).level) == (
+        [],
+        ended,
+        7,
+    )
 
 
 def test_a_mark_in_practice_does_not_change_the_level(new_session: NewSession) -> None:
@@ -272,7 +320,11 @@ def test_a_session_with_marks_can_be_replayed(new_session: NewSession, calm: The
     again.bus.tap(derived.extend)
     again.replay(driver.records)
     assert derived == driver.records
-    assert marked(driver) == [(1, 1, "leaned", True), (1, 1, "caught", False), (1, 2, "caught", False)]
+    assert marked(driver) == [
+        (1, 1, "leaned", True),
+        (1, 1, "caught", False),
+        (1, 2, "caught", False),
+    ]
 
 
 def test_the_same_mark_again_removes_it(new_session: NewSession) -> None:

@@ -32,7 +32,9 @@ class Handler(Node):
 
 @pytest.fixture
 def bus() -> Bus:
-    """Return the memory of a session whose earlier bests are 500 ms at level 1 and 700 ms at level 3."""
+    """Return the memory of a session whose earlier bests are 500 ms at level 1 and 700 ms at level
+    3.
+    """
     bus = Bus(VirtualClock())
     for node in (Memory(), Handler()):
         node.attach(bus)
@@ -53,10 +55,15 @@ def end(bus: Bus, attempt: int, level: int = 1, metric: float | None = 600.0, **
         "ended": 1,
         "practice": False,
     }
-    bus.publish(DONE, Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})))
+    bus.publish(
+        DONE,
+        Done(ended=AttemptEnded(attempt=attempt, level=level, metric=metric, **{**facts, **more})),
+    )
 
 
-def recall(bus: Bus, level: int | None = None, seat: str = "A", condition: str | None = None) -> RecalledAttempts:
+def recall(
+    bus: Bus, level: int | None = None, seat: str = "A", condition: str | None = None
+) -> RecalledAttempts:
     return bus.call(RECALL, Recall(level=level, seat=seat, condition=condition))
 
 
@@ -86,7 +93,10 @@ def test_an_attempt_scored_again_keeps_its_place(bus: Bus) -> None:
     end(bus, 1, metric=600.0)
     end(bus, 2)
     end(bus, 1, metric=900.0)
-    assert [(attempt.attempt, attempt.metric) for attempt in recall(bus).attempts] == [(1, 900.0), (2, 600.0)]
+    assert [(attempt.attempt, attempt.metric) for attempt in recall(bus).attempts] == [
+        (1, 900.0),
+        (2, 600.0),
+    ]
 
 
 def test_each_seat_has_its_own_attempts(bus: Bus) -> None:
@@ -96,13 +106,17 @@ def test_each_seat_has_its_own_attempts(bus: Bus) -> None:
 
 
 @pytest.mark.parametrize(("level", "best"), [(1, 500.0), (2, None), (3, 700.0), (None, None)])
-def test_the_best_of_earlier_sessions_is_returned_for_a_level(bus: Bus, level: int | None, best: float | None) -> None:
+def test_the_best_of_earlier_sessions_is_returned_for_a_level(
+    bus: Bus, level: int | None, best: float | None
+) -> None:
     end(bus, 1, metric=300.0)
     assert recall(bus, level).earlier_best == best
 
 
 def test_a_new_run_updates_the_best_of_earlier_sessions(bus: Bus) -> None:
-    bus.publish(SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0}))
+    bus.publish(
+        SESSION, SessionStarted(run=2, task="lift", theme="calm", seed=1, best={"1": 450.0})
+    )
     assert recall(bus, 1).earlier_best == 450.0
 
 

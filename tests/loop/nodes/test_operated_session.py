@@ -45,14 +45,18 @@ def operated(theme: Theme, **settings: Any) -> LoopDriver:
         filler="never",
         **{"encouragement": False, **settings},
     )
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     driver.enter()
     driver.attempt()
     return driver
 
 
 def decide(driver: LoopDriver, action: str, verdict: Any, **how: Any) -> None:
-    decision = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=driver.clock.now(), **how)
+    decision = m.Decision(
+        action=action, verdict=verdict, actor="operator.ana", at=driver.clock.now(), **how
+    )
     driver.session.bus.publish(DECISION, decision)
 
 
@@ -62,7 +66,11 @@ def feedback(driver: LoopDriver) -> list[m.Action]:
 
 def pending_feedback(driver: LoopDriver) -> str:
     """Return the id of the pending feedback."""
-    return [pending.proposal.id for pending in driver.all(PENDING_APPROVAL) if pending.proposal.kind == "feedback"][-1]
+    return [
+        pending.proposal.id
+        for pending in driver.all(PENDING_APPROVAL)
+        if pending.proposal.kind == "feedback"
+    ][-1]
 
 
 def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
@@ -71,12 +79,18 @@ def test_no_attempt_begins_while_feedback_is_decided_on(calm: Theme) -> None:
     driver.press("enter")
     assert driver.waiting.stage == "answer"
     decide(driver, pending_feedback(driver), "accept")
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == ("enter", "attempt", 2)
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == (
+        "enter",
+        "attempt",
+        2,
+    )
     assert len(feedback(driver)) == 1
 
 
 def test_the_wait_ends_at_the_deadline(calm: Theme) -> None:
-    driver = operated(calm, operator_feedback="approve", operator_time_ms=5000, operator_ms_per_word=0)
+    driver = operated(
+        calm, operator_feedback="approve", operator_time_ms=5000, operator_ms_per_word=0
+    )
     driver.wait(4000)
     assert (driver.waiting.what, driver.waiting.stage) == ("enter", "attempt")
     assert [action.ground for action in feedback(driver)] == ["deadline"]
@@ -86,13 +100,17 @@ def test_manual_feedback_is_not_waited_for(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="manual")
     assert driver.waiting.stage == "attempt"
     driver.press("enter")
-    assert [(dropped.reason, dropped.actor) for dropped in driver.all(DROPPED)] == [("manual", "agent")]
+    assert [(dropped.reason, dropped.actor) for dropped in driver.all(DROPPED)] == [
+        ("manual", "agent")
+    ]
     driver.to_prompt()
     assert feedback(driver) == []
 
 
 def test_a_remark_during_the_delay_does_not_change_the_wait(calm: Theme) -> None:
-    driver = operated(calm, extra=[OutputNode(Speaker(1000), "speech", calm)], feedback_delay_ms=5000)
+    driver = operated(
+        calm, extra=[OutputNode(Speaker(1000), "speech", calm)], feedback_delay_ms=5000
+    )
     known = len(driver.all(WAITING))
     driver.session.bus.publish(REMARK, m.Remark(text="Take your time.", actor="operator.ana"))
     driver.wait(3000)
@@ -138,14 +156,21 @@ def test_an_operator_of_an_earlier_run_decides_nothing_in_the_next(calm: Theme) 
     killed = operated(calm, operator_feedback="approve")
     decide(killed, pending_feedback(killed), "veto")
     driver = LoopDriver(
-        Catalogue().task("keyboard"), calm, history=killed.records, operator_feedback="approve", **settings
+        Catalogue().task("keyboard"),
+        calm,
+        history=killed.records,
+        operator_feedback="approve",
+        **settings,
     )
     driver.enter()
     driver.attempt()
-    assert [(action.actor, action.ground) for action in feedback(driver)] == [("agent", "no operator")]
+    assert [(action.actor, action.ground) for action in feedback(driver)] == [
+        ("agent", "no operator")
+    ]
 
 
-# --- the level ------------------------------------------------------------------------------------------------------
+# --- the level
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_the_level_rises_when_the_operator_accepts(calm: Theme) -> None:
@@ -153,11 +178,15 @@ def test_the_level_rises_when_the_operator_accepts(calm: Theme) -> None:
     assert driver.waiting.stage == "answer"
     assert driver.all(LEVEL) == []
     decide(driver, "l1", "accept")
-    assert [(change.previous, change.level, change.reason) for change in driver.all(LEVEL)] == [(1, 2, "success")]
+    assert [(change.previous, change.level, change.reason) for change in driver.all(LEVEL)] == [
+        (1, 2, "success")
+    ]
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 2)
 
 
-@pytest.mark.parametrize(("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "edit", "level": 3}, 3)])
+@pytest.mark.parametrize(
+    ("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "edit", "level": 3}, 3)]
+)
 def test_an_operator_can_edit_the_level(calm: Theme, how: dict[str, Any], level: int) -> None:
     driver = operated(calm, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", **how)
@@ -198,9 +227,15 @@ def test_a_manual_level_accepted_late_applies_to_the_next_attempt(calm: Theme) -
 
 def test_no_level_changes_once_the_session_is_being_ended(calm: Theme) -> None:
     driver = LoopDriver(
-        Catalogue().task("keyboard"), calm, attempts=3, prompts_per_attempt=2, operator_difficulty="approve"
+        Catalogue().task("keyboard"),
+        calm,
+        attempts=3,
+        prompts_per_attempt=2,
+        operator_difficulty="approve",
     )
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     driver.start()
     driver.answer()
     driver.to_prompt()
@@ -222,14 +257,18 @@ def test_a_level_held_by_hand_stays(calm: Theme) -> None:
 
 def test_a_level_set_by_hand_overrides_a_pending_one(calm: Theme) -> None:
     driver = operated(calm, operator_difficulty="veto", operator_time_ms=5000)
-    driver.session.bus.publish(COMMAND, m.SessionCommand(command="level", value=4, actor="operator.ana"))
+    driver.session.bus.publish(
+        COMMAND, m.SessionCommand(command="level", value=4, actor="operator.ana")
+    )
     driver.wait(10_000)
     assert driver.waiting.level == 4
 
 
 def test_a_mark_withdraws_a_pending_level_that_no_longer_follows(calm: Theme) -> None:
     driver = LiftDriver(Lift, calm, operator_difficulty="approve", operator_time_ms=60_000)
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     driver.begin_lifts()
     driver.lift()
     driver.lift()
@@ -239,13 +278,17 @@ def test_a_mark_withdraws_a_pending_level_that_no_longer_follows(calm: Theme) ->
     decide(driver, "l1", "accept")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", 1)
     driver.operate("mark", reason="caught")
-    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l2"], "the mark was removed"
+    assert [pending.proposal.id for pending in driver.last(ARBITER_STATE).pending] == ["l2"], (
+        "the mark was removed"
+    )
     decide(driver, "l2", "accept")
     assert driver.waiting.level == 2
 
 
 @pytest.mark.parametrize(("lost", "level"), [("autonomous", 2), ("silent", 1)])
-def test_a_pending_level_is_decided_without_an_operator_after_a_resume(calm: Theme, lost: str, level: int) -> None:
+def test_a_pending_level_is_decided_without_an_operator_after_a_resume(
+    calm: Theme, lost: str, level: int
+) -> None:
     settings = {"operator_difficulty": "approve", "operator_time_ms": 60_000, "operator_lost": lost}
     killed = operated(calm, **settings)
     assert (killed.waiting.stage, killed.waiting.level) == ("answer", 1)
@@ -261,15 +304,19 @@ def test_a_pending_level_is_decided_without_an_operator_after_a_resume(calm: The
     )
     driver.press("enter")
     assert (driver.waiting.stage, driver.waiting.level) == ("attempt", level)
-    assert [(decided.id, decided.actor, decided.ground) for decided in driver.all(LEVEL_DECIDED)] == [
-        ("l1", "agent", "no operator")
-    ]
+    assert [
+        (decided.id, decided.actor, decided.ground) for decided in driver.all(LEVEL_DECIDED)
+    ] == [("l1", "agent", "no operator")]
 
 
 def lifted(calm: Theme, task: type[Task] = Lift, **settings: Any) -> LiftDriver:
     """Start a session with an operator and a therapist, at the end of its first attempt."""
-    driver = LiftDriver(task, calm, **{"attempts": 3, "filler": "never", "encouragement": False, **settings})
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver = LiftDriver(
+        task, calm, **{"attempts": 3, "filler": "never", "encouragement": False, **settings}
+    )
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     driver.begin_lifts()
     driver.lift()
     driver.lift()
@@ -281,7 +328,9 @@ def pending_ids(driver: LoopDriver) -> list[str]:
 
 
 @pytest.mark.parametrize("attempts", [2, 3])
-def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too(calm: Theme, attempts: int) -> None:
+def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too(
+    calm: Theme, attempts: int
+) -> None:
     driver = lifted(calm, attempts=attempts, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", "veto")
     driver.operate("mark", reason="caught")
@@ -291,13 +340,20 @@ def test_a_level_that_follows_from_a_mark_is_pending_before_the_last_attempt_too
 
 
 @pytest.mark.parametrize(
-    ("how", "level"), [({"verdict": "veto"}, 1), ({"verdict": "accept"}, 2), ({"verdict": "edit", "level": 4}, 4)]
+    ("how", "level"),
+    [({"verdict": "veto"}, 1), ({"verdict": "accept"}, 2), ({"verdict": "edit", "level": 4}, 4)],
 )
-def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(calm: Theme, how: dict[str, Any], level: int) -> None:
+def test_a_mark_that_changes_no_outcome_keeps_the_operators_level(
+    calm: Theme, how: dict[str, Any], level: int
+) -> None:
     driver = lifted(calm, operator_difficulty="approve", operator_time_ms=60_000)
     decide(driver, "l1", **how)
     driver.operate("mark", reason="leaned")
-    assert (driver.waiting.stage, driver.waiting.level, pending_ids(driver)) == ("attempt", level, [])
+    assert (driver.waiting.stage, driver.waiting.level, pending_ids(driver)) == (
+        "attempt",
+        level,
+        [],
+    )
     driver.press("enter")
     driver.wait(300)
     assert driver.waiting.level == level
@@ -315,8 +371,17 @@ def test_a_mark_that_changes_no_outcome_leaves_the_level_pending(calm: Theme) ->
 
 
 def test_a_mark_withdraws_a_pending_level_regardless_of_the_previous_outcome(calm: Theme) -> None:
-    driver = LiftDriver(Lift, calm, attempts=3, filler="never", operator_difficulty="approve", operator_time_ms=60_000)
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver = LiftDriver(
+        Lift,
+        calm,
+        attempts=3,
+        filler="never",
+        operator_difficulty="approve",
+        operator_time_ms=60_000,
+    )
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     driver.begin_lifts()
     driver.lift(3000)
     driver.lift(3000)
@@ -375,12 +440,16 @@ def test_with_two_seats_the_session_waits_for_the_only_feedback(calm: Theme) -> 
     assert driver.waiting.stage == "answer"
     driver.wait(5000)
     assert driver.waiting.stage == "attempt"
-    assert [(action.seat, action.joins, action.policy) for action in feedback(driver)] == [("B", False, "interrupt")]
+    assert [(action.seat, action.joins, action.policy) for action in feedback(driver)] == [
+        ("B", False, "interrupt")
+    ]
 
 
 def test_with_two_seats_feedback_is_given_in_turn_with_gaze_to_each(calm: Theme) -> None:
     driver = lifted(calm, Couple)
-    assert [(action.seat, action.joins, action.policy, action.gaze) for action in feedback(driver)] == [
+    assert [
+        (action.seat, action.joins, action.policy, action.gaze) for action in feedback(driver)
+    ] == [
         ("A", False, "interrupt", "left"),
         ("B", True, "queue", "right"),
     ]
@@ -395,7 +464,9 @@ def undecided_couple(calm: Theme, rules: int = RULES) -> LiftDriver:
     driver = LiftDriver(Couple, calm, begin=False, attempts=3, encouragement=False, **TWO_UNDECIDED)
     driver.session._rules = rules
     driver.session.begin()
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     driver.begin_lifts()
     driver.lift()
     driver.lift()
@@ -403,12 +474,19 @@ def undecided_couple(calm: Theme, rules: int = RULES) -> LiftDriver:
 
 
 @pytest.mark.parametrize("order", ["AB", "BA"])
-def test_with_two_seats_the_feedback_that_is_decided_on_second_joins_the_first(calm: Theme, order: str) -> None:
+def test_with_two_seats_the_feedback_that_is_decided_on_second_joins_the_first(
+    calm: Theme, order: str
+) -> None:
     driver = undecided_couple(calm)
-    waits = {pending.proposal.seat: pending.proposal.id for pending in driver.last(ARBITER_STATE).pending}
+    waits = {
+        pending.proposal.seat: pending.proposal.id for pending in driver.last(ARBITER_STATE).pending
+    }
     for seat in order:
         decide(driver, waits[seat], "accept")
-    assert [(action.seat, action.joins) for action in feedback(driver)] == [(order[0], False), (order[1], True)]
+    assert [(action.seat, action.joins) for action in feedback(driver)] == [
+        (order[0], False),
+        (order[1], True),
+    ]
 
 
 def test_with_two_seats_no_filler_replaces_the_feedback_that_was_given_first(calm: Theme) -> None:
@@ -421,16 +499,28 @@ def test_with_two_seats_no_filler_replaces_the_feedback_that_was_given_first(cal
 
 def test_with_two_seats_a_session_keeps_the_manner_in_which_it_gave_feedback(calm: Theme) -> None:
     earlier = undecided_couple(calm, rules=2)
-    waits = {pending.proposal.seat: pending.proposal.id for pending in earlier.last(ARBITER_STATE).pending}
+    waits = {
+        pending.proposal.seat: pending.proposal.id
+        for pending in earlier.last(ARBITER_STATE).pending
+    }
     for seat in "BA":
         decide(earlier, waits[seat], "accept")
-    assert [(action.seat, action.joins) for action in feedback(earlier)] == [("B", True), ("A", False)]
-    again = LiftDriver(Couple, calm, history=earlier.records, attempts=3, encouragement=False, **TWO_UNDECIDED)
+    assert [(action.seat, action.joins) for action in feedback(earlier)] == [
+        ("B", True),
+        ("A", False),
+    ]
+    again = LiftDriver(
+        Couple, calm, history=earlier.records, attempts=3, encouragement=False, **TWO_UNDECIDED
+    )
     assert again.last(SESSION).rules == 2
 
 
-def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only(calm: Theme) -> None:
-    driver = lifted(calm, UnevenCouple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
+def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only(
+    calm: Theme,
+) -> None:
+    driver = lifted(
+        calm, UnevenCouple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000
+    )
     driver.operate("mark", reason="caught")
     assert {one.outcome for one in driver.all(ATTEMPT_ENDED)[-2:]} == {"failure"}
     assert pending_ids(driver) == ["l1"]
@@ -438,8 +528,12 @@ def test_with_two_seats_a_level_stays_pending_if_a_mark_changes_one_outcome_only
     assert driver.waiting.level == 2
 
 
-def test_with_two_seats_a_mark_that_changes_the_shared_outcome_proposes_one_level(calm: Theme) -> None:
-    driver = lifted(calm, Couple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000)
+def test_with_two_seats_a_mark_that_changes_the_shared_outcome_proposes_one_level(
+    calm: Theme,
+) -> None:
+    driver = lifted(
+        calm, Couple, start_level=3, operator_difficulty="approve", operator_time_ms=60_000
+    )
     levels = []
     for _ in range(3):
         (pending,) = driver.last(ARBITER_STATE).pending
@@ -452,18 +546,26 @@ def test_with_two_seats_only_unsaid_feedback_is_replaced(calm: Theme) -> None:
     driver = lifted(calm, Couple, operator_feedback="approve", operator_time_ms=60_000)
     decide(driver, pending_ids(driver)[0], "accept")
     driver.operate("mark", reason="caught")
-    assert [(pending.seat, pending.proposal.valence) for pending in driver.last(ARBITER_STATE).pending] == [
-        ("B", "negative")
-    ]
-    assert {one.seat: one.feedback for one in driver.all(ATTEMPT_ENDED)} == {"A": "positive", "B": "negative"}
+    assert [
+        (pending.seat, pending.proposal.valence) for pending in driver.last(ARBITER_STATE).pending
+    ] == [("B", "negative")]
+    assert {one.seat: one.feedback for one in driver.all(ATTEMPT_ENDED)} == {
+        "A": "positive",
+        "B": "negative",
+    }
     decide(driver, pending_ids(driver)[0], "accept")
-    assert [(action.seat, action.valence) for action in feedback(driver)] == [("A", "positive"), ("B", "negative")]
+    assert [(action.seat, action.valence) for action in feedback(driver)] == [
+        ("A", "positive"),
+        ("B", "negative"),
+    ]
 
 
 def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: Theme) -> None:
     driver = operated(calm, operator_feedback="manual")
     driver.operate("pause")
-    driver.session.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="approve", actor="operator.ana"))
+    driver.session.bus.publish(
+        MODE, m.ModeChanged(kind="feedback", mode="approve", actor="operator.ana")
+    )
     driver.operate("resume")
     assert driver.waiting.stage == "answer"
     decide(driver, pending_feedback(driver), "accept")
@@ -471,11 +573,13 @@ def test_feedback_that_becomes_pending_in_a_pause_is_waited_for_after_it(calm: T
     assert len(feedback(driver)) == 1
 
 
-# --- with and without an operator -------------------------------------------------------------------------------------
+# --- with and without an operator
+# -------------------------------------------------------------------------------------
 
 
 def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[str, str, str]]:
-    """Play three failed attempts and a success, pressing Enter all the time; return what the agent said and did.
+    """Play three failed attempts and a success, pressing Enter all the time; return what the agent
+    said and did.
 
     Nobody decides in time.
     """
@@ -491,7 +595,9 @@ def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[st
         **modes,
         **settings,
     )
-    driver.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    driver.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     for attempt in range(4):
         while driver.screen.waiting is None or driver.screen.waiting.stage != "trial":
             driver.press("enter")
@@ -502,15 +608,23 @@ def hurried(calm: Theme, kind: str, mode: str, **settings: Any) -> list[tuple[st
         driver.press("enter")
         driver.wait(300)
     driver.wait(60_000)
-    return [(action.kind, action.text, action.gesture) for action in driver.all(ACTION) if action.kind != "instruction"]
+    return [
+        (action.kind, action.text, action.gesture)
+        for action in driver.all(ACTION)
+        if action.kind != "instruction"
+    ]
 
 
 @pytest.mark.parametrize("delay_ms", [0, 3000])
 @pytest.mark.parametrize("kind", ["encouragement", "difficulty", "instruction"])
 @pytest.mark.parametrize("mode", ["veto", "approve"])
-def test_a_hurried_participant_hears_the_same_in_every_mode(calm: Theme, mode: str, kind: str, delay_ms: int) -> None:
+def test_a_hurried_participant_hears_the_same_in_every_mode(
+    calm: Theme, mode: str, kind: str, delay_ms: int
+) -> None:
     said = hurried(calm, kind, "autonomous", feedback_delay_ms=delay_ms)
-    assert {"greeting", "feedback", "encouragement", "rest", "goodbye"} <= {name for name, _, _ in said}
+    assert {"greeting", "feedback", "encouragement", "rest", "goodbye"} <= {
+        name for name, _, _ in said
+    }
     assert hurried(calm, kind, mode, feedback_delay_ms=delay_ms) == said
 
 
@@ -533,11 +647,18 @@ def test_encouragement_is_said_before_the_next_attempt_begins(calm: Theme, mode:
 
 
 def test_a_session_of_earlier_rules_is_replayed_and_resumed_by_them(calm: Theme) -> None:
-    settings = {"attempts": 3, "prompts_per_attempt": 2, "filler": "never", "operator_encouragement": "veto"}
+    settings = {
+        "attempts": 3,
+        "prompts_per_attempt": 2,
+        "filler": "never",
+        "operator_encouragement": "veto",
+    }
     killed = LoopDriver(Catalogue().task("keyboard"), calm, begin=False, **settings)
     killed.session._rules = 1
     killed.session.begin()
-    killed.session.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True))
+    killed.session.bus.publish(
+        PRESENCE, m.OperatorChanged(actor="operator.ana", state="joined", operated=True)
+    )
     killed.enter()
     killed.attempt()
     killed.begin_attempt()
@@ -550,7 +671,12 @@ def test_a_session_of_earlier_rules_is_replayed_and_resumed_by_them(calm: Theme)
 def test_the_levels_of_the_keyboard_task_are_those_of_the_rules_that_the_session_began_with(
     calm: Theme, rules: int, keys: int
 ) -> None:
-    settings = {"attempts": 3, "prompts_per_attempt": 2, "start_level": 5, "difficulty_policy": "fixed"}
+    settings = {
+        "attempts": 3,
+        "prompts_per_attempt": 2,
+        "start_level": 5,
+        "difficulty_policy": "fixed",
+    }
     kind = Catalogue().task("keyboard")
     killed = LoopDriver(kind, calm, begin=False, **settings)
     killed.session._rules = rules
@@ -567,7 +693,9 @@ def test_the_levels_of_the_keyboard_task_are_those_of_the_rules_that_the_session
 def test_encouragement_follows_the_level_that_the_operator_decides_on(
     calm: Theme, verdict: str, encouraged: int
 ) -> None:
-    driver = operated(calm, encouragement=True, operator_difficulty="approve", operator_time_ms=60_000)
+    driver = operated(
+        calm, encouragement=True, operator_difficulty="approve", operator_time_ms=60_000
+    )
     decide(driver, "l1", verdict)
     assert [action.kind for action in driver.all(ACTION)].count("encouragement") == encouraged
 
@@ -576,13 +704,22 @@ def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(ca
     """Only the timing differs, and not even that with a fixed delay."""
     sessions = []
     for mode in ("autonomous", "veto", "approve"):
-        settings = dict.fromkeys((f"operator_{kind}" for kind in ("feedback", "encouragement", "difficulty")), mode)
-        driver = operated(calm, feedback_delay_ms=2000, operator_time_ms=2000, operator_ms_per_word=0, **settings)
+        settings = dict.fromkeys(
+            (f"operator_{kind}" for kind in ("feedback", "encouragement", "difficulty")), mode
+        )
+        driver = operated(
+            calm, feedback_delay_ms=2000, operator_time_ms=2000, operator_ms_per_word=0, **settings
+        )
         driver.wait(5000)
         driver.attempt()
         driver.wait(5000)
         utterances = [
-            (record.at, msgspec.structs.replace(record.message, decided=0, mode="manual", ground="mode", actor=""))
+            (
+                record.at,
+                msgspec.structs.replace(
+                    record.message, decided=0, mode="manual", ground="mode", actor=""
+                ),
+            )
             for record in driver.records
             if record.topic is ACTION
         ]
@@ -592,12 +729,18 @@ def test_an_operator_who_accepts_everything_is_not_noticed_by_the_participant(ca
 
 
 @pytest.mark.parametrize("mode", ["veto", "approve"])
-def test_with_a_fixed_delay_encouragement_of_the_agent_alone_comes_at_the_same_moment(calm: Theme, mode: str) -> None:
+def test_with_a_fixed_delay_encouragement_of_the_agent_alone_comes_at_the_same_moment(
+    calm: Theme, mode: str
+) -> None:
     times = []
     for feedback_mode in ("autonomous", mode):
-        driver = operated(calm, encouragement=True, feedback_delay_ms=3000, operator_feedback=feedback_mode)
+        driver = operated(
+            calm, encouragement=True, feedback_delay_ms=3000, operator_feedback=feedback_mode
+        )
         driver.wait(5000)
-        times.append([(record.at, record.message.id) for record in driver.records if record.topic is ACTION])
+        times.append(
+            [(record.at, record.message.id) for record in driver.records if record.topic is ACTION]
+        )
     assert times[0] == times[1]
     assert driver.last(ACTION).kind == "encouragement"
 

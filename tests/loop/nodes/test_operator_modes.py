@@ -39,10 +39,14 @@ class OperatedDriver(ArbiterDriver):
             self.operator("joined", operated=True)
 
     def operator(self, state: Any, *, operated: bool) -> None:
-        self.bus.publish(PRESENCE, m.OperatorChanged(actor="operator.ana", state=state, operated=operated))
+        self.bus.publish(
+            PRESENCE, m.OperatorChanged(actor="operator.ana", state=state, operated=operated)
+        )
 
     def decide(self, action: str, verdict: Any, **how: Any) -> None:
-        decision = m.Decision(action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how)
+        decision = m.Decision(
+            action=action, verdict=verdict, actor="operator.ana", at=self.clock.now(), **how
+        )
         self.bus.publish(DECISION, decision)
 
     def ask_for_level(self, previous: int, level: int, *, is_last: bool = False) -> bool:
@@ -75,14 +79,20 @@ class OperatedDriver(ArbiterDriver):
         return bool(found and found[-1].awaits_operator)
 
 
-# --- the four modes -----------------------------------------------------------------------------------------------
+# --- the four modes
+# -----------------------------------------------------------------------------------------------
 
 
 def test_autonomous_feedback_is_given_at_once() -> None:
     driver = OperatedDriver()
     driver.propose("a1")
     (said,) = driver.said
-    assert (said.decision, said.actor, said.mode, said.ground) == ("accepted", "agent", "autonomous", "mode")
+    assert (said.decision, said.actor, said.mode, said.ground) == (
+        "accepted",
+        "agent",
+        "autonomous",
+        "mode",
+    )
     assert driver.all(PENDING_APPROVAL) == []
 
 
@@ -114,7 +124,9 @@ def test_the_timeout_setting_does_not_apply_in_veto_mode() -> None:
 
 
 @pytest.mark.parametrize(("afterwards", "said"), [("act", 1), ("drop", 0)])
-def test_in_approve_mode_the_timeout_setting_applies_at_the_deadline(afterwards: str, said: int) -> None:
+def test_in_approve_mode_the_timeout_setting_applies_at_the_deadline(
+    afterwards: str, said: int
+) -> None:
     driver = OperatedDriver(operator_feedback="approve", operator_timeout=afterwards)
     driver.propose("a1")
     driver.clock.advance(60 * SECOND)
@@ -128,7 +140,12 @@ def test_an_accepted_proposal_is_made_at_once_unchanged() -> None:
     driver.clock.advance(700 * MS)
     driver.decide("a1", "accept")
     (said,) = driver.said
-    assert (said.text, said.decision, said.actor, said.ground) == ("a1", "accepted", "operator.ana", "operator")
+    assert (said.text, said.decision, said.actor, said.ground) == (
+        "a1",
+        "accepted",
+        "operator.ana",
+        "operator",
+    )
     assert said.decided == SECOND + 700 * MS
     assert driver.all(DECIDED) == [said]
 
@@ -169,13 +186,16 @@ def test_each_kind_has_its_own_mode(kind: str) -> None:
     driver = OperatedDriver(operator_feedback="approve")
     driver.propose("a1", kind=kind)
     assert driver.acted == ["a1"]
-    controlled = {"encouragement": "encouragement", "rest": "encouragement"}.get(kind, "instruction")
+    controlled = {"encouragement": "encouragement", "rest": "encouragement"}.get(
+        kind, "instruction"
+    )
     strict = OperatedDriver(**{f"operator_{controlled}": "approve"})
     strict.propose("a1", kind=kind)
     assert strict.acted == []
 
 
-# --- time ---------------------------------------------------------------------------------------------------------
+# --- time
+# ---------------------------------------------------------------------------------------------------------
 
 
 def test_with_delayed_feedback_the_deadline_is_the_delay() -> None:
@@ -190,14 +210,18 @@ def test_with_delayed_feedback_the_deadline_is_the_delay() -> None:
 
 @pytest.mark.parametrize("mode", ["autonomous", "veto", "approve"])
 @given(decided_ms=st.integers(0, 2999))
-def test_with_delayed_feedback_the_timing_does_not_reveal_who_decided(mode: str, decided_ms: int) -> None:
+def test_with_delayed_feedback_the_timing_does_not_reveal_who_decided(
+    mode: str, decided_ms: int
+) -> None:
     driver = OperatedDriver(operator_feedback=mode, operator_time_ms=500)
     due = driver.clock.now() + 3 * SECOND
     driver.propose("a1", due=due)
     driver.clock.advance(decided_ms * MS)
     driver.decide("a1", "accept")
     driver.clock.advance(10 * SECOND)
-    ((at, _),) = [(record.at, record.message) for record in driver.records if record.topic is ACTION]
+    ((at, _),) = [
+        (record.at, record.message) for record in driver.records if record.topic is ACTION
+    ]
     assert at == due
 
 
@@ -226,9 +250,12 @@ def test_the_session_does_not_wait_for_what_only_the_operator_does() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mode", "timeout", "said"), [("veto", "drop", 1), ("approve", "act", 1), ("approve", "drop", 0)]
+    ("mode", "timeout", "said"),
+    [("veto", "drop", 1), ("approve", "act", 1), ("approve", "drop", 0)],
 )
-def test_pending_feedback_is_decided_when_the_session_is_completed(mode: str, timeout: str, said: int) -> None:
+def test_pending_feedback_is_decided_when_the_session_is_completed(
+    mode: str, timeout: str, said: int
+) -> None:
     driver = OperatedDriver(operator_feedback=mode, operator_timeout=timeout)
     driver.propose("a1", priority=40, due=driver.clock.now() + 3 * SECOND)
     driver.bus.publish(EVENT, Event(ended=m.SessionEnded(status="completed")))
@@ -248,9 +275,12 @@ def test_accepting_what_was_decided_already_is_too_late() -> None:
     assert [said.actor for said in driver.said] == ["agent"]
 
 
-# --- the time to decide -------------------------------------------------------------------------------------------
+# --- the time to decide
+# -------------------------------------------------------------------------------------------
 
-MEDIAN = "Well done: you took 498 ms on average, which is 22 ms faster than in the last attempt. Keep!"
+MEDIAN = (
+    "Well done: you took 498 ms on average, which is 22 ms faster than in the last attempt. Keep!"
+)
 """As long as the median proposal: 19 words."""
 
 
@@ -260,7 +290,9 @@ def seconds_to_decide(driver: OperatedDriver, id: str) -> float:
     return (pending.deadline - driver.clock.now()) / SECOND
 
 
-@pytest.mark.parametrize(("text", "seconds"), [("Nod", 4), (MEDIAN, 6.75), (f"{MEDIAN} {MEDIAN}", 11.5)])
+@pytest.mark.parametrize(
+    ("text", "seconds"), [("Nod", 4), (MEDIAN, 6.75), (f"{MEDIAN} {MEDIAN}", 11.5)]
+)
 def test_the_time_to_decide_follows_from_the_words(text: str, seconds: float) -> None:
     driver = OperatedDriver(operator_feedback="approve")
     driver.propose("a1", text=text)
@@ -280,12 +312,15 @@ def test_text_that_is_only_spoken_is_read_too() -> None:
 
 
 def test_every_proposal_can_have_the_same_time() -> None:
-    driver = OperatedDriver(operator_feedback="approve", operator_time_ms=3000, operator_ms_per_word=0)
+    driver = OperatedDriver(
+        operator_feedback="approve", operator_time_ms=3000, operator_ms_per_word=0
+    )
     driver.propose("a1", "a2", text=MEDIAN)
     assert seconds_to_decide(driver, "a2") == 3
 
 
-# --- what waits for a decision ------------------------------------------------------------------------------------
+# --- what waits for a decision
+# ------------------------------------------------------------------------------------
 
 
 def test_unsaid_feedback_can_be_requested() -> None:
@@ -428,7 +463,9 @@ def test_no_filler_after_a_decision_in_time() -> None:
 
 @pytest.mark.parametrize(("filler", "covered"), [("operator", 0), ("always", 1), ("never", 0)])
 @pytest.mark.parametrize("operated", [True, False])
-def test_a_delay_is_covered_as_the_filler_setting_says(filler: str, covered: int, operated: bool) -> None:
+def test_a_delay_is_covered_as_the_filler_setting_says(
+    filler: str, covered: int, operated: bool
+) -> None:
     driver = OperatedDriver(operated=operated, filler=filler)
     driver.propose("a1", due=driver.clock.now() + 4 * SECOND)
     driver.clock.advance(10 * SECOND)
@@ -436,8 +473,12 @@ def test_a_delay_is_covered_as_the_filler_setting_says(filler: str, covered: int
 
 
 @pytest.mark.parametrize(("status", "said"), [("completed", ["a1", "a2"]), ("aborted", ["a1"])])
-def test_the_last_feedback_precedes_the_goodbye_unless_the_session_was_aborted(status: Any, said: list[str]) -> None:
-    """Feedback for two seats comes in turn; ending the session meanwhile does not drop the second."""
+def test_the_last_feedback_precedes_the_goodbye_unless_the_session_was_aborted(
+    status: Any, said: list[str]
+) -> None:
+    """Feedback for two seats comes in turn; ending the session meanwhile does not drop the
+    second.
+    """
     driver = OperatedDriver()
     driver.propose("a1", "a2")
     driver.bus.publish(EVENT, Event(ended=m.SessionEnded(status=status)))
@@ -445,7 +486,8 @@ def test_the_last_feedback_precedes_the_goodbye_unless_the_session_was_aborted(s
     assert driver.acted == said
 
 
-# --- without an operator ------------------------------------------------------------------------------------------
+# --- without an operator
+# ------------------------------------------------------------------------------------------
 
 
 def test_without_an_operator_the_agent_acts_by_itself() -> None:
@@ -477,7 +519,8 @@ def test_when_the_operator_is_lost_pending_proposals_are_decided_at_once(
     assert driver.state.pending[-1].proposal.id == "a2"
 
 
-# --- changing modes, and the published state ------------------------------------------------------------------------
+# --- changing modes, and the published state
+# ------------------------------------------------------------------------
 
 
 def test_a_new_mode_applies_to_pending_proposals() -> None:
@@ -498,7 +541,9 @@ def test_a_new_mode_leaves_other_kinds_pending() -> None:
 def test_switching_to_autonomous_makes_pending_proposals() -> None:
     driver = OperatedDriver(operator_feedback="approve")
     driver.propose("a1")
-    driver.bus.publish(MODE, m.ModeChanged(kind="feedback", mode="autonomous", actor="operator.ana"))
+    driver.bus.publish(
+        MODE, m.ModeChanged(kind="feedback", mode="autonomous", actor="operator.ana")
+    )
     assert [said.actor for said in driver.said] == ["operator.ana"]
 
 
@@ -531,7 +576,8 @@ def test_without_an_operator_no_state_is_published() -> None:
     assert driver.all(ARBITER_STATE) == []
 
 
-# --- remarks of operators ---------------------------------------------------------------------------------------------
+# --- remarks of operators
+# ---------------------------------------------------------------------------------------------
 
 
 def test_remarks_go_first_but_not_in_a_trial() -> None:
@@ -559,7 +605,9 @@ def test_remarks_go_first_but_not_in_a_trial() -> None:
         ({"valence": "positive", "gesture": "wave", "face": "surprised"}, "surprised", "wave"),
     ],
 )
-def test_a_remark_has_the_manner_of_its_valence_unless_given(how: dict[str, Any], face: str, gesture: str) -> None:
+def test_a_remark_has_the_manner_of_its_valence_unless_given(
+    how: dict[str, Any], face: str, gesture: str
+) -> None:
     driver = OperatedDriver()
     driver.bus.publish(REMARK, m.Remark(text="You are doing fine.", actor="operator.ana", **how))
     (said,) = driver.said
@@ -579,7 +627,9 @@ def test_the_participants_stop_key_is_recorded_without_an_actor() -> None:
     driver = OperatedDriver(operator_feedback="manual")
     driver.propose("a1")
     driver.stop()
-    assert [(dropped.reason, dropped.actor) for dropped in driver.all(DROPPED)] == [("stopped", "agent")]
+    assert [(dropped.reason, dropped.actor) for dropped in driver.all(DROPPED)] == [
+        ("stopped", "agent")
+    ]
 
 
 def test_a_pending_gesture_is_dropped_by_a_trial() -> None:
@@ -594,14 +644,20 @@ def test_a_gesture_with_its_own_mode_is_pending_alone() -> None:
     driver.propose("a1", gesture="nod")
     assert [(said.id, said.gesture) for said in driver.said] == [("a1", "")]
     (pending,) = driver.all(PENDING_APPROVAL)
-    assert (pending.proposal.id, pending.proposal.kind, pending.proposal.text) == ("a1.gesture", "gesture", "")
+    assert (pending.proposal.id, pending.proposal.kind, pending.proposal.text) == (
+        "a1.gesture",
+        "gesture",
+        "",
+    )
     driver.report("a1")
     driver.decide("a1.gesture", "accept")
     assert [said.gesture for said in driver.said][-1] == "nod"
 
 
 @pytest.mark.parametrize(("lost", "gesture"), [("silent", ""), ("autonomous", "nod")])
-def test_without_an_operator_a_controlled_gesture_is_dropped_or_made_with_its_words(lost: str, gesture: str) -> None:
+def test_without_an_operator_a_controlled_gesture_is_dropped_or_made_with_its_words(
+    lost: str, gesture: str
+) -> None:
     driver = OperatedDriver(operated=False, operator_gesture="approve", operator_lost=lost)
     driver.propose("a1", gesture="nod")
     assert [(said.id, said.gesture) for said in driver.said] == [("a1", gesture)]
@@ -615,14 +671,17 @@ def test_a_filler_keeps_its_gesture_in_any_mode() -> None:
     assert driver.all(PENDING_APPROVAL) == []
 
 
-# --- the level -------------------------------------------------------------------------------------------------------
+# --- the level
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_in_autonomous_mode_a_change_of_level_happens_at_once() -> None:
     assert OperatedDriver().ask_for_level(2, 3)
 
 
-@pytest.mark.parametrize(("mode", "happens"), [("autonomous", True), ("veto", False), ("manual", False)])
+@pytest.mark.parametrize(
+    ("mode", "happens"), [("autonomous", True), ("veto", False), ("manual", False)]
+)
 def test_after_the_last_attempt_a_controlled_level_stays(mode: str, happens: bool) -> None:
     driver = OperatedDriver(operator_difficulty=mode)
     assert driver.ask_for_level(2, 3, is_last=True) is happens

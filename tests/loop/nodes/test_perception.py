@@ -12,7 +12,9 @@ from sar_tui.model.units import MS
 from sar_tui.rules.parameters import TaskParameters, build
 
 
-def perceived(*keys: tuple[str, int], interval: int = 100, delay: int = 0, new_run: bool = False) -> list[KeyPerceived]:
+def perceived(
+    *keys: tuple[str, int], interval: int = 100, delay: int = 0, new_run: bool = False
+) -> list[KeyPerceived]:
     """Return the percepts of keys stamped at given times (ms), each handled ``delay`` ms later."""
     clock = VirtualClock()
     bus = Bus(clock)
@@ -37,7 +39,9 @@ def test_only_the_same_key_within_the_interval_is_a_repeat() -> None:
 
 
 def test_a_held_key_remains_a_repeat_for_any_time() -> None:
-    assert [p.repeat for p in perceived(*[("f", at) for at in range(0, 3000, 30)])] == [False] + [True] * 99
+    assert [p.repeat for p in perceived(*[("f", at) for at in range(0, 3000, 30)])] == [False] + [
+        True
+    ] * 99
 
 
 def test_delay_from_stamp_to_handling_and_loop_lag_are_passed_on() -> None:
@@ -46,17 +50,25 @@ def test_delay_from_stamp_to_handling_and_loop_lag_are_passed_on() -> None:
 
 
 def test_keys_of_an_earlier_run_are_forgotten() -> None:
-    assert [(p.gap, p.repeat) for p in perceived(("f", 10), ("f", 20), new_run=True)] == [(None, False)] * 2
+    assert [(p.gap, p.repeat) for p in perceived(("f", 10), ("f", 20), new_run=True)] == [
+        (None, False)
+    ] * 2
 
 
-@given(st.lists(st.tuples(st.sampled_from("fj"), st.integers(0, 300)), max_size=20), st.integers(0, 200))
-def test_repeats_are_always_the_same_key_within_the_interval(gaps: list[tuple[str, int]], interval: int) -> None:
+@given(
+    st.lists(st.tuples(st.sampled_from("fj"), st.integers(0, 300)), max_size=20),
+    st.integers(0, 200),
+)
+def test_repeats_are_always_the_same_key_within_the_interval(
+    gaps: list[tuple[str, int]], interval: int
+) -> None:
     at = 0
     keys = []
     for key, gap in gaps:
         at += gap
         keys.append((key, at))
     expected = [
-        bool(i) and keys[i - 1][0] == key and stamp - keys[i - 1][1] < interval for i, (key, stamp) in enumerate(keys)
+        bool(i) and keys[i - 1][0] == key and stamp - keys[i - 1][1] < interval
+        for i, (key, stamp) in enumerate(keys)
     ]
     assert [percept.repeat for percept in perceived(*keys, interval=interval)] == expected

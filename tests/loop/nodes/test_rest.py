@@ -51,7 +51,11 @@ def test_a_rest_is_due_after_so_many_attempts_or_minutes(
 
 
 def test_enter_does_not_skip_a_rest_and_may_lengthen_it(resting: LoopDriver) -> None:
-    assert (resting.waiting.what, resting.waiting.stage, resting.waiting.attempt) == ("rest", "rest", 3)
+    assert (resting.waiting.what, resting.waiting.stage, resting.waiting.attempt) == (
+        "rest",
+        "rest",
+        3,
+    )
     assert resting.waiting.until - resting.clock.now() == 39 * SECOND
     resting.press("enter")
     resting.wait(38_000)
@@ -98,7 +102,9 @@ def test_a_therapist_ends_a_rest(resting: LoopDriver, is_paused: bool) -> None:
     assert [each.stage for each in resting.all(WAITING)][-1] == "attempt"
 
 
-def test_the_agent_speaks_of_the_rest_and_of_its_end_but_reminds_of_no_other(new_session: NewSession) -> None:
+def test_the_agent_speaks_of_the_rest_and_of_its_end_but_reminds_of_no_other(
+    new_session: NewSession,
+) -> None:
     driver = new_session(rest_after_attempts=2, rest_seconds=40, rest_every=2, encouragement=False)
     driver.enter()
     driver.attempt()
@@ -121,9 +127,15 @@ def test_feedback_can_be_requested_in_a_rest(new_session: NewSession) -> None:
     assert driver.waiting.stage == "rest"
 
 
-def test_a_rest_begins_anew_after_an_interruption(new_session: NewSession, resting: LoopDriver) -> None:
+def test_a_rest_begins_anew_after_an_interruption(
+    new_session: NewSession, resting: LoopDriver
+) -> None:
     later = new_session(
-        history=resting.records, attempts=6, rest_after_attempts=2, rest_seconds=40, foreperiod_min_ms=500
+        history=resting.records,
+        attempts=6,
+        rest_after_attempts=2,
+        rest_seconds=40,
+        foreperiod_min_ms=500,
     )
     assert (later.waiting.stage, later.waiting.reason) == ("paused", "interrupted")
     began = later.clock.now()

@@ -1,4 +1,6 @@
-"""An attempt whose prompts build on each other begins again after an interruption, under the next number."""
+"""An attempt whose prompts build on each other begins again after an interruption, under the next
+number.
+"""
 
 import pytest
 
@@ -32,7 +34,12 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
     driver = interrupted(calm)
     driver.operate("resume")
     waiting = driver.waiting
-    assert (waiting.stage, waiting.what, waiting.attempt, waiting.trial) == ("attempt", "enter", 2, 1)
+    assert (waiting.stage, waiting.what, waiting.attempt, waiting.trial) == (
+        "attempt",
+        "enter",
+        2,
+        1,
+    )
     assert (waiting.attempt_name, waiting.restarts) == ("attempt 1 of 2", 1)
     assert waiting.notice == "This attempt begins again."
     driver.wait(300)
@@ -43,8 +50,13 @@ def test_it_begins_again_when_the_session_goes_on(calm: Theme) -> None:
         (2, False),
         (3, False),
     ]
-    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [(2, 6), (3, 6)]
-    assert [trial.trial for trial in driver.all(TRIAL) if trial.attempt == 1] == [1, 2, 3], "what was done stays"
+    assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [
+        (2, 6),
+        (3, 6),
+    ]
+    assert [trial.trial for trial in driver.all(TRIAL) if trial.attempt == 1] == [1, 2, 3], (
+        "what was done stays"
+    )
     assert driver.waiting.stage == "review"
 
 
@@ -55,7 +67,11 @@ def test_it_begins_again_when_the_operator_repeats_a_prompt(calm: Theme) -> None
         driver.answer()
     driver.to_prompt()
     driver.operate("repeat")
-    assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.restarts) == ("attempt", 2, 1)
+    assert (driver.waiting.stage, driver.waiting.attempt, driver.waiting.restarts) == (
+        "attempt",
+        2,
+        1,
+    )
     driver.wait(300)
     driver.attempt()
     assert [(ended.attempt, ended.trials) for ended in driver.all(ATTEMPT_ENDED)] == [(2, 6)]
@@ -91,7 +107,10 @@ def test_an_interrupted_practice_stays_practice(calm: Theme) -> None:
     assert driver.waiting.attempt_name == "attempt 1 of 1"
     assert driver.waiting.notice == "Practice is over. From here on it counts."
     driver.attempt()
-    assert [(ended.attempt, ended.practice) for ended in driver.all(ATTEMPT_ENDED)] == [(2, True), (3, False)]
+    assert [(ended.attempt, ended.practice) for ended in driver.all(ATTEMPT_ENDED)] == [
+        (2, True),
+        (3, False),
+    ]
     assert driver.waiting.stage == "review"
 
 
@@ -122,7 +141,10 @@ def test_it_is_the_same_resumed_and_replayed(calm: Theme, after: str) -> None:
         driver.begin_attempt()
         driver.answer()
     assert (
-        Session(Remembered(driver.session.parameters), calm, driver.clock, 1).compare(driver.records).difference is None
+        Session(Remembered(driver.session.parameters), calm, driver.clock, 1)
+        .compare(driver.records)
+        .difference
+        is None
     )
     resumed = LoopDriver(Remembered, calm, attempts=2, history=driver.records)
     resumed.operate("resume")

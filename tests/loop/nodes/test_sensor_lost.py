@@ -34,7 +34,9 @@ def lifting(new_session: NewSession) -> LiftDriver:
 
 
 def sensor(driver: LiftDriver, state: SensorState, detail: str = "") -> None:
-    driver.session.bus.publish(SENSOR, SensorChanged(state=state, at=driver.clock.now(), detail=detail))
+    driver.session.bus.publish(
+        SENSOR, SensorChanged(state=state, at=driver.clock.now(), detail=detail)
+    )
 
 
 def waiting_state(driver: LiftDriver) -> tuple[str, str, str]:
@@ -72,8 +74,12 @@ def test_a_task_without_sensors_ignores_them(new_session: NewSession) -> None:
     assert waiting_state(driver) == AT_START
 
 
-@pytest.mark.parametrize(("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")])
-def test_a_lost_sensor_voids_the_trial(lifting: LiftDriver, loss: SensorState, cure: SensorState) -> None:
+@pytest.mark.parametrize(
+    ("loss", "cure"), [("detached", "attached"), ("stalled", "flowing"), ("ended", "attached")]
+)
+def test_a_lost_sensor_voids_the_trial(
+    lifting: LiftDriver, loss: SensorState, cure: SensorState
+) -> None:
     lifting.press("space")
     lifting.to_prompt()
     lifting.press("k")
@@ -95,9 +101,12 @@ def test_a_lost_sensor_voids_the_trial(lifting: LiftDriver, loss: SensorState, c
 
 
 @pytest.mark.parametrize(
-    ("loss", "says"), [("stalled", "The session goes on by itself once"), ("ended", "so the session cannot go on.")]
+    ("loss", "says"),
+    [("stalled", "The session goes on by itself once"), ("ended", "so the session cannot go on.")],
 )
-def test_the_screen_says_whether_the_sensor_can_come_back(lifting: LiftDriver, loss: SensorState, says: str) -> None:
+def test_the_screen_says_whether_the_sensor_can_come_back(
+    lifting: LiftDriver, loss: SensorState, says: str
+) -> None:
     sensor(lifting, loss)
     session = lifting.session
     shown = waiting_text(lifting.waiting, session.task, is_recording_over=session.is_recording_over)
@@ -242,7 +251,9 @@ def test_a_sensor_lost_during_a_disk_failure_is_waited_for_afterwards(lifting: L
 
 
 @pytest.mark.parametrize("lost", [False, True])
-def test_a_resumed_session_waits_for_enter_then_for_its_sensor(lifting: LiftDriver, calm: Theme, lost: bool) -> None:
+def test_a_resumed_session_waits_for_enter_then_for_its_sensor(
+    lifting: LiftDriver, calm: Theme, lost: bool
+) -> None:
     lifting.lift()
     if lost:
         sensor(lifting, "detached")
@@ -255,7 +266,9 @@ def test_a_resumed_session_waits_for_enter_then_for_its_sensor(lifting: LiftDriv
     assert resumed.all(PROMPT) == []
 
 
-def test_a_resumed_session_with_a_working_sensor_only_waits_for_enter(lifting: LiftDriver, calm: Theme) -> None:
+def test_a_resumed_session_with_a_working_sensor_only_waits_for_enter(
+    lifting: LiftDriver, calm: Theme
+) -> None:
     sensor(lifting, "detached")
     resumed = LiftDriver(SensedLift, calm, attempts=2, history=lifting.records)
     sensor(resumed, "attached")

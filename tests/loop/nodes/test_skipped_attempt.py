@@ -1,4 +1,6 @@
-"""A participant leaves out an attempt: nothing of it is scored, and the session goes on with the next one."""
+"""A participant leaves out an attempt: nothing of it is scored, and the session goes on with the
+next one.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -49,7 +51,9 @@ def test_an_attempt_under_way_is_left_out_with_what_was_done_of_it(new_session: 
     assert driver.waiting.stage == "review"
 
 
-def test_an_attempt_is_left_out_before_it_begins_and_the_one_before_it_keeps_its_score(new_session: NewSession) -> None:
+def test_an_attempt_is_left_out_before_it_begins_and_the_one_before_it_keeps_its_score(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.press("enter")
     driver.lift()

@@ -1,4 +1,6 @@
-"""Steps stand between attempts until they are answered, declined, skipped or over; nothing of them is lost."""
+"""Steps stand between attempts until they are answered, declined, skipped or over; nothing of them
+is lost.
+"""
 
 import pytest
 from msgspec.structs import replace
@@ -53,7 +55,11 @@ def test_a_step_before_the_first_attempt_comes_after_the_instructions(keyboard: 
     driver.enter()
     shown = asked(driver)
     assert shown is not None
-    assert (driver.waiting.what, driver.waiting.stage, shown.step.text) == ("step", "step", READ.text)
+    assert (driver.waiting.what, driver.waiting.stage, shown.step.text) == (
+        "step",
+        "step",
+        READ.text,
+    )
     settle(driver)
     driver.press("enter")
     assert driver.last(STEP_ENDED).status == "done"
@@ -88,7 +94,9 @@ def test_the_next_attempt_does_not_begin_before_the_answer(keyboard: type[Task])
     assert driver.all(STEP_ENDED) == []
 
 
-def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(keyboard: type[Task]) -> None:
+def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(
+    keyboard: type[Task],
+) -> None:
     driver = questioned(keyboard, READ)
     driver.enter()
     driver.wait(290)
@@ -98,7 +106,9 @@ def test_enter_that_was_meant_for_what_stood_there_before_answers_nothing(keyboa
     assert driver.last(STEP_ENDED).status == "done"
 
 
-def test_a_number_that_was_meant_for_the_question_before_answers_nothing(keyboard: type[Task]) -> None:
+def test_a_number_that_was_meant_for_the_question_before_answers_nothing(
+    keyboard: type[Task],
+) -> None:
     driver = questioned(keyboard, PAIN)
     driver.enter()
     driver.begin_attempt()
@@ -122,7 +132,11 @@ def test_a_calibration_lasts_its_time_and_ends_by_itself(keyboard: type[Task]) -
     assert until - driver.clock.now() > 1_000_000_000
     driver.until(lambda: driver.all(STEP_ENDED))
     ended = driver.last(STEP_ENDED)
-    assert (ended.kind, ended.status, ended.ended - ended.shown) == ("calibration", "done", 3_000_000_000)
+    assert (ended.kind, ended.status, ended.ended - ended.shown) == (
+        "calibration",
+        "done",
+        3_000_000_000,
+    )
 
 
 def test_tab_declines_and_is_no_request_for_feedback(keyboard: type[Task]) -> None:
@@ -171,7 +185,9 @@ def test_a_pause_keeps_what_was_typed(keyboard: type[Task]) -> None:
     assert driver.waiting.stage == "review"
 
 
-def test_a_session_that_is_ended_while_its_last_question_stands_is_complete(keyboard: type[Task]) -> None:
+def test_a_session_that_is_ended_while_its_last_question_stands_is_complete(
+    keyboard: type[Task],
+) -> None:
     driver = questioned(keyboard, LAST, attempts=1)
     driver.enter()
     driver.attempt()
@@ -180,7 +196,9 @@ def test_a_session_that_is_ended_while_its_last_question_stands_is_complete(keyb
     assert driver.all(STEP_ENDED) == []
 
 
-def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered(keyboard: type[Task]) -> None:
+def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered(
+    keyboard: type[Task],
+) -> None:
     again = Step(name="again", text="And now?", kind="number", every=1)
     first = questioned(keyboard, PAIN, again)
     first.enter()
@@ -199,7 +217,9 @@ def test_a_resumed_session_asks_again_and_does_not_repeat_what_was_answered(keyb
     assert (second.waiting.stage, second.waiting.attempt) == ("attempt", 2)
 
 
-def test_the_steps_that_a_session_was_begun_with_are_kept_by_its_record(keyboard: type[Task]) -> None:
+def test_the_steps_that_a_session_was_begun_with_are_kept_by_its_record(
+    keyboard: type[Task],
+) -> None:
     first = LoopDriver(keyboard, Catalogue().theme("calm"), begin=False, **TWO)
     first.session.steps = (PAIN,)
     first.session.begin(1)
@@ -222,7 +242,13 @@ def test_the_question_is_spoken_once(keyboard: type[Task]) -> None:
 
 @pytest.mark.parametrize("every", [0, 1])
 def test_therapists_choose_questions_by_name(keyboard: type[Task], every: int) -> None:
-    driver = LoopDriver(keyboard, Catalogue().theme("calm"), **TWO, questions=("pain", "effort"), questions_every=every)
+    driver = LoopDriver(
+        keyboard,
+        Catalogue().theme("calm"),
+        **TWO,
+        questions=("pain", "effort"),
+        questions_every=every,
+    )
     driver.enter()
     for _ in range(2):
         driver.attempt()
@@ -232,7 +258,12 @@ def test_therapists_choose_questions_by_name(keyboard: type[Task], every: int) -
 
 
 def test_questions_are_in_the_language_of_the_session(keyboard: type[Task]) -> None:
-    spanish = {"attempts": 1, "prompts_per_attempt": 1, "questions": ("pain", "effort"), "language": "es"}
+    spanish = {
+        "attempts": 1,
+        "prompts_per_attempt": 1,
+        "questions": ("pain", "effort"),
+        "language": "es",
+    }
     driver = LoopDriver(keyboard, Catalogue().theme("calm", "es"), **spanish)
     driver.enter()
     driver.attempt()
@@ -246,7 +277,14 @@ def test_questions_are_in_the_language_of_the_session(keyboard: type[Task]) -> N
     assert points(shown.step)[0].label == "nada"
 
 
-CONSENT = Step(name="consent", kind="choice", text="Do you agree?", labels=("yes", "no"), before=True, required="yes")
+CONSENT = Step(
+    name="consent",
+    kind="choice",
+    text="Do you agree?",
+    labels=("yes", "no"),
+    before=True,
+    required="yes",
+)
 FEELING = Step(name="feeling", kind="number", text="How do you feel?", before=True)
 
 
@@ -276,7 +314,9 @@ def test_any_other_answer_ends_the_session_before_the_first_attempt(
     assert not [each for each in driver.all(PROPOSED) if getattr(each, "kind", "") == "goodbye"]
 
 
-def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree(keyboard: type[Task]) -> None:
+def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree(
+    keyboard: type[Task],
+) -> None:
     driver = questioned(keyboard, CONSENT)
     driver.enter()
     settle(driver)
@@ -289,7 +329,9 @@ def test_enter_without_an_answer_and_an_operator_who_skips_do_not_agree(keyboard
 
 
 @pytest.mark.parametrize("is_asked", [False, True])
-def test_a_session_that_is_ended_before_all_agreed_is_kept_as_refused(keyboard: type[Task], is_asked: bool) -> None:
+def test_a_session_that_is_ended_before_all_agreed_is_kept_as_refused(
+    keyboard: type[Task], is_asked: bool
+) -> None:
     driver = questioned(keyboard, CONSENT, FEELING)
     if is_asked:
         driver.enter()
@@ -324,5 +366,7 @@ def test_in_a_task_for_two_one_refusal_ends_the_session(catalogue: Catalogue) ->
         ({"every": 2}, "before the first attempt only"),
     ],
 )
-def test_a_step_that_cannot_require_an_answer_is_refused_with_a_sentence(changes: dict[str, object], why: str) -> None:
+def test_a_step_that_cannot_require_an_answer_is_refused_with_a_sentence(
+    changes: dict[str, object], why: str
+) -> None:
     assert why in problem(replace(CONSENT, **changes))

@@ -1,4 +1,6 @@
-"""Tones of prompts: requested before they are due, stamped when they begin, and stored with the trial."""
+"""Tones of prompts: requested before they are due, stamped when they begin, and stored with the
+trial.
+"""
 
 from typing import Any
 
@@ -35,7 +37,12 @@ class Sounding(Task):
         return Stimulus("one", "f", "Press: f", frames=self.shown, tone=self.tone)
 
     def perceived(self, trial: Trial, percept: Any) -> Result:
-        return Result(correct=True, response=percept.key, response_at=percept.at, details={"tones": len(trial.tones)})
+        return Result(
+            correct=True,
+            response=percept.key,
+            response_at=percept.at,
+            details={"tones": len(trial.tones)},
+        )
 
 
 class Simple(Sounding):
@@ -47,9 +54,14 @@ def test_the_tone_of_a_frame_is_requested_when_the_one_before_is_shown(calm: The
     driver = LoopDriver(Sounding, calm, attempts=1)
     driver.start()
     onset = driver.last(SHOWN).at
-    assert [(due.frame, due.tone, due.at - onset) for due in driver.all(TONE_DUE)] == [(1, HIGH, 200 * MS)]
+    assert [(due.frame, due.tone, due.at - onset) for due in driver.all(TONE_DUE)] == [
+        (1, HIGH, 200 * MS)
+    ]
     driver.wait(300)
-    assert [(due.frame, due.at - onset) for due in driver.all(TONE_DUE)] == [(1, 200 * MS), (2, 600 * MS)]
+    assert [(due.frame, due.at - onset) for due in driver.all(TONE_DUE)] == [
+        (1, 200 * MS),
+        (2, 600 * MS),
+    ]
 
 
 def test_the_tone_of_a_prompt_is_requested_with_it(calm: Theme) -> None:

@@ -1,4 +1,6 @@
-"""The answer to a trial: shown after it for its time, quiet, and never while a response is awaited."""
+"""The answer to a trial: shown after it for its time, quiet, and never while a response is
+awaited.
+"""
 
 from typing import Any
 
@@ -34,7 +36,9 @@ class Points(Contrast):
     def perceived(self, trial: Trial, percept: Any) -> Result:
         is_right = percept.key == "f"
         show = Show("+10", ms=800) if is_right else None
-        return Result(correct=is_right, response=percept.key, response_at=percept.at, value=1.0, show=show)
+        return Result(
+            correct=is_right, response=percept.key, response_at=percept.at, value=1.0, show=show
+        )
 
 
 def begun(task: type[Task], theme: Theme, **parameters: object) -> LoopDriver:
@@ -48,11 +52,19 @@ def test_it_is_shown_for_its_time_before_the_next_foreperiod(calm: Theme) -> Non
     driver.answer()
     shown = driver.last(TRIAL_FEEDBACK)
     assert (shown.attempt, shown.trial, shown.text, shown.duration) == (1, 1, "+10", 800 * MS)
-    assert (driver.waiting.stage, driver.waiting.what, driver.waiting.trial) == ("trial", "result", 1)
+    assert (driver.waiting.stage, driver.waiting.what, driver.waiting.trial) == (
+        "trial",
+        "result",
+        1,
+    )
     driver.wait(799)
     assert driver.waiting.what == "result"
     driver.wait(1)
-    assert (driver.waiting.what, driver.waiting.trial) == ("foreperiod", 2)  # it has been quiet since the response
+    # it has been quiet since the response
+    assert (driver.waiting.what, driver.waiting.trial) == (
+        "foreperiod",
+        2,
+    )
 
 
 def test_its_time_counts_from_when_it_was_on_the_screen(calm: Theme) -> None:
@@ -115,7 +127,9 @@ def test_a_pause_ends_it_and_repeats_nothing_that_was_done(calm: Theme, trials: 
         assert [voided.trial for voided in driver.all(VOIDED)] == [2]
 
 
-@pytest.mark.parametrize(("trials", "attempts", "status"), [(6, 1, "completed"), (6, 2, "aborted"), (3, 1, "aborted")])
+@pytest.mark.parametrize(
+    ("trials", "attempts", "status"), [(6, 1, "completed"), (6, 2, "aborted"), (3, 1, "aborted")]
+)
 def test_a_session_ended_meanwhile_keeps_the_attempt_that_is_over(
     calm: Theme, trials: int, attempts: int, status: str
 ) -> None:
@@ -175,13 +189,21 @@ def test_it_is_replayed_as_it_was(calm: Theme) -> None:
     driver = begun(Points, calm)
     driver.answer()
     driver.wait(3000)
-    assert Session(Points(driver.session.parameters), calm, driver.clock, 1).compare(driver.records).difference is None
+    assert (
+        Session(Points(driver.session.parameters), calm, driver.clock, 1)
+        .compare(driver.records)
+        .difference
+        is None
+    )
 
 
-# --- a sign for every task ------------------------------------------------------------------------------------
+# --- a sign for every task
+# ------------------------------------------------------------------------------------
 
 
-def test_a_tick_or_a_cross_can_be_shown_for_tasks_that_show_nothing(keyboard: type[Task], calm: Theme) -> None:
+def test_a_tick_or_a_cross_can_be_shown_for_tasks_that_show_nothing(
+    keyboard: type[Task], calm: Theme
+) -> None:
     driver = begun(keyboard, calm, trial_feedback_ms=500)
     driver.answer()
     driver.answer(key="#")
@@ -202,22 +224,33 @@ def test_a_task_that_shows_something_keeps_its_own(calm: Theme) -> None:
     driver = begun(Points, calm, trial_feedback_ms=500)
     driver.answer()
     driver.answer(key="x")
-    assert [(shown.text, shown.duration // MS) for shown in driver.all(TRIAL_FEEDBACK)] == [("+10", 800), ("✗", 500)]
+    assert [(shown.text, shown.duration // MS) for shown in driver.all(TRIAL_FEEDBACK)] == [
+        ("+10", 800),
+        ("✗", 500),
+    ]
 
 
 @pytest.mark.parametrize("flag", ["skipped", "unmeasured"])
 def test_no_sign_is_shown_for_what_was_not_judged(flag: str) -> None:
-    assert trial_feedback(SITUATION, {"A": Result(correct=False, flags=(flag,))}, ("A",), 500) is None
+    assert (
+        trial_feedback(SITUATION, {"A": Result(correct=False, flags=(flag,))}, ("A",), 500) is None
+    )
 
 
-# --- two participants -----------------------------------------------------------------------------------------
+# --- two participants
+# -----------------------------------------------------------------------------------------
 
 
 def test_two_seats_see_their_own_answer_each_in_their_half() -> None:
     results = {"A": Result(correct=True), "B": Result(correct=False, show=Show("late", ms=900))}
     shown = trial_feedback(SITUATION, results, ("A", "B"), 500)
     assert shown is not None
-    assert (shown.seat, shown.halves, shown.text, shown.duration) == ("", ("✓", "late"), "✓ late", 900 * MS)
+    assert (shown.seat, shown.halves, shown.text, shown.duration) == (
+        "",
+        ("✓", "late"),
+        "✓ late",
+        900 * MS,
+    )
 
 
 def test_one_answer_for_both_is_shown_once() -> None:
@@ -233,7 +266,9 @@ def test_an_answer_to_one_seat_stands_in_the_middle() -> None:
     assert (shown.seat, shown.halves, shown.text) == ("B", (), "✓")
 
 
-@pytest.mark.parametrize(("text", "ms"), [("", 500), ("two\nlines", 500), ("+10", 0), ("+10", 10_001)])
+@pytest.mark.parametrize(
+    ("text", "ms"), [("", 500), ("two\nlines", 500), ("+10", 0), ("+10", 10_001)]
+)
 def test_what_cannot_be_shown_is_refused(text: str, ms: int) -> None:
     with pytest.raises(ValueError, match="shown after a trial"):
         Show(text, ms)

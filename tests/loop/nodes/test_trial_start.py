@@ -32,13 +32,19 @@ def numbers(driver: LiftDriver) -> list[tuple[int, int]]:
     return [(trial.attempt, trial.trial) for trial in driver.all(TRIAL)]
 
 
-# --- the key that starts a trial -----------------------------------------------------------------------------
+# --- the key that starts a trial
+# -----------------------------------------------------------------------------
 
 
 def test_a_trial_waits_for_its_start_without_limit(new_session: NewSession) -> None:
     driver = new_session()
     driver.begin_lifts()
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt, driver.waiting.trial) == (
+    assert (
+        driver.waiting.what,
+        driver.waiting.stage,
+        driver.waiting.attempt,
+        driver.waiting.trial,
+    ) == (
         "start",
         "trial",
         1,
@@ -94,7 +100,9 @@ def test_a_held_start_key_starts_only_one_trial(new_session: NewSession) -> None
 
 
 @pytest.mark.parametrize("interval_ms", [300, 500, 650])
-def test_a_start_key_that_is_tapped_again_and_again_starts_a_trial(new_session: NewSession, interval_ms: int) -> None:
+def test_a_start_key_that_is_tapped_again_and_again_starts_a_trial(
+    new_session: NewSession, interval_ms: int
+) -> None:
     driver = new_session()
     driver.enter()
     driver.press("space")
@@ -125,7 +133,11 @@ def test_each_trial_needs_a_start_and_each_attempt_enter(new_session: NewSession
     driver.lift()
     assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
     driver.lift()
-    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == ("enter", "attempt", 2)
+    assert (driver.waiting.what, driver.waiting.stage, driver.waiting.attempt) == (
+        "enter",
+        "attempt",
+        2,
+    )
     driver.press("space")
     assert driver.waiting.stage == "attempt"
     driver.press("enter")
@@ -200,7 +212,12 @@ def test_a_trial_that_was_not_started_can_be_skipped(new_session: NewSession) ->
     driver.begin_lifts()
     driver.operate("skip")
     skipped = driver.last(TRIAL)
-    assert (skipped.trial, skipped.correct, skipped.onset, skipped.timing.flags) == (1, False, None, ("skipped",))
+    assert (skipped.trial, skipped.correct, skipped.onset, skipped.timing.flags) == (
+        1,
+        False,
+        None,
+        ("skipped",),
+    )
     assert (driver.waiting.what, driver.waiting.trial) == ("start", 2)
 
 
@@ -219,13 +236,20 @@ def test_after_a_resume_a_trial_must_be_started_again(
     resumed.press("enter")
     assert (resumed.waiting.what, resumed.waiting.trial) == ("start", 2)
     resumed.lift()
-    assert (resumed.last(TRIAL).attempt, resumed.last(TRIAL).trial, resumed.last(TRIAL).correct) == (1, 2, True)
+    assert (
+        resumed.last(TRIAL).attempt,
+        resumed.last(TRIAL).trial,
+        resumed.last(TRIAL).correct,
+    ) == (1, 2, True)
 
 
-# --- with a signal, or without --------------------------------------------------------------------------------
+# --- with a signal, or without
+# --------------------------------------------------------------------------------
 
 
-def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(new_session: NewSession) -> None:
+def test_with_a_signal_the_start_is_followed_by_quiet_and_a_foreperiod(
+    new_session: NewSession,
+) -> None:
     driver = new_session(signal=True, foreperiod_min_ms=900, foreperiod_max_ms=900)
     driver.begin_lifts()
     driver.press("space")
@@ -266,7 +290,8 @@ def test_without_start_key_and_foreperiod_prompts_come_at_once(new_session: NewS
     assert driver.last(TRIAL).timing.foreperiod_ms == 0
 
 
-# --- a response that lasts ------------------------------------------------------------------------------------
+# --- a response that lasts
+# ------------------------------------------------------------------------------------
 
 
 def test_the_row_of_a_movement_has_its_onset_and_end(new_session: NewSession) -> None:
@@ -276,11 +301,17 @@ def test_the_row_of_a_movement_has_its_onset_and_end(new_session: NewSession) ->
     trial = driver.last(TRIAL)
     end = driver.clock.now() - 300 * MS
     assert (trial.onset, trial.response_at, trial.value) == (end - 450 * MS, end, 450.0)
-    assert (trial.response, trial.correct, trial.details) == ("lift", True, {"sway": 4.5, "grip": 50.0})
+    assert (trial.response, trial.correct, trial.details) == (
+        "lift",
+        True,
+        {"sway": 4.5, "grip": 50.0},
+    )
     assert trial.timing.flags == ()
 
 
-def test_without_a_signal_there_is_no_reaction_time_or_anticipation(new_session: NewSession) -> None:
+def test_without_a_signal_there_is_no_reaction_time_or_anticipation(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.begin_lifts()
     driver.press("space")
@@ -318,7 +349,9 @@ def test_a_movement_that_begins_too_soon_is_an_anticipation(new_session: NewSess
     assert driver.last(ATTEMPT_ENDED).metric is None
 
 
-def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(new_session: NewSession) -> None:
+def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(
+    new_session: NewSession,
+) -> None:
     driver = new_session(signal=True, lifts=1)
     driver.begin_lifts()
     driver.press("space")
@@ -329,11 +362,16 @@ def test_a_movement_before_the_signal_is_an_anticipation_without_reaction_time(n
     driver.wait(500)
     driver.press("u")
     trial = driver.last(TRIAL)
-    assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (None, None, ("anticipation",))
+    assert (trial.reaction_time_ms, trial.value, trial.timing.flags) == (
+        None,
+        None,
+        ("anticipation",),
+    )
     assert trial.response_at - trial.onset == 503 * MS
 
 
-# --- unmeasurable trials --------------------------------------------------------------------------------------
+# --- unmeasurable trials
+# --------------------------------------------------------------------------------------
 
 
 def test_an_unmeasurable_trial_is_repeated_with_a_notice(new_session: NewSession) -> None:
@@ -343,8 +381,17 @@ def test_an_unmeasurable_trial_is_repeated_with_a_notice(new_session: NewSession
     driver.lift(end="?")
     assert driver.all(TRIAL) == []
     voided = driver.last(VOIDED)
-    assert (voided.attempt, voided.trial, voided.presentation, voided.reason) == (1, 1, 1, "slipped")
-    assert (driver.waiting.what, driver.waiting.trial, driver.waiting.notice) == ("start", 1, SLIPPED)
+    assert (voided.attempt, voided.trial, voided.presentation, voided.reason) == (
+        1,
+        1,
+        1,
+        "slipped",
+    )
+    assert (driver.waiting.what, driver.waiting.trial, driver.waiting.notice) == (
+        "start",
+        1,
+        SLIPPED,
+    )
     assert (first.notice, driver.waiting.goal) == ("", first.goal)
     driver.lift()
     assert numbers(driver) == [(1, 1)]
@@ -390,12 +437,18 @@ def test_repetitions_show_the_same_prompt(new_session: NewSession) -> None:
     ]
     assert len({prompt.stimulus for prompt in prompts}) == 1
     shown = [record.at for record in driver.records if record.topic is PROMPT]
-    began = [record.at for record in driver.records if record.topic is WAITING and record.message.what == "foreperiod"]
+    began = [
+        record.at
+        for record in driver.records
+        if record.topic is WAITING and record.message.what == "foreperiod"
+    ]
     assert len({end - begin for begin, end in zip(began, shown, strict=True)}) == 1
     assert numbers(driver) == [(1, 1)]
 
 
-def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(new_session: NewSession) -> None:
+def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(
+    new_session: NewSession,
+) -> None:
     driver = new_session()
     driver.begin_lifts()
     for _ in range(MAX_PRESENTATIONS):
@@ -407,7 +460,8 @@ def test_an_unmeasurable_trial_is_repeated_a_limited_number_of_times(new_session
     assert len(driver.all(TRIAL)) == 1, "each trial has as many repetitions"
 
 
-# --- notices --------------------------------------------------------------------------------------------------
+# --- notices
+# --------------------------------------------------------------------------------------------------
 
 
 def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewSession) -> None:
@@ -420,7 +474,9 @@ def test_a_level_is_announced_at_the_start_and_when_it_changes(new_session: NewS
     driver.lift(end="d")
     assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", "Weight 2 after 3")
     driver.operate("level", value=3)
-    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), "the level did not change"
+    assert (driver.waiting.stage, driver.waiting.notice) == ("attempt", ""), (
+        "the level did not change"
+    )
 
 
 def test_a_level_that_stays_is_not_announced_again(new_session: NewSession) -> None:

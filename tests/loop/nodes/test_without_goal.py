@@ -44,10 +44,14 @@ def test_none_is_kept_as_no_metric() -> None:
 
 
 @pytest.mark.parametrize(("kind", "metric"), [(Free, None), (Aimless, 12.5)])
-def test_the_attempt_is_kept_and_not_judged(calm: Theme, kind: type[Task], metric: float | None) -> None:
+def test_the_attempt_is_kept_and_not_judged(
+    calm: Theme, kind: type[Task], metric: float | None
+) -> None:
     driver = played(kind, calm)
     ended = driver.all(ATTEMPT_ENDED)
-    assert [(one.metric, one.goal, one.outcome, one.feedback) for one in ended] == [(metric, None, "none", "none")] * 3
+    assert [(one.metric, one.goal, one.outcome, one.feedback) for one in ended] == [
+        (metric, None, "none", "none")
+    ] * 3
     assert [(one.correct, one.trials, one.accuracy) for one in ended] == [(6, 6, 1.0)] * 3
     assert ended[1].qualities == {"gain": 0.0}
     assert driver.waiting.stage == "review"
@@ -87,19 +91,30 @@ def test_no_schedule_gives_feedback(calm: Theme, kind: type[Task], schedule: str
 def test_a_mark_amends_the_attempt(calm: Theme, kind: type[Task]) -> None:
     driver = played(kind, calm, attempts=2)
     driver.operate("mark", "slip")
-    assert [(one.attempt, one.correct) for one in driver.all(ATTEMPT_ENDED)] == [(1, 6), (2, 6), (2, 5)]
+    assert [(one.attempt, one.correct) for one in driver.all(ATTEMPT_ENDED)] == [
+        (1, 6),
+        (2, 6),
+        (2, 5),
+    ]
 
 
 @BOTH
 def test_it_is_replayed_and_resumed(calm: Theme, kind: type[Task]) -> None:
     driver = played(kind, calm, attempts=2)
-    assert Session(kind(driver.session.parameters), calm, driver.clock, 1).compare(driver.records).difference is None
+    assert (
+        Session(kind(driver.session.parameters), calm, driver.clock, 1)
+        .compare(driver.records)
+        .difference
+        is None
+    )
     resumed = LoopDriver(kind, calm, attempts=2, history=driver.records)
     assert resumed.waiting.stage == "review"
 
 
 def test_an_attempt_with_a_goal_among_others_is_judged(calm: Theme) -> None:
-    driver = played(Aimless, calm, attempts=3, difficulty_policy="sequence", level_sequence=(1, 3, 1))
+    driver = played(
+        Aimless, calm, attempts=3, difficulty_policy="sequence", level_sequence=(1, 3, 1)
+    )
     assert [(one.goal, one.outcome) for one in driver.all(ATTEMPT_ENDED)] == [
         (None, "none"),
         (5.0, "success"),

@@ -1,6 +1,7 @@
 """Receivers of markers: a UDP socket, a serial line, an LSL inlet.
 
-Tests are skipped where datagrams do not reach this machine itself, unless ``SAR_TUI_TEST_LSL=required``.
+Tests are skipped where datagrams do not reach this machine itself, unless
+``SAR_TUI_TEST_LSL=required``.
 """
 
 import os
@@ -63,7 +64,9 @@ def udp_receiver() -> Iterator[UdpReceiver]:
 
 
 class Line:
-    """A pseudo-terminal as a serial line: the end of the trigger box, and the name of the computer's end."""
+    """A pseudo-terminal as a serial line: the end of the trigger box, and the name of the
+    computer's end.
+    """
 
     def __init__(self) -> None:
         self._box, self._computer = os.openpty()
@@ -95,10 +98,14 @@ def serial_line() -> Iterator[Line]:
 
 
 def lsl_inlet(session: str) -> Any:
-    """Return an inlet that receives the markers of a session, or skip the test if streams cannot be found here."""
+    """Return an inlet that receives the markers of a session, or skip the test if streams cannot be
+    found here.
+    """
     pylsl = pytest.importorskip("pylsl")
     UdpReceiver().close()
-    found = pylsl.resolve_byprop("source_id", f"sar-tui-{session}", 1, PATIENCE_S if _IS_REQUIRED else 10.0)
+    found = pylsl.resolve_byprop(
+        "source_id", f"sar-tui-{session}", 1, PATIENCE_S if _IS_REQUIRED else 10.0
+    )
     if not found and not _IS_REQUIRED:
         pytest.skip("LSL finds no stream on this machine: it has no loopback network")
     inlet = pylsl.StreamInlet(found[0])

@@ -45,7 +45,9 @@ def test_a_host_that_is_unknown_is_named() -> None:
         Udp("udp://bad..name:5").check()
 
 
-@pytest.mark.parametrize(("address", "package"), [("lsl", "pylsl"), ("serial:/dev/ttyUSB0", "serial")])
+@pytest.mark.parametrize(
+    ("address", "package"), [("lsl", "pylsl"), ("serial:/dev/ttyUSB0", "serial")]
+)
 def test_a_missing_package_is_named_with_the_command(
     monkeypatch: pytest.MonkeyPatch, address: str, package: str
 ) -> None:
@@ -53,7 +55,8 @@ def test_a_missing_package_is_named_with_the_command(
     find = importlib.util.find_spec
     for module in ("lsl", "serial_line"):
         monkeypatch.setattr(
-            f"sar_tui.outputs.markers.{module}.find_spec", lambda name: None if name == package else find(name)
+            f"sar_tui.outputs.markers.{module}.find_spec",
+            lambda name: None if name == package else find(name),
         )
     with pytest.raises(MarkerError, match=r"pip install -e '\.\[(lsl|serial)\]'"):
         destination.check()
@@ -61,7 +64,9 @@ def test_a_missing_package_is_named_with_the_command(
 
 def test_a_serial_port_that_is_not_there_is_named() -> None:
     pytest.importorskip("serial")
-    with pytest.raises(MarkerError, match=r"The serial port /dev/nowhere cannot be opened \(No such file"):
+    with pytest.raises(
+        MarkerError, match=r"The serial port /dev/nowhere cannot be opened \(No such file"
+    ):
         SerialLine("serial:/dev/nowhere").check()
 
 

@@ -59,7 +59,9 @@ def library(monkeypatch: pytest.MonkeyPatch) -> Library:
     return library
 
 
-def test_the_offset_of_another_clock_is_added_to_stamps_and_its_drift_is_told(library: Library) -> None:
+def test_the_offset_of_another_clock_is_added_to_stamps_and_its_drift_is_told(
+    library: Library,
+) -> None:
     stream = lsl.Lsl()
     stream.open("s1", "keyboard")
     assert stream.send(Marker("response", 5 * SECOND)) is False, "nobody listens"
@@ -78,7 +80,10 @@ def test_the_offset_of_the_same_clock_is_not_added(library: Library) -> None:
 
 @pytest.mark.parametrize(
     ("own", "used"),
-    [("[ports]\nIPv6 = disable\n", ["[ports]\nIPv6 = disable\n\n[log]\nlevel = -3\n"]), ("[log]\nlevel = 0\n", [])],
+    [
+        ("[ports]\nIPv6 = disable\n", ["[ports]\nIPv6 = disable\n\n[log]\nlevel = -3\n"]),
+        ("[log]\nlevel = 0\n", []),
+    ],
 )
 def test_lsl_is_quiet_unless_the_users_configuration_says_otherwise(
     library: Library, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own: str, used: list[str]

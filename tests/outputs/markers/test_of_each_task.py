@@ -1,4 +1,6 @@
-"""Markers of sessions of each task: onsets, responses and movements are those of the table of trials."""
+"""Markers of sessions of each task: onsets, responses and movements are those of the table of
+trials.
+"""
 
 from pathlib import Path
 
@@ -30,12 +32,19 @@ def test_markers_have_the_times_of_the_trials(
     for record in history:
         if record.topic in translation.topics:
             made += translation.markers(record.topic, record.at, record.message)
-    times = {event: sorted(each.ns for each in made if each.event == event) for event in {each.event for each in made}}
-    began, ended = ("movement_start", "movement_end") if task == "reaching" else ("prompt_onset", "response")
+    times = {
+        event: sorted(each.ns for each in made if each.event == event)
+        for event in {each.event for each in made}
+    }
+    began, ended = (
+        ("movement_start", "movement_end") if task == "reaching" else ("prompt_onset", "response")
+    )
     answered = [trial for trial in trials if trial["response_ns"] is not None]
     assert answered
     assert times[ended] == sorted(trial["response_ns"] for trial in answered)
     assert {trial["onset_ns"] for trial in answered} <= set(times[began])
-    assert times["prompt_onset"] == sorted(record.message.at for record in history if record.topic is SHOWN)
+    assert times["prompt_onset"] == sorted(
+        record.message.at for record in history if record.topic is SHOWN
+    )
     assert len(times.get("miss", [])) == len(trials) - len(answered)
     assert all(("seat" in each.fields) == (task == "pairs") for each in made if each.event == ended)

@@ -46,7 +46,9 @@ class Box:
 def test_a_marker_is_handed_over_while_the_destination_hangs() -> None:
     box, changes = Box(), list[tuple[str, str]]()
     box.may_send.clear()
-    sender = Sender(box, "s1", "keyboard", lambda state, why: changes.append((state, why)), now=lambda: 30 * MS)
+    sender = Sender(
+        box, "s1", "keyboard", lambda state, why: changes.append((state, why)), now=lambda: 30 * MS
+    )
     sender.put(Marker("prompt_onset", 10 * MS))
     assert box.is_sending.wait(PATIENCE_S)
     sender.put(Marker("response", 20 * MS))
@@ -54,7 +56,12 @@ def test_a_marker_is_handed_over_while_the_destination_hangs() -> None:
     box.may_send.set()
     sender.finish()
     assert box.received == ["prompt_onset", "response"]
-    assert (sender.sent, sender.lost, sender.late_ms, changes) == (2, 0, (20.0, 20.0), [("open", "")])
+    assert (sender.sent, sender.lost, sender.late_ms, changes) == (
+        2,
+        0,
+        (20.0, 20.0),
+        [("open", "")],
+    )
 
 
 def test_markers_of_a_destination_that_fails_are_lost_and_counted_until_it_works_again(

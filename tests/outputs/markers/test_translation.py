@@ -1,4 +1,6 @@
-"""Markers of messages: their stamps, what is never sent, and that a session is the same with and without them."""
+"""Markers of messages: their stamps, what is never sent, and that a session is the same with and
+without them.
+"""
 
 from typing import Any
 
@@ -20,13 +22,17 @@ AT = 5 * SECOND
 REPORT = {"action": "u1", "output": "speech", "part": "say"}
 
 
-def translated(*sent: tuple[Topic[Any], m.Message], seats: tuple[str, ...] = ("A",)) -> list[Marker]:
+def translated(
+    *sent: tuple[Topic[Any], m.Message], seats: tuple[str, ...] = ("A",)
+) -> list[Marker]:
     translation = Translation("s1", seats)
     return [marker for topic, message in sent for marker in translation.markers(topic, AT, message)]
 
 
 def test_an_utterance_has_a_start_and_an_end_without_its_words() -> None:
-    said = m.Action(id="u1", kind="feedback", text="Well done, P01!", decision="accepted", actor="agent")
+    said = m.Action(
+        id="u1", kind="feedback", text="Well done, P01!", decision="accepted", actor="agent"
+    )
     markers = translated(
         (t.ACTION, said),
         (t.REPORT, m.OutputReport(**REPORT, state="queued", at=1)),
@@ -41,12 +47,20 @@ def test_an_utterance_has_a_start_and_an_end_without_its_words() -> None:
 
 
 def test_a_part_that_never_began_has_no_marker() -> None:
-    assert translated((t.REPORT, m.OutputReport(**REPORT, state="failed", at=2, detail="no sound card"))) == []
+    assert (
+        translated(
+            (t.REPORT, m.OutputReport(**REPORT, state="failed", at=2, detail="no sound card"))
+        )
+        == []
+    )
 
 
 def test_an_operators_act_has_the_stamp_of_the_key_and_neither_words_nor_names() -> None:
     markers = translated(
-        (t.DECISION, m.Decision(action="u1", verdict="edit", text="private", actor="operator.anna", at=7)),
+        (
+            t.DECISION,
+            m.Decision(action="u1", verdict="edit", text="private", actor="operator.anna", at=7),
+        ),
         (t.REMARK, m.Remark(text="private", actor="operator.anna", source="free text", at=8)),
         (t.NOTE_ADDED, m.NoteAdded(text="private", label="cough", actor="operator.anna", at=9)),
         (t.COMMAND, m.SessionCommand(command="pause", reason="pain")),
@@ -92,8 +106,14 @@ def test_an_onset_that_the_writing_thread_has_sent_is_not_sent_again() -> None:
 
 def test_each_frame_of_a_prompt_has_a_marker_and_a_key_after_it_is_a_response() -> None:
     translation = Translation("s1")
-    shown = [m.Shown(attempt=1, trial=2, presentation=1, at=at, source="flush", frame=at // 10) for at in (0, 10)]
-    assert [marker.event for one in shown for marker in translation.shown(one)] == ["prompt_onset", "frame_onset"]
+    shown = [
+        m.Shown(attempt=1, trial=2, presentation=1, at=at, source="flush", frame=at // 10)
+        for at in (0, 10)
+    ]
+    assert [marker.event for one in shown for marker in translation.shown(one)] == [
+        "prompt_onset",
+        "frame_onset",
+    ]
     assert translation.markers(t.SHOWN, AT, shown[1]) == ()
     trial = m.TrialEnded(
         attempt=1,
@@ -129,6 +149,8 @@ def test_a_session_is_the_same_with_markers(keyboard: type[Task], calm: Theme) -
         return [(r.topic.name, r.message, r.at) for r in loop.records if r.topic is not t.MARKERS]
 
     with udp_receiver() as receiver:
-        node = MarkerNode(make_destinations([receiver.address]), "s1", "keyboard", ("A",), VirtualClock())
+        node = MarkerNode(
+            make_destinations([receiver.address]), "s1", "keyboard", ("A",), VirtualClock()
+        )
         assert session(node) == session()
         assert receiver.until("attempt_end")

@@ -1,4 +1,6 @@
-"""Writes one stream of texts as an XDF file, by the specification (github.com/sccn/xdf/wiki/Specifications)."""
+"""Writes one stream of texts as an XDF file, by the specification
+(github.com/sccn/xdf/wiki/Specifications).
+"""
 
 import struct
 from collections.abc import Sequence
@@ -9,9 +11,14 @@ _STREAM = struct.pack("<I", 1)
 
 
 def write_xdf(
-    path: Path, stream_xml: str, samples: Sequence[tuple[float, str]], offsets: Sequence[tuple[float, float]]
+    path: Path,
+    stream_xml: str,
+    samples: Sequence[tuple[float, str]],
+    offsets: Sequence[tuple[float, float]],
 ) -> None:
-    """Write texts with their stamps (s), and clock offsets (s) measured at certain times, as a recorder would."""
+    """Write texts with their stamps (s), and clock offsets (s) measured at certain times, as a
+    recorder would.
+    """
     stamps = [stamp for stamp, _ in samples]
     footer = (
         f"<?xml version='1.0'?><info><first_timestamp>{stamps[0]!r}</first_timestamp>"
@@ -20,7 +27,10 @@ def write_xdf(
     chunks = [
         _chunk(_HEADER, b"<?xml version='1.0'?><info><version>1.0</version></info>"),
         _chunk(_STREAM_HEADER, _STREAM + stream_xml.encode()),
-        _chunk(_SAMPLES, _STREAM + _count(len(samples)) + b"".join(_sample(*sample) for sample in samples)),
+        _chunk(
+            _SAMPLES,
+            _STREAM + _count(len(samples)) + b"".join(_sample(*sample) for sample in samples),
+        ),
         *(_chunk(_CLOCK_OFFSET, _STREAM + struct.pack("<dd", *offset)) for offset in offsets),
         _chunk(_STREAM_FOOTER, _STREAM + footer.encode()),
     ]

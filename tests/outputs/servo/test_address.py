@@ -20,18 +20,26 @@ ALONE = (JointChannel("right_arm", 0, reverse=False),)
             "620001?right_arm=3&nod=0&left_arm=-2",
             ServoAddress(
                 620_001,
-                (JointChannel("nod", 0, False), JointChannel("left_arm", 2, True), JointChannel("right_arm", 3, False)),
+                (
+                    JointChannel("nod", 0, False),
+                    JointChannel("left_arm", 2, True),
+                    JointChannel("right_arm", 3, False),
+                ),
                 45,
                 180,
             ),
         ),
         (
             "?turn=-0&lean=15",
-            ServoAddress(None, (JointChannel("turn", 0, True), JointChannel("lean", 15, False)), 45, 180),
+            ServoAddress(
+                None, (JointChannel("turn", 0, True), JointChannel("lean", 15, False)), 45, 180
+            ),
         ),
     ],
 )
-def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(text: str, address: ServoAddress) -> None:
+def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(
+    text: str, address: ServoAddress
+) -> None:
     assert parse(text) == address
 
 
@@ -57,7 +65,9 @@ def test_an_address_says_which_controller_which_joints_and_how_far_and_fast(text
         ("//robot:5661", "not a serial number"),
     ],
 )
-def test_an_invalid_address_is_refused_with_the_reason_and_the_allowed_forms(text: str, why: str) -> None:
+def test_an_invalid_address_is_refused_with_the_reason_and_the_allowed_forms(
+    text: str, why: str
+) -> None:
     with pytest.raises(OutputError) as refused:
         parse(text)
     assert why in str(refused.value)

@@ -33,8 +33,16 @@ class FakeServo:
         }
         for name, answer in answers.items():
             setattr(self.servo, name, lambda answer=answer: answer)
-        for name in ("SpeedRampingState", "VelocityLimit", "Acceleration", "TargetPosition", "Engaged"):
-            setattr(self.servo, f"set{name}", lambda value, name=name: self.calls.append((name, value)))
+        for name in (
+            "SpeedRampingState",
+            "VelocityLimit",
+            "Acceleration",
+            "TargetPosition",
+            "Engaged",
+        ):
+            setattr(
+                self.servo, f"set{name}", lambda value, name=name: self.calls.append((name, value))
+            )
         self.servo.enableFailsafe = lambda ms: self.calls.append(("enableFailsafe", ms))
         self.servo.resetFailsafe = lambda: self.calls.append(("resetFailsafe", None))
 

@@ -44,7 +44,9 @@ def test_the_joints_it_moves_are_those_of_its_keyframes_and_those_that_are_not_a
 
 
 def test_a_gesture_that_begins_with_a_pause_is_not_over_before_it_moved() -> None:
-    motion = Motion(Gesture((Keyframe(at_ms=200), Keyframe(at_ms=500, nod=1), Keyframe(at_ms=900))), REST, 4)
+    motion = Motion(
+        Gesture((Keyframe(at_ms=200), Keyframe(at_ms=500, nod=1), Keyframe(at_ms=900))), REST, 4
+    )
     assert not any((motion.step(ms), motion.over)[1] for ms in range(STEP_MS, 900, STEP_MS))
     motion.step(900)
     assert motion.over

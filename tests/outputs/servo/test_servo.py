@@ -50,7 +50,8 @@ def begin(bench: ServoBench, action: str = "a") -> None:
     bench.rig.clock.advance(100 * MS)
 
 
-# --- a motor that is there ------------------------------------------------------------------------------------
+# --- a motor that is there
+# ------------------------------------------------------------------------------------
 
 
 def test_a_motor_is_prepared_when_it_is_attached_and_stays_limp(bench: ServoBench) -> None:
@@ -59,7 +60,11 @@ def test_a_motor_is_prepared_when_it_is_attached_and_stays_limp(bench: ServoBenc
     assert motor.facts["Acceleration"] == 1000
     assert motor.facts["SpeedRampingState"] is True
     assert motor.facts["TargetPosition"] == 90
-    assert (motor.facts["IsLocal"], motor.facts["IsRemote"], motor.facts["Channel"]) == (True, False, 0)
+    assert (motor.facts["IsLocal"], motor.facts["IsRemote"], motor.facts["Channel"]) == (
+        True,
+        False,
+        0,
+    )
     assert motor.sent("setEngaged") == []
 
 
@@ -73,9 +78,13 @@ def test_a_gesture_goes_from_the_middle_through_its_keyframes_and_back_in_fifty_
     assert 25 <= len(moments) <= 32
 
 
-def test_a_motor_is_engaged_while_a_gesture_is_under_way_and_limp_before_and_after(bench: ServoBench) -> None:
+def test_a_motor_is_engaged_while_a_gesture_is_under_way_and_limp_before_and_after(
+    bench: ServoBench,
+) -> None:
     make(bench)
-    engaged = [(at, *arguments) for at, name, arguments in bench.channels[0].calls if name == "setEngaged"]
+    engaged = [
+        (at, *arguments) for at, name, arguments in bench.channels[0].calls if name == "setEngaged"
+    ]
     assert [on for _, on in engaged] == [True, False]
     assert engaged[1][0] - engaged[0][0] == pytest.approx(700 * MS, abs=20 * MS)
     assert bench.rig.reports[-1].at == engaged[1][0]
@@ -99,7 +108,9 @@ def test_a_reversed_joint_moves_the_other_way() -> None:
 
 def test_a_gesture_that_asks_for_too_much_speed_is_slowed_and_ends_when_it_is_at_rest() -> None:
     bench = ServoBench("?right_arm=0&speed=30&range=60")
-    hasty = Gesture((Keyframe(at_ms=100, right_arm=1), Keyframe(at_ms=500, right_arm=1), Keyframe(at_ms=600)))
+    hasty = Gesture(
+        (Keyframe(at_ms=100, right_arm=1), Keyframe(at_ms=500, right_arm=1), Keyframe(at_ms=600))
+    )
     bench.servo.apply_theme(_with(hasty=hasty))
     assert bench.channels[0].facts["VelocityLimit"] == 30
     assert make(bench, "hasty") == "done"
@@ -134,14 +145,17 @@ def test_a_serial_number_says_which_controller() -> None:
         Servo("mine")
 
 
-def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_says_so(bench: ServoBench) -> None:
+def test_a_gesture_that_none_of_the_joints_takes_part_in_is_done_at_once_and_says_so(
+    bench: ServoBench,
+) -> None:
     assert make(bench, "nod") == "done"
     assert bench.rig.states("a", "gesture") == ["started", "done"]
     assert "none of the joints" in bench.rig.detail("a", "gesture")
     assert bench.channels[0].sent("setEngaged") == []
 
 
-# --- stop -------------------------------------------------------------------------------------------------------
+# --- stop
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
@@ -157,7 +171,9 @@ def test_stop_makes_every_motor_limp_before_any_time_has_passed() -> None:
     assert bench.rig.reports[-1][1:4] == ("gesture", "aborted", asked)
 
 
-def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_brings_it_to_rest(bench: ServoBench) -> None:
+def test_after_a_stop_the_next_gesture_begins_where_the_motor_was_left_and_brings_it_to_rest(
+    bench: ServoBench,
+) -> None:
     begin(bench)
     bench.servo.stop()
     left = bench.channels[0].targets[-1][1]
@@ -183,7 +199,8 @@ def test_a_motor_that_cannot_be_made_limp_is_reported_and_the_others_are() -> No
     assert first.sent("close") == [None]
     assert bench.rig.states("a", "gesture") == ["started", "failed"]
     assert bench.rig.detail("a", "gesture") == (
-        f"The servo for {bench.servo._channels[0].place} could not be made limp (Input/Output Error), "
+        f"The servo for {bench.servo._channels[0].place} could not be made limp (Input/Output "
+        "Error), "
         "and its channel was closed: unplug it."
     )
 
@@ -204,7 +221,10 @@ def test_a_motor_that_refuses_to_be_made_limp_is_reported_again(bench: ServoBenc
     assert tried == ["first"]
     assert motor.facts["Engaged"] is False
     assert motor.sent("close") == []
-    assert (bench.rig.states("a", "gesture"), bench.rig.detail("a", "gesture")) == (["started", "aborted"], "")
+    assert (bench.rig.states("a", "gesture"), bench.rig.detail("a", "gesture")) == (
+        ["started", "aborted"],
+        "",
+    )
 
 
 @pytest.mark.parametrize("closes", [True, False])
@@ -221,7 +241,10 @@ def test_a_motor_that_cannot_be_made_limp_is_not_fed_any_more_until_it_is_to_mov
     bench.servo.stop()
     bench.rig.wait_for("gesture", "a")
     detail = bench.rig.detail("a", "gesture")
-    assert ("its channel was closed" in detail, "its channel could not be closed" in detail) == (closes, not closes)
+    assert ("its channel was closed" in detail, "its channel could not be closed" in detail) == (
+        closes,
+        not closes,
+    )
     assert detail.endswith("unplug it. Its failsafe releases it within some seconds.")
     fed = len(motor.sent("resetFailsafe"))
     bench.servo._channels[0].feed(live_clock.now() + 60 * SECOND)
@@ -234,7 +257,9 @@ def test_a_motor_that_cannot_be_made_limp_is_not_fed_any_more_until_it_is_to_mov
     bench.servo.close()
 
 
-def test_close_makes_the_motor_limp_ends_what_was_asked_for_and_closes_the_channel(bench: ServoBench) -> None:
+def test_close_makes_the_motor_limp_ends_what_was_asked_for_and_closes_the_channel(
+    bench: ServoBench,
+) -> None:
     begin(bench)
     bench.rig.ask("gesture", "b")
     bench.servo.close()
@@ -269,7 +294,8 @@ def test_stop_and_close_return_while_a_call_to_the_device_hangs(
     assert bench.channels[0].sent("close") == [None]
 
 
-# --- a motor that is lost -----------------------------------------------------------------------------------------
+# --- a motor that is lost
+# -----------------------------------------------------------------------------------------
 
 
 def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when_it_is_plugged_in(
@@ -279,7 +305,9 @@ def test_a_motor_that_is_pulled_out_in_mid_gesture_fails_it_and_works_again_when
     bench.channels[0].pull_out()
     bench.rig.wait_for("gesture", "a")
     assert bench.rig.states("a", "gesture") == ["started", "failed"]
-    assert "right_arm on channel 0 was lost while it moved. It was unplugged" in bench.rig.detail("a", "gesture")
+    assert "right_arm on channel 0 was lost while it moved. It was unplugged" in bench.rig.detail(
+        "a", "gesture"
+    )
     assert make(bench, action="b") == "failed"
     assert "plug in its controller" in bench.rig.detail("b", "gesture")
     bench.channels[0].put_back()
@@ -298,7 +326,9 @@ def test_an_earlier_error_is_not_reported_as_the_reason_for_unplugging(bench: Se
 
 
 @pytest.mark.parametrize("code", [52, 59])
-def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(bench: ServoBench, code: int) -> None:
+def test_a_motor_that_is_lost_as_it_is_stopped_is_limp_already(
+    bench: ServoBench, code: int
+) -> None:
     begin(bench)
     bench.failing["setEngaged"] = PhidgetError(code, "Gone")
     bench.servo.stop()
@@ -319,9 +349,13 @@ def test_one_motor_that_is_pulled_out_leaves_no_other_engaged() -> None:
     assert "left_arm" in bench.rig.detail("a", "gesture")
 
 
-def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gesture(bench: ServoBench) -> None:
+def test_a_motor_that_is_lost_before_its_detachment_is_reported_fails_the_gesture(
+    bench: ServoBench,
+) -> None:
     begin(bench)
-    bench.failing["setTargetPosition"] = bench.failing["setEngaged"] = PhidgetError(52, "Device not Attached")
+    bench.failing["setTargetPosition"] = bench.failing["setEngaged"] = PhidgetError(
+        52, "Device not Attached"
+    )
     bench.rig.wait_for("gesture", "a")
     assert bench.rig.states("a", "gesture") == ["started", "failed"]
     assert "lost while it moved" in bench.rig.detail("a", "gesture")
@@ -348,10 +382,13 @@ def test_an_error_of_the_controller_is_reported_with_each_gesture_until_it_is_ov
     assert bench.rig.detail("b", "gesture") == ""
 
 
-# --- no motor ------------------------------------------------------------------------------------------------------
+# --- no motor
+# ------------------------------------------------------------------------------------------------------
 
 
-def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and_then_at_once() -> None:
+def test_without_a_controller_a_gesture_fails_with_what_to_do_after_a_second_and_then_at_once() -> (
+    None
+):
     bench = ServoBench(plug=False)
     assert make(bench) == "failed"
     assert bench.rig.clock.now() == SECOND
@@ -399,7 +436,9 @@ def test_a_controller_without_permission_is_reported_with_the_udev_rule() -> Non
         (PhidgetError(28, "Unexpected Error"), "The servo cannot be opened: Unexpected Error"),
     ],
 )
-def test_a_driver_that_is_missing_fails_gestures_at_once_with_how_to_get_it(error: Exception, cure: str) -> None:
+def test_a_driver_that_is_missing_fails_gestures_at_once_with_how_to_get_it(
+    error: Exception, cure: str
+) -> None:
     def fail() -> Any:
         raise error
 
@@ -420,7 +459,8 @@ def test_phidget22_is_loaded_only_when_a_servo_is_opened(monkeypatch: pytest.Mon
     rig.output.close()
 
 
-# --- the failsafe ---------------------------------------------------------------------------------------------------
+# --- the failsafe
+# ---------------------------------------------------------------------------------------------------
 
 
 def test_the_failsafe_is_fed_three_times_as_often_as_it_needs_also_while_nothing_is_under_way(
@@ -436,7 +476,9 @@ def test_the_failsafe_is_fed_three_times_as_often_as_it_needs_also_while_nothing
     assert motor.sent("setEngaged") == []
 
 
-def test_a_controller_that_wants_more_time_between_two_signs_of_life_gets_it(live_clock: LiveClock) -> None:
+def test_a_controller_that_wants_more_time_between_two_signs_of_life_gets_it(
+    live_clock: LiveClock,
+) -> None:
     bench = ServoBench(plug=False, clock=live_clock)
     [motor] = bench.channels
     motor.facts["MinFailsafeTime"] = 2000
@@ -453,7 +495,9 @@ def test_on_a_virtual_clock_no_failsafe_is_set_and_no_timer_remains(bench: Servo
 
 
 @pytest.mark.parametrize("trip", ["event", "refusal"])
-def test_a_motor_released_by_its_failsafe_is_reopened_and_works_again(bench: ServoBench, trip: str) -> None:
+def test_a_motor_released_by_its_failsafe_is_reopened_and_works_again(
+    bench: ServoBench, trip: str
+) -> None:
     begin(bench)
     [motor] = bench.channels
     motor.during["open"] = lambda: (motor.failing.clear(), motor.plug_in())

@@ -16,8 +16,16 @@ pytestmark = needs_speech
 
 ENGLISH, SPANISH = Voicing("en"), Voicing("es")
 TEXTS = {
-    "en": ("Well done.", "You were forty milliseconds faster than before.", "Press the key as fast as you can."),
-    "es": ("Muy bien hecho.", "Tu tiempo fue de quinientos milisegundos.", "Pulsa la tecla lo más rápido que puedas."),
+    "en": (
+        "Well done.",
+        "You were forty milliseconds faster than before.",
+        "Press the key as fast as you can.",
+    ),
+    "es": (
+        "Muy bien hecho.",
+        "Tu tiempo fue de quinientos milisegundos.",
+        "Pulsa la tecla lo más rápido que puedas.",
+    ),
 }
 
 
@@ -51,20 +59,27 @@ def test_english_and_spanish_voices_read_the_same_text_differently(engine: Engin
 def test_voice_and_rate_count_from_the_very_next_utterance(engine: Engine) -> None:
     """Without the engine's workaround, pyttsx3 sometimes loses a rate."""
     for language in ("en", "es") * 5:
-        slow, fast = (engine.speak(TEXTS[language][1], Voicing(language, rate=rate)) for rate in (100, 300))
+        slow, fast = (
+            engine.speak(TEXTS[language][1], Voicing(language, rate=rate)) for rate in (100, 300)
+        )
         assert seconds(fast) < 0.6 * seconds(slow)
 
 
 def test_no_utterance_is_cut_short_or_runs_into_the_next(engine: Engine) -> None:
     long = "This is a much longer sentence. " * 10
-    lengths = [(len(engine.speak(long, ENGLISH)), len(engine.speak("Well done.", ENGLISH))) for _ in range(10)]
+    lengths = [
+        (len(engine.speak(long, ENGLISH)), len(engine.speak("Well done.", ENGLISH)))
+        for _ in range(10)
+    ]
     for same in zip(*lengths, strict=True):
         assert max(same) - min(same) < 0.1 * RATE
 
 
 def test_half_the_volume_is_half_as_loud(engine: Engine) -> None:
     loud, soft = (engine.speak("Well done.", Voicing("en", volume=volume)) for volume in (1.0, 0.5))
-    assert peak(soft) == pytest.approx(peak(loud) / 2, rel=0.05), "espeak's own loudness varies by about 1 %"
+    assert peak(soft) == pytest.approx(peak(loud) / 2, rel=0.05), (
+        "espeak's own loudness varies by about 1 %"
+    )
 
 
 def test_volume_zero_is_silence_and_no_fault(engine: Engine) -> None:
@@ -83,7 +98,9 @@ def test_text_that_the_voice_cannot_read_is_refused(engine: Engine, text: str) -
 
 
 @pytest.mark.parametrize("speak", ["beep(engine, level=10)", "beep(engine, seconds=0.02)"])
-def test_speech_that_nobody_could_hear_is_refused(monkeypatch: pytest.MonkeyPatch, speak: str) -> None:
+def test_speech_that_nobody_could_hear_is_refused(
+    monkeypatch: pytest.MonkeyPatch, speak: str
+) -> None:
     stand_in(monkeypatch, speak)
     with pytest.raises(Unreadable, match="gave no sound for this text"):
         Engine().speak("Well done.", ENGLISH)
@@ -95,18 +112,24 @@ def test_speech_that_is_cut_short_is_refused(monkeypatch: pytest.MonkeyPatch) ->
         Engine().speak("You were forty milliseconds faster than before.", ENGLISH)
 
 
-def test_an_engine_that_writes_on_a_thread_of_its_own_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_that_writes_on_a_thread_of_its_own_is_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     stand_in(monkeypatch, "import threading; threading.Timer(0.1, beep, [engine]).start()")
     assert seconds(Engine().speak("Well done.", ENGLISH)) == pytest.approx(1.0)
 
 
 def test_an_engine_that_reports_an_error_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    stand_in(monkeypatch, "engine.listeners['error'](name=None, exception=OSError('The disk is full'))")
+    stand_in(
+        monkeypatch, "engine.listeners['error'](name=None, exception=OSError('The disk is full'))"
+    )
     with pytest.raises(SoundError, match=r"could not speak \(The disk is full\)"):
         Engine().speak("Well done.", ENGLISH)
 
 
-def test_an_engine_that_writes_rubbish_is_reported_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_that_writes_rubbish_is_reported_in_words(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     stand_in(monkeypatch, "open(engine.path, 'wb').write(b'RIFF' + bytes([4, 0, 0, 0]) + b'what')")
     with pytest.raises(SoundError, match="gave no sound that can be read"):
         Engine().speak("Well done.", ENGLISH)
@@ -118,7 +141,10 @@ def test_without_an_engine_it_says_what_to_install(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setitem(sys.modules, "pyttsx3", SimpleNamespace(init=init))
     monkeypatch.setattr(sys, "platform", "linux")
-    with pytest.raises(SoundError, match=r"There is no speech engine: install espeak-ng .*sudo apt install espeak-ng"):
+    with pytest.raises(
+        SoundError,
+        match=r"There is no speech engine: install espeak-ng .*sudo apt install espeak-ng",
+    ):
         Engine().voices()
 
 
@@ -128,7 +154,9 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         Engine().voices()
 
 
-def test_an_engine_works_once_its_missing_part_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_works_once_its_missing_part_is_installed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     engine = Engine()
     monkeypatch.setitem(sys.modules, "pyttsx3", None)
     with pytest.raises(SoundError):
@@ -143,7 +171,9 @@ def test_without_files_in_memory_a_private_folder_is_used_and_removed(
     monkeypatch.setattr(sys, "platform", "darwin")
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     stand_in(
-        monkeypatch, "beep(engine); seen.append((engine.path, oct(os.stat(os.path.dirname(engine.path)).st_mode)))"
+        monkeypatch,
+        "beep(engine); seen.append((engine.path, "
+        "oct(os.stat(os.path.dirname(engine.path)).st_mode)))",
     )
     seen = sys.modules["pyttsx3"].__dict__["seen"] = []
     assert seconds(Engine().speak("Well done.", ENGLISH)) == pytest.approx(1.0)

@@ -31,8 +31,12 @@ LACKING = """
 def init():
     raise RuntimeError("This means you probably do not have eSpeak or eSpeak-ng installed!")
 """
-CRASHES = f"{ENGINE}\ndef speak(engine):\n    os._exit(3) if 'crash' in engine.text else beep(engine)"
-HANGS = f"{ENGINE}\ndef speak(engine):\n    time.sleep(120) if 'hang' in engine.text else beep(engine)"
+CRASHES = (
+    f"{ENGINE}\ndef speak(engine):\n    os._exit(3) if 'crash' in engine.text else beep(engine)"
+)
+HANGS = (
+    f"{ENGINE}\ndef speak(engine):\n    time.sleep(120) if 'hang' in engine.text else beep(engine)"
+)
 HANGS_IN_C = f"""{ENGINE}
 import ctypes
 def speak(engine):
@@ -40,13 +44,19 @@ def speak(engine):
         ctypes.PyDLL(None).sleep(120)  # without letting any other thread of the process run
     beep(engine)
 """
-WRITES_RUBBISH = f"{ENGINE}\ndef speak(engine): open(engine.path, 'wb').write(b'RIFF' + bytes([4, 0, 0, 0]) + b'what')"
+WRITES_RUBBISH = (
+    f"{ENGINE}\ndef speak(engine): open(engine.path, 'wb').write(b'RIFF' + bytes([4, "
+    "0, 0, 0]) + b'what')"
+)
 
 
-# --- what is killed, stands still, hangs or crashes ----------------------------------------------------------
+# --- what is killed, stands still, hangs or crashes
+# ----------------------------------------------------------
 
 
-def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(calm: Theme, tmp_path: Path) -> None:
+def test_a_voice_killed_in_mid_utterance_fails_it_and_the_next_is_spoken(
+    calm: Theme, tmp_path: Path
+) -> None:
     file = tmp_path / "pids"
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
         listener.speech.say("a1", LONG)
@@ -90,7 +100,9 @@ def test_an_engine_that_hangs_is_killed_after_a_while_and_the_next_is_spoken(
     calm: Theme, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sar_tui.outputs.sound.supervisor._A_LETTER_S", 0.3)
-    with listening(Sound(backends=NOBODY, program=program_with(HANGS), patience_s=1.0), calm) as listener:
+    with listening(
+        Sound(backends=NOBODY, program=program_with(HANGS), patience_s=1.0), calm
+    ) as listener:
         listener.speech.say("a1", "hang")
         listener.speech.say("a2", "Well done. " * 10)  # so long a text has half a minute to begin
         assert listener.wait("a1").detail == "The voice did not begin within 1 s and was ended."
@@ -111,12 +123,23 @@ def test_a_voice_that_never_comes_to_an_end_is_killed(
         assert not is_alive(pids(file)[0])
 
 
-def test_an_engine_that_crashes_fails_what_it_was_to_say_and_the_rest_is_spoken(calm: Theme) -> None:
+def test_an_engine_that_crashes_fails_what_it_was_to_say_and_the_rest_is_spoken(
+    calm: Theme,
+) -> None:
     with listening(Sound(backends=NOBODY, program=program_with(CRASHES)), calm) as listener:
-        for action, text in (("a1", "Now crash."), ("a2", "Well done."), ("a3", "Now crash."), ("a4", "Well done.")):
+        for action, text in (
+            ("a1", "Now crash."),
+            ("a2", "Well done."),
+            ("a3", "Now crash."),
+            ("a4", "Well done."),
+        ):
             listener.speech.say(action, text)
         assert listener.wait("a4").state == "done"
-        assert listener.wait("a1").detail == listener.wait("a3").detail == "The voice stopped working before it began."
+        assert (
+            listener.wait("a1").detail
+            == listener.wait("a3").detail
+            == "The voice stopped working before it began."
+        )
         assert listener.states("a2") == ["started", "done"]
 
 
@@ -131,7 +154,9 @@ def test_a_voice_that_dies_while_idle_costs_nothing(calm: Theme, tmp_path: Path)
         assert listener.wait("a2").state == "done"
 
 
-@pytest.mark.parametrize("program", [["/no/such/program"], [sys.executable, "-c", "print('no reply')"]])
+@pytest.mark.parametrize(
+    "program", [["/no/such/program"], [sys.executable, "-c", "print('no reply')"]]
+)
 def test_a_program_that_is_no_voice_fails_each_part(calm: Theme, program: list[str]) -> None:
     with listening(Sound(backends=NOBODY, program=program), calm) as listener:
         listener.speech.say("a1", "Well done.")
@@ -139,7 +164,8 @@ def test_a_program_that_is_no_voice_fails_each_part(calm: Theme, program: list[s
         assert listener.wait("a1").detail.startswith("The voice ")
 
 
-# --- what is missing -----------------------------------------------------------------------------------------
+# --- what is missing
+# -----------------------------------------------------------------------------------------
 
 
 def test_without_an_engine_it_says_what_to_install_and_tones_sound(calm: Theme) -> None:
@@ -155,7 +181,9 @@ def test_without_a_sound_card_each_part_fails_with_the_reason(calm: Theme) -> No
         listener.speech.say("a1", "Well done.")
         listener.tones.tone("a2", "go")
         for action in ("a1", "a2"):
-            assert "There is no sound card that can be used" in listener.wait(action, "failed").detail
+            assert (
+                "There is no sound card that can be used" in listener.wait(action, "failed").detail
+            )
 
 
 def test_after_three_failures_in_a_row_speech_stays_off_and_says_why(calm: Theme) -> None:
@@ -164,7 +192,10 @@ def test_after_three_failures_in_a_row_speech_stays_off_and_says_why(calm: Theme
             listener.speech.say(f"a{index}", "Well done.")
         listener.tones.tone("go", "go")
         reason = listener.wait("a2").detail
-        off = f"Speech is off for the rest of this session because it failed three times in a row: {reason}"
+        off = (
+            "Speech is off for the rest of this session because it failed three times in a "
+            f"row: {reason}"
+        )
         assert reason.startswith("The speech engine gave no sound that can be read")
         assert [listener.wait(action).detail for action in ("a3", "a4")] == [off, off]
         assert listener.wait("go").state == "done"
@@ -187,7 +218,8 @@ def test_texts_that_cannot_be_read_do_not_put_speech_off(calm: Theme) -> None:
         assert {listener.wait(f"a{index}").state for index in range(4)} == {"failed"}
 
 
-# --- stop and close ------------------------------------------------------------------------------------------
+# --- stop and close
+# ------------------------------------------------------------------------------------------
 
 
 def test_stop_aborts_a_queue_of_three(calm: Theme) -> None:
@@ -215,7 +247,8 @@ def test_stop_of_speech_leaves_the_tones(calm: Theme) -> None:
 def test_a_voice_that_stops_on_request_is_used_again(
     calm: Theme, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sar_tui.outputs.sound.supervisor._STOP_S", 60.0)  # it may be late on a busy machine
+    # it may be late on a busy machine
+    monkeypatch.setattr("sar_tui.outputs.sound.supervisor._STOP_S", 60.0)
     file = tmp_path / "pids"
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
         for action in ("a1", "a2", "a3"):
@@ -226,7 +259,9 @@ def test_a_voice_that_stops_on_request_is_used_again(
         assert len(pids(file)) == 1
 
 
-def test_close_ends_the_process_and_the_threads_and_nothing_is_reported_afterwards(calm: Theme, tmp_path: Path) -> None:
+def test_close_ends_the_process_and_the_threads_and_nothing_is_reported_afterwards(
+    calm: Theme, tmp_path: Path
+) -> None:
     file = tmp_path / "pids"
     before = set(threading.enumerate())
     with listening(Sound(backends=NOBODY, program=real_program(file)), calm) as listener:
@@ -254,7 +289,8 @@ def test_speech_may_leave_while_tones_stay(calm: Theme) -> None:
         assert listener.states("a1") == ["started"]
 
 
-# --- where sound goes ----------------------------------------------------------------------------------------
+# --- where sound goes
+# ----------------------------------------------------------------------------------------
 
 
 def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path: Path) -> None:
@@ -276,7 +312,9 @@ def test_sound_may_go_to_the_card_or_to_a_folder_that_may_not_exist_yet(tmp_path
         (f"file:/{'x' * 300}", "cannot be a folder for sound files"),
     ],
 )
-def test_an_unusable_destination_of_sound_is_reported_in_words(tmp_path: Path, where: str, says: str) -> None:
+def test_an_unusable_destination_of_sound_is_reported_in_words(
+    tmp_path: Path, where: str, says: str
+) -> None:
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(SoundError, match=says):
         check_sound(where.format(tmp_path))
@@ -290,7 +328,8 @@ def test_a_folder_that_may_not_be_written_to_is_reported_in_words(
         check_sound(f"file:{tmp_path}")
 
 
-# --- what there is -------------------------------------------------------------------------------------------
+# --- what there is
+# -------------------------------------------------------------------------------------------
 
 
 def test_it_finds_the_voices_and_the_card() -> None:
@@ -315,7 +354,9 @@ def test_it_finds_that_there_is_no_engine_and_no_card() -> None:
         (["/no/such/program"], "cannot be started"),
     ],
 )
-def test_a_voice_that_cannot_be_examined_is_reported_in_words(program: list[str], says: str) -> None:
+def test_a_voice_that_cannot_be_examined_is_reported_in_words(
+    program: list[str], says: str
+) -> None:
     with pytest.raises(SoundError, match=says):
         examine(program, patience_s=1.0 if "sleep" in program[-1] else 20.0)
 

@@ -50,7 +50,9 @@ def test_a_card_plays_again_and_again() -> None:
     for _ in range(3):
         card.play("a", BEEP, Playback(), began)
     starts = [at / 1e9 for at, _ in began.reports]
-    assert all(later - sooner > seconds(BEEP) - 0.05 for sooner, later in itertools.pairwise(starts))
+    assert all(
+        later - sooner > seconds(BEEP) - 0.05 for sooner, later in itertools.pairwise(starts)
+    )
 
 
 @pytest.mark.parametrize("in_real_time", [True, False])
@@ -72,18 +74,24 @@ def test_files_are_numbered_after_what_is_there_and_nothing_is_overwritten(tmp_p
         for _ in range(2):
             destination.play("a1-say", BEEP, Playback(), Began())
     found = contents(tmp_path)
-    assert [name for name in found if found[name] != b"mine"] == [f"{n:03d}-a1-say.wav" for n in (8, 9, 10, 11)]
+    assert [name for name in found if found[name] != b"mine"] == [
+        f"{n:03d}-a1-say.wav" for n in (8, 9, 10, 11)
+    ]
     assert found["007-a1-say.wav"] == b"mine"
 
 
-def test_two_players_writing_to_one_folder_number_their_files_without_conflict(tmp_path: Path) -> None:
+def test_two_players_writing_to_one_folder_number_their_files_without_conflict(
+    tmp_path: Path,
+) -> None:
     mine, yours = Folder(str(tmp_path), False), Folder(str(tmp_path), False)
     for destination in (mine, yours, yours, mine, mine):
         destination.play("a1-say", BEEP, Playback(), Began())
     assert list(contents(tmp_path)) == [f"{n:03d}-a1-say.wav" for n in (1, 2, 3, 4, 5)]
 
 
-def test_a_file_created_by_another_program_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_created_by_another_program_is_skipped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "001-a1-say.wav").write_text("yours")
     with monkeypatch.context() as before:
         before.setattr(Path, "iterdir", lambda path: iter(()))
@@ -117,7 +125,9 @@ def test_a_halt_cuts_it_short(tmp_path: Path, made: str) -> None:
     destination: Destination = SoundCard(NOBODY) if made == "card" else Folder(str(tmp_path), True)
     playback = Playback()
     forever = tone((Note(880, 1000),)) * 60
-    playing = threading.Thread(target=destination.play, args=("a", forever, playback, Began(halts=playback)))
+    playing = threading.Thread(
+        target=destination.play, args=("a", forever, playback, Began(halts=playback))
+    )
     playing.start()
     playing.join(DEADLINE_S)
     assert not playing.is_alive()
@@ -130,7 +140,9 @@ def test_no_sound_card_is_reported_in_words_each_time() -> None:
             card.play("a", BEEP, Playback(), Began())
 
 
-def test_a_card_that_stops_taking_sound_is_reported_in_words_and_reopened(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_card_that_stops_taking_sound_is_reported_in_words_and_reopened(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     import miniaudio
 
     monkeypatch.setattr("sar_tui.outputs.sound.player._STALLED_S", 0.05)

@@ -25,14 +25,19 @@ def test_a_text_in_its_own_script_can_be_read(text: str, language: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "language"), [("做得好", "en"), ("Молодец, 523", "es"), ("Well done", "ru"), ("好", "en-gb")]
+    ("text", "language"),
+    [("做得好", "en"), ("Молодец, 523", "es"), ("Well done", "ru"), ("好", "en-gb")],
 )
 def test_a_text_in_another_script_cannot_be_read(text: str, language: str) -> None:
     assert why_unreadable(text, language) == (
-        f'The voice cannot read this text: it is in a script that the language "{language}" does not use.'
+        f'The voice cannot read this text: it is in a script that the language "{language}" does '
+        "not use."
     )
 
 
 @pytest.mark.parametrize("text", ["😀", "...", "¡!", " "])
 def test_a_text_without_letters_or_digits_cannot_be_read(text: str) -> None:
-    assert why_unreadable(text, "en") == "The voice cannot read this text: it has neither letters nor digits."
+    assert (
+        why_unreadable(text, "en")
+        == "The voice cannot read this text: it has neither letters nor digits."
+    )

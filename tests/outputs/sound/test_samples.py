@@ -16,9 +16,21 @@ from hypothesis import strategies as st
 
 from sar_tui.model.theme import Note
 from sar_tui.outputs.sound.protocol import SoundError
-from sar_tui.outputs.sound.samples import FULL, RATE, TONE_LEVEL, at_volume, is_whole, peak, read, seconds, tone
+from sar_tui.outputs.sound.samples import (
+    FULL,
+    RATE,
+    TONE_LEVEL,
+    at_volume,
+    is_whole,
+    peak,
+    read,
+    seconds,
+    tone,
+)
 
-HUM = array("h", [round(8000 * math.sin(2 * math.pi * 200 * index / RATE)) for index in range(RATE // 4)])
+HUM = array(
+    "h", [round(8000 * math.sin(2 * math.pi * 200 * index / RATE)) for index in range(RATE // 4)]
+)
 
 
 def wav(path: Path, frames: bytes, width: int = 2, channels: int = 1, rate: int = RATE) -> str:
@@ -32,7 +44,10 @@ def wav(path: Path, frames: bytes, width: int = 2, channels: int = 1, rate: int 
 
 def aiff(path: Path, frames: bytes, encoding: bytes = b"", rate: int = RATE, bits: int = 16) -> str:
     exponent = rate.bit_length() - 1
-    comm = struct.pack(">hLhHQ", 1, len(frames) // 2, bits, 16_383 + exponent, rate << (63 - exponent)) + encoding
+    comm = (
+        struct.pack(">hLhHQ", 1, len(frames) // 2, bits, 16_383 + exponent, rate << (63 - exponent))
+        + encoding
+    )
     body = b"AIFC" if encoding else b"AIFF"
     for name, data in ((b"COMM", comm), (b"SSND", bytes(8) + frames)):
         body += name + struct.pack(">L", len(data)) + data + bytes(len(data) % 2)
@@ -64,11 +79,21 @@ def test_a_note_of_no_frequency_is_silence() -> None:
     assert peak(tone((Note(0, 100),))) == 0
 
 
-@given(st.lists(st.builds(Note, hz=st.floats(50, 2000), ms=st.integers(10, 300)), min_size=1, max_size=4))
+@given(
+    st.lists(
+        st.builds(Note, hz=st.floats(50, 2000), ms=st.integers(10, 300)), min_size=1, max_size=4
+    )
+)
 def test_no_tone_clicks(notes: list[Note]) -> None:
     """A click is a step between samples that the sine itself does not make."""
     samples = tone(tuple(notes))
-    steepest = FULL * TONE_LEVEL * 2 * math.pi * (max(note.hz for note in notes) / RATE + 1 / (2 * RATE * 0.005))
+    steepest = (
+        FULL
+        * TONE_LEVEL
+        * 2
+        * math.pi
+        * (max(note.hz for note in notes) / RATE + 1 / (2 * RATE * 0.005))
+    )
     assert samples[0] == 0
     assert samples[-1] == 0
     assert max(abs(b - a) for a, b in itertools.pairwise(samples)) <= steepest + 1
@@ -91,9 +116,15 @@ def test_a_wav_file_comes_out_as_it_went_in(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("rate", "channels"), [(16_000, 1), (44_100, 2), (48_000, 1)])
-def test_a_wav_file_of_another_rate_sounds_the_same_for_as_long(tmp_path: Path, rate: int, channels: int) -> None:
+def test_a_wav_file_of_another_rate_sounds_the_same_for_as_long(
+    tmp_path: Path, rate: int, channels: int
+) -> None:
     hum = array(
-        "h", [round(8000 * math.sin(2 * math.pi * 200 * (n // channels) / rate)) for n in range(rate * channels)]
+        "h",
+        [
+            round(8000 * math.sin(2 * math.pi * 200 * (n // channels) / rate))
+            for n in range(rate * channels)
+        ],
     )
     samples = read(wav(tmp_path / "a.wav", in_order(hum, "little"), channels=channels, rate=rate))
     assert seconds(samples) == pytest.approx(1, abs=0.01)
@@ -101,13 +132,23 @@ def test_a_wav_file_of_another_rate_sounds_the_same_for_as_long(tmp_path: Path, 
 
 
 def test_a_wav_file_of_8_bits_is_read(tmp_path: Path) -> None:
-    samples = read(wav(tmp_path / "a.wav", bytes(128 + (100 if n % 100 < 50 else -100) for n in range(RATE)), width=1))
+    samples = read(
+        wav(
+            tmp_path / "a.wav",
+            bytes(128 + (100 if n % 100 < 50 else -100) for n in range(RATE)),
+            width=1,
+        )
+    )
     assert seconds(samples) == pytest.approx(1, abs=0.01)
     assert peak(samples) == pytest.approx(100 / 128, abs=0.05)
 
 
-@pytest.mark.parametrize(("encoding", "order"), [(b"", "big"), (b"NONE", "big"), (b"twos", "big"), (b"sowt", "little")])
-def test_aiff_files_as_written_by_macos_are_read(tmp_path: Path, encoding: bytes, order: str) -> None:
+@pytest.mark.parametrize(
+    ("encoding", "order"), [(b"", "big"), (b"NONE", "big"), (b"twos", "big"), (b"sowt", "little")]
+)
+def test_aiff_files_as_written_by_macos_are_read(
+    tmp_path: Path, encoding: bytes, order: str
+) -> None:
     assert read(aiff(tmp_path / "a.wav", in_order(HUM, order), encoding)) == HUM
 
 
@@ -135,7 +176,9 @@ def test_a_file_that_is_not_there_is_refused_in_words(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("make", [wav, aiff])
-def test_a_file_is_whole_once_it_is_as_long_as_it_says(tmp_path: Path, make: Callable[[Path, bytes], str]) -> None:
+def test_a_file_is_whole_once_it_is_as_long_as_it_says(
+    tmp_path: Path, make: Callable[[Path, bytes], str]
+) -> None:
     path = tmp_path / "a.wav"
     assert not is_whole(str(path))
     whole = Path(make(path, HUM.tobytes())).read_bytes()
@@ -148,7 +191,9 @@ def test_a_file_is_whole_once_it_is_as_long_as_it_says(tmp_path: Path, make: Cal
 @given(st.data())
 def test_a_damaged_file_is_read_or_refused(tmp_path: Path, data: st.DataObject) -> None:
     path = tmp_path / "damaged.wav"
-    whole = bytearray(Path(data.draw(st.sampled_from([wav, aiff]))(path, in_order(HUM[:40], "big"))).read_bytes())
+    whole = bytearray(
+        Path(data.draw(st.sampled_from([wav, aiff]))(path, in_order(HUM[:40], "big"))).read_bytes()
+    )
     for place in data.draw(st.lists(st.integers(0, 60), max_size=6)):
         whole[place] = data.draw(st.integers(0, 255))
     path.write_bytes(whole[: data.draw(st.integers(0, len(whole)))])

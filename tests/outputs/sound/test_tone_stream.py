@@ -106,7 +106,9 @@ def test_a_tone_whose_time_is_over_begins_with_the_next_sample(card: Card) -> No
     assert card.run(3)[:300] == BLIP
 
 
-def test_a_repeated_tone_is_exact_to_the_sample_and_dropped_where_it_has_not_begun(card: Card) -> None:
+def test_a_repeated_tone_is_exact_to_the_sample_and_dropped_where_it_has_not_begun(
+    card: Card,
+) -> None:
     stream = ToneStream(card)
     stream.start(patience_s=0)
     card.run(2)

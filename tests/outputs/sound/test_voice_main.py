@@ -11,10 +11,30 @@ import pytest
 
 from sar_tui.loop.clock import host_now
 from sar_tui.model.theme import Note
-from sar_tui.outputs.sound.protocol import Ended, Reply, Say, Setup, Started, Stop, Tone, Voicing, Warm, encode
+from sar_tui.outputs.sound.protocol import (
+    Ended,
+    Reply,
+    Say,
+    Setup,
+    Started,
+    Stop,
+    Tone,
+    Voicing,
+    Warm,
+    encode,
+)
 from sar_tui.outputs.sound.voice_process import VoiceProcess
 from tests.needs_speech import needs_speech
-from tests.outputs.voice_fixtures import DEADLINE_S, ENGINE, NOBODY, is_alive, pids, program_with, real_program, until
+from tests.outputs.voice_fixtures import (
+    DEADLINE_S,
+    ENGINE,
+    NOBODY,
+    is_alive,
+    pids,
+    program_with,
+    real_program,
+    until,
+)
 
 pytestmark = needs_speech
 
@@ -130,7 +150,9 @@ def test_a_first_line_that_is_no_setup_ends_it(rubbish: bytes) -> None:
 
 def test_it_ends_when_the_program_is_killed_while_it_speaks(tmp_path: Path) -> None:
     file = tmp_path / "pids"
-    with subprocess.Popen([sys.executable, "-c", PARENT, *real_program(file)], stdout=subprocess.PIPE) as parent:
+    with subprocess.Popen(
+        [sys.executable, "-c", PARENT, *real_program(file)], stdout=subprocess.PIPE
+    ) as parent:
         assert parent.stdout
         assert parent.stdout.readline().startswith(b"Started")
         (pid,) = pids(file)
@@ -156,7 +178,9 @@ def test_a_folder_that_the_program_was_started_in_does_not_take_the_place_of_lib
     for name in ("wave.py", "queue.py", "msgspec.py", "pyttsx3.py"):
         (tmp_path / name).write_text("raise SystemExit('not the library')")
     monkeypatch.chdir(tmp_path)
-    talk = Talk(Setup(in_real_time=False), [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"])
+    talk = Talk(
+        Setup(in_real_time=False), [sys.executable, "-P", "-m", "sar_tui.outputs.sound.voice_main"]
+    )
     talk.child.send(Say(1, "a1", "Well done.", HELLO))
     assert isinstance(talk.next(), Started)
     talk.child.kill()

@@ -60,7 +60,9 @@ def test_a_language_that_only_begins_alike_is_another() -> None:
         ([], ()),
     ],
 )
-def test_languages_are_read_in_any_form_that_an_engine_gives(tags: object, languages: tuple[str, ...]) -> None:
+def test_languages_are_read_in_any_form_that_an_engine_gives(
+    tags: object, languages: tuple[str, ...]
+) -> None:
     assert found_voice("com.apple.voice.compact.Someone", "Someone", tags).languages == languages
 
 

@@ -1,4 +1,6 @@
-"""Posner's cueing, written from docs/write-your-own-task.md: the agent looks to a side, then a target appears."""
+"""Posner's cueing, written from docs/write-your-own-task.md: the agent looks to a side, then a
+target appears.
+"""
 
 from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Cue, Metric, Result, Stimulus
@@ -11,7 +13,9 @@ LEAD_MS = 200
 class Cueing(Task):
     name = "cueing"
     title = "Where it appears"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
 
     @property
     def trials_per_attempt(self):

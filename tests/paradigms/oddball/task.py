@@ -1,4 +1,6 @@
-"""An auditory oddball, written from docs/write-your-own-task.md: respond to the rare high tone, not to the low one."""
+"""An auditory oddball, written from docs/write-your-own-task.md: respond to the rare high tone, not
+to the low one.
+"""
 
 from sar_tui.loop.task import Task
 from sar_tui.model.trial_types import Frame, Metric, Result, Stimulus, Tone
@@ -9,7 +11,9 @@ RARE, FREQUENT = Tone(1000, 60), Tone(500, 60)
 class Oddball(Task):
     name = "oddball"
     title = "Oddball"
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
 
     @property
     def trials_per_attempt(self):
@@ -22,7 +26,13 @@ class Oddball(Task):
         is_rare = situation.streams.uniform("tone") < 0.35
         frames = (
             Frame("·", 250, text="Listen."),
-            Frame("·", text="Listen now.", tone=RARE if is_rare else FREQUENT, timed=True, awaited=True),
+            Frame(
+                "·",
+                text="Listen now.",
+                tone=RARE if is_rare else FREQUENT,
+                timed=True,
+                awaited=True,
+            ),
         )
         name, expected = ("rare", "space") if is_rare else ("frequent", "")
         return Stimulus(name, expected, "Listen", frames=frames, timeout_ms=400)

@@ -1,4 +1,6 @@
-"""A digit span, written from docs/write-your-own-task.md: digits appear one after the other, then they are typed."""
+"""A digit span, written from docs/write-your-own-task.md: digits appear one after the other, then
+they are typed.
+"""
 
 from typing import Annotated
 
@@ -11,16 +13,22 @@ DIGITS = "123456789"
 
 
 class SpanParameters(TaskParameters, frozen=True, kw_only=True):
-    threshold: Annotated[float, meta("Goal", "digits", "The mean has to be above this.", ge=1, le=9)] = 2.5
+    threshold: Annotated[
+        float, meta("Goal", "digits", "The mean has to be above this.", ge=1, le=9)
+    ] = 2.5
     neutral_band: Annotated[float, meta("Band", "digits", "About the goal.", ge=0, le=5)] = 0.0
-    digit_ms: Annotated[int, meta("Time of a digit", "ms", "How long each digit stands.", ge=100, le=5000)] = 300
+    digit_ms: Annotated[
+        int, meta("Time of a digit", "ms", "How long each digit stands.", ge=100, le=5000)
+    ] = 300
     max_level: Annotated[int, meta("Highest level", help="Adds a digit each.", ge=1, le=6)] = 3
 
 
 class Span(Task):
     name = "span"
     title = "Digit span"
-    metric = Metric("span", unit="digits", better="higher", improved="longer", worsened="shorter", decimals=1)
+    metric = Metric(
+        "span", unit="digits", better="higher", improved="longer", worsened="shorter", decimals=1
+    )
     Parameters = SpanParameters
 
     @property
@@ -35,7 +43,9 @@ class Span(Task):
         for place in range(2 + situation.level):
             chosen.append(situation.streams.choice(left, "digit", place))
             left.remove(chosen[-1])
-        shown = tuple(Frame(digit, self.parameters.digit_ms, text=f"Digit: {digit}") for digit in chosen)
+        shown = tuple(
+            Frame(digit, self.parameters.digit_ms, text=f"Digit: {digit}") for digit in chosen
+        )
         asked = Frame("?", text="Type the digits.", timed=True, awaited=True)
         return Stimulus("".join(chosen), "", "Digits", frames=(*shown, asked), signals=False)
 

@@ -1,4 +1,6 @@
-"""Databases of several sites for tests of merges, and what a database holds in words that all of them share."""
+"""Databases of several sites for tests of merges, and what a database holds in words that all of
+them share.
+"""
 
 import json
 import sqlite3
@@ -39,9 +41,13 @@ def play(
     """Store a session with some trials, and return its id."""
     with closing(connect(folder)) as db:
         db.execute("BEGIN")
-        db.execute("INSERT OR IGNORE INTO participants (code, created_at) VALUES (?,?)", (participant, began))
         db.execute(
-            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, software, machine, mode)"
+            "INSERT OR IGNORE INTO participants (code, created_at) VALUES (?,?)",
+            (participant, began),
+        )
+        db.execute(
+            "INSERT INTO sessions (id, task, theme, status, started_at, seed, parameters, "
+            "software, machine, mode)"
             " VALUES (?,'keyboard','calm',?,?,1,'{}','{}','{}',?)",
             (session, status, began, mode),
         )
@@ -52,22 +58,39 @@ def play(
     return session
 
 
-def go_on(folder: Path, session: str, *, trials: int = 1, status: str = "completed", response: str = "f") -> None:
+def go_on(
+    folder: Path, session: str, *, trials: int = 1, status: str = "completed", response: str = "f"
+) -> None:
     """Add trials to a session in another run of the program."""
     with closing(connect(folder)) as db:
         db.execute("BEGIN")
-        (run,) = db.execute("SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)).fetchone()
+        (run,) = db.execute(
+            "SELECT coalesce(max(run), 0) + 1 FROM runs WHERE session=?", (session,)
+        ).fetchone()
         anchor = json.dumps({"clock_ns": run, "utc": "2026-03-01T10:00:00+00:00"})
-        db.execute("INSERT INTO runs (session, run, clock_anchor, pid) VALUES (?,?,?,7)", (session, run, anchor))
+        db.execute(
+            "INSERT INTO runs (session, run, clock_anchor, pid) VALUES (?,?,?,7)",
+            (session, run, anchor),
+        )
         db.executemany("INSERT OR IGNORE INTO topics (name, fields) VALUES (?,?)", _TOPICS)
-        (number,) = db.execute("SELECT number FROM session_numbers WHERE id=?", (session,)).fetchone()
+        (number,) = db.execute(
+            "SELECT number FROM session_numbers WHERE id=?", (session,)
+        ).fetchone()
         query = "SELECT coalesce(max(trial), 0) FROM trials WHERE session=?"
         (last,) = db.execute(query, (session,)).fetchone()
         for trial in range(last + 1, last + trials + 1):
             for offset, topic in enumerate(_TOPICS):
                 db.execute(
-                    "INSERT INTO messages SELECT ?,?,?,?,id,? FROM topics WHERE (name, fields)=(?,?)",
-                    (number, 2 * trial + offset - 1, run, 1000 * trial, f'["{response}",{trial}]', *topic),
+                    "INSERT INTO messages SELECT ?,?,?,?,id,? FROM topics WHERE (name, "
+                    "fields)=(?,?)",
+                    (
+                        number,
+                        2 * trial + offset - 1,
+                        run,
+                        1000 * trial,
+                        f'["{response}",{trial}]',
+                        *topic,
+                    ),
                 )
             db.execute(
                 "INSERT INTO trials VALUES (?,1,?,'A',?,'F',?,1,?,?,?,'{}','{}','{}')",
@@ -75,11 +98,16 @@ def go_on(folder: Path, session: str, *, trials: int = 1, status: str = "complet
             )
             db.execute("INSERT INTO notes VALUES (?,?,'op','\"so\"','')", (session, trial % 2))
         db.execute(
-            "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, metric, trials, qualities,"
-            " correct, accuracy, outcome, started_ns, ended_ns) VALUES (?,1,'A',?,0,1,?,?,'{}',1,1,'success',1,9)",
+            "INSERT OR REPLACE INTO attempts (session, attempt, seat, run, practice, level, "
+            "metric, trials, qualities,"
+            " correct, accuracy, outcome, started_ns, ended_ns) VALUES "
+            "(?,1,'A',?,0,1,?,?,'{}',1,1,'success',1,9)",
             (session, run, 1 / (last + trials + 1), last + trials),
         )
-        db.execute("UPDATE sessions SET status=?, ended_at=? WHERE id=?", (status, f"2026-03-02T{run:02}", session))
+        db.execute(
+            "UPDATE sessions SET status=?, ended_at=? WHERE id=?",
+            (status, f"2026-03-02T{run:02}", session),
+        )
         db.execute("COMMIT")
 
 
@@ -89,7 +117,9 @@ def change(folder: Path, statement: str, *values: object) -> None:
         db.execute(statement, values)
 
 
-def save_programme(folder: Path, participant: str, version: int, parameters: str, at: str = "2026-03-01") -> None:
+def save_programme(
+    folder: Path, participant: str, version: int, parameters: str, at: str = "2026-03-01"
+) -> None:
     row = (participant, version, at, parameters)
     change(folder, "INSERT INTO programmes VALUES (?,'keyboard',?,?,'','',?,'calm','')", *row)
 
@@ -102,10 +132,14 @@ def copy(folder: Path, to: Path) -> Path:
     return to
 
 
-def merge(folder: Path, *others: Path | None, same: tuple[str, ...] = (), one_site: bool = False) -> Merged:
+def merge(
+    folder: Path, *others: Path | None, same: tuple[str, ...] = (), one_site: bool = False
+) -> Merged:
     """Merge other databases into one, in order, and return the last result."""
     for other in others:
-        result = merging.merge(folder, other, same, one_site=one_site, start=lambda step: lambda done, total: None)
+        result = merging.merge(
+            folder, other, same, one_site=one_site, start=lambda step: lambda done, total: None
+        )
     return result
 
 
@@ -113,8 +147,12 @@ def holds(folder: Path) -> dict[str, Counter[Any]]:
     """Return all rows by table. Codes, sites and the numbers of sessions and topics are in full."""
     with closing(connect(folder)) as db:
         people = People(sites.own(db), stored_pairs(db))
-        tables = [name for (name,) in db.execute("SELECT name FROM sqlite_master WHERE type='table'")]
-        wanted = [name for name in tables if not name.startswith(("_", "sqlite")) and name not in _LOCAL]
+        tables = [
+            name for (name,) in db.execute("SELECT name FROM sqlite_master WHERE type='table'")
+        ]
+        wanted = [
+            name for name in tables if not name.startswith(("_", "sqlite")) and name not in _LOCAL
+        ]
         return {table: Counter(_in_words(db, table, people)) for table in wanted}
 
 
@@ -122,7 +160,8 @@ def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
     query = f"SELECT * FROM {table}"
     if table == "messages":
         query = (
-            "SELECT session_numbers.id AS session, seq, run, at_ns, name, fields, message FROM messages"
+            "SELECT session_numbers.id AS session, seq, run, at_ns, name, fields, message FROM "
+            "messages"
             " JOIN session_numbers ON number=session_number JOIN topics ON topics.id=topic"
         )
     found = db.execute(query)
@@ -140,4 +179,7 @@ def _in_words(db: sqlite3.Connection, table: str, people: People) -> list[Any]:
             return code if table == "programmes" else people.name(code)
         return value
 
-    return [tuple(in_words(name, value) for name, value in zip(names, row, strict=True)) for row in found]
+    return [
+        tuple(in_words(name, value) for name, value in zip(names, row, strict=True))
+        for row in found
+    ]

@@ -1,4 +1,6 @@
-"""Databases of several sites, some merged from others, hold the same once each got all, whatever the order."""
+"""Databases of several sites, some merged from others, hold the same once each got all, whatever
+the order.
+"""
 
 import random
 from pathlib import Path
@@ -39,20 +41,37 @@ class World:
         status = self.random.choice(_STATES)
         id, who = f"{self._number:010x}", f"P0{self.random.randint(1, 2)}"
         mode = self.random.choice(("live", "live", "simulated"))
-        play(self.sites[code], id, who, trials=self.random.randint(0, 2), began=began, status=status, mode=mode)
+        play(
+            self.sites[code],
+            id,
+            who,
+            trials=self.random.randint(0, 2),
+            began=began,
+            status=status,
+            mode=mode,
+        )
         self._sessions.setdefault(self.sites[code], []).append(id)
 
     def go_on(self, code: str) -> None:
         """Let a session go on, sometimes in a copy, so that there are two records of it."""
         if found := self._sessions.get(self.sites[code]):
-            places = [path for of, path in self.copies if of == code and holds_session(path, found[-1])]
+            places = [
+                path for of, path in self.copies if of == code and holds_session(path, found[-1])
+            ]
             place = self.random.choice([self.sites[code], self.sites[code], *places])
-            go_on(place, found[-1], response=self.random.choice("fj"), status=self.random.choice(_STATES))
+            go_on(
+                place,
+                found[-1],
+                response=self.random.choice("fj"),
+                status=self.random.choice(_STATES),
+            )
 
     def dismiss(self, code: str) -> None:
         if found := self._sessions.get(self.sites[code]):
             change(
-                self.sites[code], "UPDATE sessions SET status='dismissed' WHERE id=? AND status<>'completed'", found[-1]
+                self.sites[code],
+                "UPDATE sessions SET status='dismissed' WHERE id=? AND status<>'completed'",
+                found[-1],
             )
 
     def programme(self, code: str) -> None:
@@ -68,15 +87,24 @@ class World:
         who, at = f"P0{self.random.randint(1, 2)}", f"2026-04-01T{self._number:06}"
         for statement, values in (
             ("INSERT INTO wellbeing VALUES (NULL,'A',?,'before','pain','3',?,'')", (who, at)),
-            ("INSERT INTO instrument_scores VALUES (?,'FMA-UE','2026-03-01',3,'',?,'',0,'')", (who, at)),
-            ("INSERT OR IGNORE INTO adverse_events VALUES ('abc',1,?,NULL,?,'','mild','','','','','')", (who, at)),
+            (
+                "INSERT INTO instrument_scores VALUES (?,'FMA-UE','2026-03-01',3,'',?,'',0,'')",
+                (who, at),
+            ),
+            (
+                "INSERT OR IGNORE INTO adverse_events VALUES "
+                "('abc',1,?,NULL,?,'','mild','','','','','')",
+                (who, at),
+            ),
             ("INSERT INTO exports VALUES (NULL,?,'','','csv','[]','{}','','')", (at,)),
         ):
             change(self.sites[code], statement, *values)
 
     def edit(self, code: str) -> None:
         if places := [path for of, path in self.copies if of == code]:
-            change(self.random.choice(places), "UPDATE trials SET correct=0 WHERE trial=1 AND run=1")
+            change(
+                self.random.choice(places), "UPDATE trials SET correct=0 WHERE trial=1 AND run=1"
+            )
 
     def take_copy(self, code: str) -> None:
         self.copies.append((code, copy(self.sites[code], self.folder / f"copy-{len(self.copies)}")))
@@ -94,7 +122,9 @@ def holds_session(folder: Path, session: str) -> bool:
 
 @pytest.fixture(autouse=True)
 def _no_backups(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make no backups, which other tests look at, and look for no flaws: it takes most of the time."""
+    """Make no backups, which other tests look at, and look for no flaws: it takes most of the
+    time.
+    """
     monkeypatch.setattr("sar_tui.store.merge.merge.back_up", lambda folder, path: None)
     monkeypatch.setattr("sar_tui.store.merge.source.flaws", lambda database, *, gaps: ())
 

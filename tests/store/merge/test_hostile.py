@@ -1,4 +1,6 @@
-"""A database from another site adds what is its own, and changes nothing of this site's people, whatever it holds."""
+"""A database from another site adds what is its own, and changes nothing of this site's people,
+whatever it holds.
+"""
 
 import sqlite3
 import zlib
@@ -35,7 +37,8 @@ def bern(tmp_path: Path, zurich: Path) -> Path:
 
 _ROWS: dict[str, tuple[str, tuple[object, ...]]] = {
     "version 2 of the programme of P01 for keyboard": (
-        "INSERT INTO programmes VALUES ('P01@ZURICH','keyboard',2,'2026-01-01','','','{\"attempts\":99}','calm',?)",
+        "INSERT INTO programmes VALUES "
+        "('P01@ZURICH','keyboard',2,'2026-01-01','','','{\"attempts\":99}','calm',?)",
         ("ZURICH",),
     ),
     "answer of P01 on pain of 2026-03-09": (
@@ -43,7 +46,8 @@ _ROWS: dict[str, tuple[str, tuple[object, ...]]] = {
         ("ZURICH",),
     ),
     "version 1 of the adverse event abc": (
-        "INSERT INTO adverse_events VALUES ('abc@ZURICH',1,'P01@ZURICH',NULL,'2026-03-09','','mild','','','','',?)",
+        "INSERT INTO adverse_events VALUES "
+        "('abc@ZURICH',1,'P01@ZURICH',NULL,'2026-03-09','','mild','','','','',?)",
         ("ZURICH",),
     ),
     "score of P01 in ARAT of 2026-03-09": (
@@ -54,17 +58,24 @@ _ROWS: dict[str, tuple[str, tuple[object, ...]]] = {
         "INSERT INTO exports VALUES (NULL,'2026-03-09','','','csv','[]','{}','',?)",
         ("ZURICH",),
     ),
-    "participant P77": ("INSERT INTO participants VALUES ('P77@ZURICH','2026-03-09',?)", ("ZURICH",)),
+    "participant P77": (
+        "INSERT INTO participants VALUES ('P77@ZURICH','2026-03-09',?)",
+        ("ZURICH",),
+    ),
 }
 
 
 @pytest.mark.parametrize("what", _ROWS)
-def test_a_row_that_names_this_site_and_is_unknown_here_is_refused(zurich: Path, bern: Path, what: str) -> None:
+def test_a_row_that_names_this_site_and_is_unknown_here_is_refused(
+    zurich: Path, bern: Path, what: str
+) -> None:
     before = holds(zurich)
     statement, values = _ROWS[what]
     change(bern, statement, *values)
     merged = merge(zurich, bern)
-    assert merged.refused == [f"The {what} is ZURICH's by what BERN has, and is not so here. It is left out."]
+    assert merged.refused == [
+        f"The {what} is ZURICH's by what BERN has, and is not so here. It is left out."
+    ]
     assert merged.added == ["b1"]
     assert [table for table, rows in holds(zurich).items() if before[table] - rows] == []
     with closing(connect(zurich)) as database:
@@ -72,7 +83,9 @@ def test_a_row_that_names_this_site_and_is_unknown_here_is_refused(zurich: Path,
 
 
 def test_a_changed_version_of_ones_own_programme_is_refused(zurich: Path, bern: Path) -> None:
-    """The earlier version of two counts, so that an early date would make it the one in the table."""
+    """The earlier version of two counts, so that an early date would make it the one in the
+    table.
+    """
     change(bern, "UPDATE programmes SET parameters='{\"attempts\":99}', created_at='2020-01-01'")
     merged = merge(zurich, bern)
     assert [said.partition(" is ")[0] for said in merged.refused] == [
@@ -107,7 +120,13 @@ def other_author(bern: Path) -> None:
 
 @pytest.mark.parametrize(
     ("alter", "id"),
-    [(new_session, "a9"), (longer_session, "a2"), (other_results, "a2"), (other_settings, "a2"), (other_author, "a2")],
+    [
+        (new_session, "a9"),
+        (longer_session, "a2"),
+        (other_results, "a2"),
+        (other_settings, "a2"),
+        (other_author, "a2"),
+    ],
 )
 def test_ones_own_session_is_never_added_or_changed_by_another_site(
     zurich: Path, bern: Path, alter: Callable[[Path], None], id: str
@@ -115,7 +134,9 @@ def test_ones_own_session_is_never_added_or_changed_by_another_site(
     before = holds(zurich)
     alter(bern)
     merged = merge(zurich, bern)
-    assert merged.refused == [f"The session {id} is ZURICH's by what BERN has, and is not so here. It is left out."]
+    assert merged.refused == [
+        f"The session {id} is ZURICH's by what BERN has, and is not so here. It is left out."
+    ]
     assert (merged.added, merged.updated, merged.conflicts) == (["b1"], [], [])
     for table in ("sessions", "trials", "messages"):
         assert before[table] <= holds(zurich)[table]
@@ -127,13 +148,16 @@ _SAID_IN_ANOTHERS = {
         "INSERT INTO wellbeing VALUES ('a1','A','P01','before','pain','9','2026-03-09','')"
     ),
     "version 1 of the adverse event abc@BERN": (
-        "INSERT INTO adverse_events VALUES ('abc',1,'P01','a1','2026-03-09','fell','severe','','','2026-03-09','','')"
+        "INSERT INTO adverse_events VALUES "
+        "('abc',1,'P01','a1','2026-03-09','fell','severe','','','2026-03-09','','')"
     ),
 }
 
 
 @pytest.mark.parametrize("what", _SAID_IN_ANOTHERS)
-def test_a_record_of_somebody_who_was_not_in_its_session_is_refused(zurich: Path, bern: Path, what: str) -> None:
+def test_a_record_of_somebody_who_was_not_in_its_session_is_refused(
+    zurich: Path, bern: Path, what: str
+) -> None:
     """It would be read as said by the person of this site who has the same seat."""
     before = holds(zurich)
     change(bern, _SAID_IN_ANOTHERS[what])
@@ -154,7 +178,9 @@ def test_a_record_of_somebody_in_a_session_elsewhere_is_added(zurich: Path, bern
     assert (merged.records["wellbeing"], merged.records["adverse_events"]) == (1, 1)
 
 
-def test_the_status_of_ones_own_session_is_never_changed_by_another_site(zurich: Path, bern: Path) -> None:
+def test_the_status_of_ones_own_session_is_never_changed_by_another_site(
+    zurich: Path, bern: Path
+) -> None:
     change(bern, "UPDATE sessions SET status='completed' WHERE id='a2'")
     assert merge(zurich, bern).updated == []
     with closing(connect(zurich)) as database:
@@ -173,34 +199,51 @@ def test_a_session_of_another_site_is_not_one_of_ones_own_people(zurich: Path, b
     merged = merge(zurich, bern)
     assert merged.refused == [
         "The session b2 is BERN's by what BERN has, but P01 is of ZURICH. It is left out.",
-        "The version 7 of the programme of P01 for keyboard is BERN's by what BERN has, but P01 is of ZURICH. It is "
+        "The version 7 of the programme of P01 for keyboard is BERN's by what BERN has, but P01 "
+        "is of ZURICH. It is "
         "left out.",
     ]
     assert merged.added == ["b1"]
     with closing(connect(zurich)) as database:
-        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01")] == ["a2", "a1"]
+        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01")] == [
+            "a2",
+            "a1",
+        ]
 
 
 def test_only_this_site_says_who_of_its_people_is_somebody_elses(zurich: Path, bern: Path) -> None:
     merge(bern, None, same=("P01=P01@ZURICH",))
     merged = merge(zurich, bern)
     assert merged.refused[0] == (
-        "BERN says that P01@BERN and P01@ZURICH are one person. If they are: sar-tui merge --same P01@BERN=P01@ZURICH"
+        "BERN says that P01@BERN and P01@ZURICH are one person. If they are: sar-tui merge --same "
+        "P01@BERN=P01@ZURICH"
     )
     assert merged.same == []
     with closing(connect(zurich)) as database:
-        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01")] == ["a2", "a1"]
+        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01")] == [
+            "a2",
+            "a1",
+        ]
     merged = merge(zurich, bern, same=("P01@BERN=P01@ZURICH",))
     assert merged.refused == []
     assert {row[2] for row in holds(zurich)["seats"]} == {"P01@BERN"}
 
 
-def kept_aside(bern: Path, content: Any, kind: str = "session", key: str = "a2", digest: str = "") -> None:
-    row = (kind, key, digest or conflicts.digest(content), zlib.compress(conflicts.encoded(content)))
+def kept_aside(
+    bern: Path, content: Any, kind: str = "session", key: str = "a2", digest: str = ""
+) -> None:
+    row = (
+        kind,
+        key,
+        digest or conflicts.digest(content),
+        zlib.compress(conflicts.encoded(content)),
+    )
     change(bern, "INSERT INTO conflicts VALUES (?,?,?,?)", *row)
 
 
-def test_a_version_of_ones_own_record_that_is_kept_aside_there_does_not_come_here(zurich: Path, bern: Path) -> None:
+def test_a_version_of_ones_own_record_that_is_kept_aside_there_does_not_come_here(
+    zurich: Path, bern: Path
+) -> None:
     row = {"participant": "P01@ZURICH", "task": "keyboard", "version": 1, "created_at": "2020-01-01", "author": "",
            "reason": "", "parameters": "{}", "theme": "calm", "site": "ZURICH"}  # fmt: skip
     kept_aside(bern, {"programmes": [row]}, "programme", "P01@ZURICH keyboard 1")
@@ -221,7 +264,9 @@ def test_a_version_of_ones_own_record_that_is_kept_aside_there_does_not_come_her
         {"sessions": [{"id": "b1"}, {"id": "b2"}]},
     ],
 )
-def test_a_version_kept_aside_that_is_none_is_refused(zurich: Path, bern: Path, content: Any) -> None:
+def test_a_version_kept_aside_that_is_none_is_refused(
+    zurich: Path, bern: Path, content: Any
+) -> None:
     before = holds(zurich)
     for kind in ("session", "programme", "odd"):
         digest = conflicts.digest(content) if isinstance(content, dict) else "x"
@@ -236,17 +281,41 @@ def test_a_version_kept_aside_is_not_unpacked_beyond_all_bounds(
     zurich: Path, bern: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(conflicts, "_MOST_BYTES", 10_000)
-    change(bern, "INSERT INTO conflicts VALUES ('session','b1','x',?)", zlib.compress(bytes(10_000_000)))
+    change(
+        bern,
+        "INSERT INTO conflicts VALUES ('session','b1','x',?)",
+        zlib.compress(bytes(10_000_000)),
+    )
     with pytest.raises(StoreError, match=r"conflicts\.content"):
         merge(zurich, bern)
 
 
 _VALUES = {
-    "UPDATE seats SET participant=? WHERE session='b1'": ["P01; DROP", "p01", "P" * 40, "", "=1+1", "P01\x1b[2J", "-P"],
+    "UPDATE seats SET participant=? WHERE session='b1'": [
+        "P01; DROP",
+        "p01",
+        "P" * 40,
+        "",
+        "=1+1",
+        "P01\x1b[2J",
+        "-P",
+    ],
     "UPDATE participants SET code=? WHERE code='P01'": ["../P01", "Anna Muster", "P01\n"],
-    "UPDATE sessions SET id=? WHERE id='b1'": ["../../evil", "/tmp/evil", "b 1", "", "=b1", "b" * 99],
+    "UPDATE sessions SET id=? WHERE id='b1'": [
+        "../../evil",
+        "/tmp/evil",
+        "b 1",
+        "",
+        "=b1",
+        "b" * 99,
+    ],
     "UPDATE sessions SET site=? WHERE id='b1'": ["=ZURICH", "Z\x07", "z"],
-    "UPDATE sessions SET task=? WHERE id='b1'": ["../keyboard", "key board", "key\x1bboard", "=cmd"],
+    "UPDATE sessions SET task=? WHERE id='b1'": [
+        "../keyboard",
+        "key board",
+        "key\x1bboard",
+        "=cmd",
+    ],
     "UPDATE sessions SET theme=? WHERE id='b1'": ["../../calm", "calm\n"],
     "UPDATE sessions SET started_at=? WHERE id='b1'": ["<b>now</b>", "x" * 99],
     "UPDATE seats SET seat=? WHERE session='b1'": ["C", "A\x00"],
@@ -254,7 +323,10 @@ _VALUES = {
     "UPDATE notes SET author=? WHERE session='b1'": ["op\u202eana"],
     "UPDATE attempts SET level=? WHERE session='b1'": ["high", b"1"],
     "UPDATE topics SET name=?||name WHERE id>1": ["\x1b", "="],
-    "INSERT INTO programmes VALUES ('P01','keyboard',3,'','',?,'{}','calm','')": ["r" * 501, "\x9b2J"],
+    "INSERT INTO programmes VALUES ('P01','keyboard',3,'','',?,'{}','calm','')": [
+        "r" * 501,
+        "\x9b2J",
+    ],
     "INSERT INTO same_people VALUES ('P01@BERN',?)": ["P01@", "=P01@GENF", "p01@genf"],
     "UPDATE site SET code=?": ["../BERN", "bern", "B" * 17],
 }
@@ -273,7 +345,9 @@ def test_codes_names_and_texts_pass_the_rules_of_typed_ones(
                 for table in ("seats", "runs", "attempts", "trials", "notes"):
                     database.execute(f"UPDATE {table} SET session=? WHERE session='b1'", (value,))
                 database.execute("UPDATE session_numbers SET id=? WHERE id='b1'", (value,))
-        with pytest.raises(StoreError, match=r"cannot be merged|There are seats without") as refused:
+        with pytest.raises(
+            StoreError, match=r"cannot be merged|There are seats without"
+        ) as refused:
             merge(zurich, altered)
         assert str(refused.value).isprintable(), value
     assert holds(zurich) == before
@@ -296,7 +370,8 @@ _SCHEMAS = {
     "it lacks the table conflicts": ("DROP TABLE conflicts",),
     "in the table notes, label is computed": (
         "DROP TABLE notes",
-        "CREATE TABLE notes (session TEXT, at_ns INTEGER, author TEXT, text TEXT, label TEXT AS (zeroblob(9)))",
+        "CREATE TABLE notes (session TEXT, at_ns INTEGER, author TEXT, text TEXT, label TEXT AS "
+        "(zeroblob(9)))",
     ),
     "in the table notes, label is missing": (
         "DROP TABLE notes",
@@ -315,18 +390,24 @@ def test_what_stands_in_place_of_a_table_is_refused(zurich: Path, bern: Path, sa
     assert holds(zurich) == before
 
 
-def test_triggers_views_indexes_and_conditions_of_another_database_are_never_run(zurich: Path, bern: Path) -> None:
+def test_triggers_views_indexes_and_conditions_of_another_database_are_never_run(
+    zurich: Path, bern: Path
+) -> None:
     alter_schema(
         bern,
-        f"CREATE TRIGGER named AFTER UPDATE ON seats BEGIN INSERT INTO same_people SELECT x, x FROM ({_ENDLESS}); END",
-        "CREATE TRIGGER left_out AFTER DELETE ON programmes BEGIN UPDATE sessions SET site='ZURICH'; END",
+        "CREATE TRIGGER named AFTER UPDATE ON seats BEGIN INSERT INTO same_people SELECT x, x "
+        f"FROM ({_ENDLESS}); END",
+        "CREATE TRIGGER left_out AFTER DELETE ON programmes BEGIN UPDATE sessions SET "
+        "site='ZURICH'; END",
         "CREATE INDEX costly ON notes (hex(zeroblob(1000000)))",
         f"CREATE VIEW v_mine AS {_ENDLESS}",
         "DROP VIEW settings",
         f"CREATE VIEW settings AS {_ENDLESS}",
         "DROP TABLE exports",
-        "CREATE TABLE exports (number INTEGER PRIMARY KEY, exported_at TEXT, exported_by TEXT, recipient TEXT, format"
-        " TEXT, sessions TEXT, options TEXT, manifest TEXT CHECK (length(hex(zeroblob(100000000))) > 0), site TEXT)",
+        "CREATE TABLE exports (number INTEGER PRIMARY KEY, exported_at TEXT, exported_by TEXT, "
+        "recipient TEXT, format"
+        " TEXT, sessions TEXT, options TEXT, manifest TEXT CHECK "
+        "(length(hex(zeroblob(100000000))) > 0), site TEXT)",
     )
     merged = merge(zurich, bern)
     assert (merged.added, merged.refused) == (["b1"], [])

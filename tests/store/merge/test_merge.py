@@ -54,14 +54,18 @@ def test_both_databases_hold_the_same_after_each_got_the_other(zurich: Path, ber
     assert holds(bern) == holds(zurich)
 
 
-def test_a_session_started_by_mistake_counts_no_more_and_a_restored_one_again(zurich: Path, bern: Path) -> None:
+def test_a_session_started_by_mistake_counts_no_more_and_a_restored_one_again(
+    zurich: Path, bern: Path
+) -> None:
     def here() -> str | None:
         with closing(connect(zurich)) as database:
             return sessions.stored_status(database, "b1")
 
     def do(change: RecordChange) -> None:
         with closing(connect(bern)) as database:
-            assert change_status(database, bern, "b1", change, actor="participant", reason=BY_MISTAKE)
+            assert change_status(
+                database, bern, "b1", change, actor="participant", reason=BY_MISTAKE
+            )
         assert merge(zurich, bern).conflicts == []
 
     merge(zurich, bern)
@@ -71,7 +75,9 @@ def test_a_session_started_by_mistake_counts_no_more_and_a_restored_one_again(zu
     assert here() == "interrupted", "as its log knows no end"
 
 
-def test_a_session_that_went_on_at_its_site_is_brought_up_to_date(zurich: Path, bern: Path, tmp_path: Path) -> None:
+def test_a_session_that_went_on_at_its_site_is_brought_up_to_date(
+    zurich: Path, bern: Path, tmp_path: Path
+) -> None:
     play(bern, "b2", status="interrupted")
     earlier = copy(bern, tmp_path / "earlier")
     merge(zurich, bern)
@@ -82,7 +88,9 @@ def test_a_session_that_went_on_at_its_site_is_brought_up_to_date(zurich: Path, 
     assert merge(zurich, earlier).backup is None
 
 
-def test_a_session_that_went_on_in_two_ways_is_kept_in_both(zurich: Path, bern: Path, tmp_path: Path) -> None:
+def test_a_session_that_went_on_in_two_ways_is_kept_in_both(
+    zurich: Path, bern: Path, tmp_path: Path
+) -> None:
     play(bern, "b2", status="interrupted")
     other = copy(bern, tmp_path / "other")
     go_on(bern, "b2", response="j")
@@ -100,14 +108,18 @@ def test_a_session_that_went_on_in_two_ways_is_kept_in_both(zurich: Path, bern: 
     assert len(merge(zurich, other, bern).conflicts) == 1
 
 
-def test_two_versions_of_a_programme_are_both_kept(zurich: Path, bern: Path, tmp_path: Path) -> None:
+def test_two_versions_of_a_programme_are_both_kept(
+    zurich: Path, bern: Path, tmp_path: Path
+) -> None:
     other = copy(bern, tmp_path / "other")
     save_programme(bern, "P01", 2, '{"attempts":1}')
     save_programme(other, "P01", 2, '{"attempts":2}')
     third = copy(zurich, tmp_path / "third")
     assert merge(zurich, bern, other).new_conflicts == 1
     merge(third, other, bern)
-    assert [(each.kind, each.key) for each in merge(third, None).conflicts] == [("programme", "P01@BERN keyboard 2")]
+    assert [(each.kind, each.key) for each in merge(third, None).conflicts] == [
+        ("programme", "P01@BERN keyboard 2")
+    ]
     assert holds(third) == holds(zurich)
     merge(bern, other, one_site=True)
     merge(bern, zurich)
@@ -115,7 +127,9 @@ def test_two_versions_of_a_programme_are_both_kept(zurich: Path, bern: Path, tmp
 
 
 @pytest.mark.parametrize("first", [True, False])
-def test_one_person_with_two_codes_is_one_in_every_merge(zurich: Path, bern: Path, first: bool) -> None:
+def test_one_person_with_two_codes_is_one_in_every_merge(
+    zurich: Path, bern: Path, first: bool
+) -> None:
     play(bern, "b3", "P02")
     if first:
         merge(zurich, None, same=("P01@BERN=P01",))
@@ -124,7 +138,11 @@ def test_one_person_with_two_codes_is_one_in_every_merge(zurich: Path, bern: Pat
         merge(zurich, bern)
         merge(zurich, None, same=("p01@bern = p01",))
     found = holds(zurich)
-    assert {row[2] for row in found["seats"]} == {"P01@BERN", "P02@BERN"}  # the first of a person's names
+    # the first of a person's names
+    assert {row[2] for row in found["seats"]} == {
+        "P01@BERN",
+        "P02@BERN",
+    }
     play(bern, "b4")
     merge(zurich, bern)
     merge(bern, zurich, same=("P01=P01@ZURICH",) if first else ())
@@ -135,7 +153,9 @@ def test_one_person_with_two_codes_is_one_in_every_merge(zurich: Path, bern: Pat
     assert len(holds(bern)["programmes"]) == 2
 
 
-def test_a_change_behind_the_programs_back_is_not_lost(zurich: Path, bern: Path, tmp_path: Path) -> None:
+def test_a_change_behind_the_programs_back_is_not_lost(
+    zurich: Path, bern: Path, tmp_path: Path
+) -> None:
     other = copy(bern, tmp_path / "other")
     change(other, "UPDATE trials SET response='q' WHERE trial=1")
     third = copy(zurich, tmp_path / "third")
@@ -146,8 +166,12 @@ def test_a_change_behind_the_programs_back_is_not_lost(zurich: Path, bern: Path,
 
 
 @pytest.mark.parametrize("is_open", [True, False])
-def test_the_newest_trials_are_read_from_the_log(zurich: Path, bern: Path, tmp_path: Path, is_open: bool) -> None:
-    """A program that has the other database open, or was killed, leaves its newest rows in a log beside it."""
+def test_the_newest_trials_are_read_from_the_log(
+    zurich: Path, bern: Path, tmp_path: Path, is_open: bool
+) -> None:
+    """A program that has the other database open, or was killed, leaves its newest rows in a log
+    beside it.
+    """
     with closing(connect(bern)) as holding:
         holding.execute("PRAGMA wal_autocheckpoint=0")
         play(bern, "b2")
@@ -157,7 +181,13 @@ def test_the_newest_trials_are_read_from_the_log(zurich: Path, bern: Path, tmp_p
             other.mkdir()
             for name in (FILE, f"{FILE}-wal"):
                 shutil.copyfile(bern / name, other / name)
-        before = {path.name: path.read_bytes() for path in other.iterdir() if path.is_file() and "shm" not in path.name}
+        before = {
+            path.name: path.read_bytes()
+            for path in other.iterdir()
+            if path.is_file() and "shm" not in path.name
+        }
         assert merge(zurich, other).added == ["b1", "b2"]
-        assert {path.name: path.read_bytes() for path in other.iterdir() if path.name in before} == before
+        assert {
+            path.name: path.read_bytes() for path in other.iterdir() if path.name in before
+        } == before
         assert is_open or {path.name for path in other.iterdir()} == before.keys()

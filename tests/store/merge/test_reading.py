@@ -1,4 +1,6 @@
-"""Readers of a merged database find the order of sessions, whose they are, and what goes on here."""
+"""Readers of a merged database find the order of sessions, whose they are, and what goes on
+here.
+"""
 
 from contextlib import closing
 from datetime import date
@@ -16,23 +18,35 @@ from tests.store.merge.sites import change, copy, holds, merge, play, site
 
 @pytest.fixture
 def zurich(tmp_path: Path) -> Path:
-    """A database with three sessions of P01, the clock having been set back before the last, and four of Bern."""
+    """A database with three sessions of P01, the clock having been set back before the last, and
+    four of Bern.
+    """
     folder = site(tmp_path / "zurich", "ZURICH")
     for number, day in enumerate((1, 10, 5)):
         play(folder, f"a{number}", began=f"2026-03-{day:02}T10:00:00+00:00")
     bern = site(tmp_path / "bern", "BERN")
     for number, day in enumerate((20, 2, 11, 9)):
         status = "interrupted" if day == 20 else "completed"
-        play(bern, f"b{number}", f"P0{1 + number % 2}", began=f"2026-03-{day:02}T10:00:00+00:00", status=status)
+        play(
+            bern,
+            f"b{number}",
+            f"P0{1 + number % 2}",
+            began=f"2026-03-{day:02}T10:00:00+00:00",
+            status=status,
+        )
     merge(folder, bern)
     return folder
 
 
-def test_sessions_are_in_the_order_of_time_and_those_of_this_site_as_they_were_stored(zurich: Path) -> None:
+def test_sessions_are_in_the_order_of_time_and_those_of_this_site_as_they_were_stored(
+    zurich: Path,
+) -> None:
     with closing(connect(zurich)) as database:
         listed = [row["id"] for row in sessions.listing(database, zurich)]
         assert listed == ["b0", "b2", "a2", "a1", "b3", "b1", "a0"]
-        assert [row["id"] for row in sessions.listing(database, zurich, participant="P01@BERN")] == ["b0", "b2"]
+        assert [
+            row["id"] for row in sessions.listing(database, zurich, participant="P01@BERN")
+        ] == ["b0", "b2"]
     play(zurich, "a3", began="2026-03-12T10:00:00+00:00")
     with closing(connect(zurich)) as database:
         assert sessions.find(database, zurich, "last")["id"] == "a3"
@@ -47,10 +61,14 @@ def test_a_person_with_two_codes_has_all_sessions_in_order(zurich: Path) -> None
         assert list(results.sessions_of(database, "P01@BERN")) == []
 
 
-def test_the_first_screen_lists_the_participants_of_this_site(zurich: Path, catalogue: Catalogue) -> None:
+def test_the_first_screen_lists_the_participants_of_this_site(
+    zurich: Path, catalogue: Catalogue
+) -> None:
     with closing(connect(zurich)) as database:
         change(zurich, "UPDATE sessions SET software='{}'")
-        assert [each.code for each in read_participants(database, zurich, date(2026, 3, 30))] == ["P01"]
+        assert [each.code for each in read_participants(database, zurich, date(2026, 3, 30))] == [
+            "P01"
+        ]
         assert participants.last_used(database) == "P01"
         listed = read_sessions(database, zurich, catalogue, None)
         assert [line.who for line in listed.lines][:2] == ["P01@BERN", "P01@BERN"]

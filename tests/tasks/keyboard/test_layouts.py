@@ -58,7 +58,9 @@ def test_there_are_many_levels_and_three_of_arrows(choice_set: str, layout: str)
 
 
 @pytest.mark.parametrize(("choice_set", "layout"), ALL)
-def test_from_four_keys_on_a_level_adds_at_most_a_third_of_a_bit(choice_set: str, layout: str) -> None:
+def test_from_four_keys_on_a_level_adds_at_most_a_third_of_a_bit(
+    choice_set: str, layout: str
+) -> None:
     sizes = [len(keys) for keys in levels(choice_set, layout) if len(keys) >= 4]
     assert all(math.log2(harder / easier) < 1 / 3 for easier, harder in pairwise(sizes))
 
@@ -68,7 +70,16 @@ def test_from_four_keys_on_a_level_adds_at_most_a_third_of_a_bit(choice_set: str
 def test_sessions_of_earlier_rules_keep_their_ten_levels(layout: str, rules: int) -> None:
     both, left = levels("both hands", layout, rules), levels("left hand", layout, rules)
     assert (len(both), len(left)) == (10, 10)
-    assert [len(keys) for keys in both[:8]] == [2, 4, 6, 8, 20 if layout == "azerty" else 19, 26, 31, 46]
+    assert [len(keys) for keys in both[:8]] == [
+        2,
+        4,
+        6,
+        8,
+        20 if layout == "azerty" else 19,
+        26,
+        31,
+        46,
+    ]
     home = UNSHIFTED[layout][20:]
     assert "".join(both[3]) == "".join(home[place] for place in (0, 1, 2, 3, 5, 6, 7, 8))
     assert "".join(left[0]) == home[3] + home[2]
@@ -93,7 +104,9 @@ def test_levels_for_both_hands_begin_at_the_index_fingers(layout: str) -> None:
     assert levels("both hands", layout)[0] == ("f", "j")
 
 
-@pytest.mark.parametrize(("layout", "home"), [("qwerty", "asdf"), ("azerty", "qsdf"), ("qwertz", "asdf")])
+@pytest.mark.parametrize(
+    ("layout", "home"), [("qwerty", "asdf"), ("azerty", "qsdf"), ("qwertz", "asdf")]
+)
 def test_levels_for_the_left_hand_begin_at_its_home_row(layout: str, home: str) -> None:
     assert sorted(levels("left hand", layout)[2]) == sorted(home)
 

@@ -24,7 +24,9 @@ def make(**parameters: object) -> Task:
 
 
 def situation(trial: int, attempt: int = 1, level: int = 1, seed: int = 1) -> Situation:
-    return Situation(attempt, trial, level, RandomStreams(seed, attempt, trial), RandomStreams(seed))
+    return Situation(
+        attempt, trial, level, RandomStreams(seed, attempt, trial), RandomStreams(seed)
+    )
 
 
 def prompts(task: Task, count: int = 20, **where: Any) -> list[str]:
@@ -32,7 +34,12 @@ def prompts(task: Task, count: int = 20, **where: Any) -> list[str]:
 
 
 def judged(
-    task: Task, key: str, stimulus: Stimulus, level: int = 1, after: int = 400, gap: int | None = None
+    task: Task,
+    key: str,
+    stimulus: Stimulus,
+    level: int = 1,
+    after: int = 400,
+    gap: int | None = None,
 ) -> Result:
     trial = Trial(situation(1, level=level), stimulus, onset=1000 * MS)
     at = (1000 + after) * MS
@@ -50,7 +57,9 @@ def test_a_prompt_names_the_key_in_plain_text() -> None:
 
 def test_an_arrow_is_drawn_and_named() -> None:
     task = make(choice_set="arrow keys")
-    found = {(s.text, s.glyph, s.hint) for s in (task.stimulus(situation(t, level=3)) for t in range(60))}
+    found = {
+        (s.text, s.glyph, s.hint) for s in (task.stimulus(situation(t, level=3)) for t in range(60))
+    }
     assert found == {
         ("Press: left", "←", "arrow key"),
         ("Press: right", "→", "arrow key"),
@@ -60,15 +69,21 @@ def test_an_arrow_is_drawn_and_named() -> None:
 
 
 @given(st.permutations(range(1, 21)), st.integers(1, 10), st.sampled_from(["random", "repeating"]))
-def test_prompts_do_not_depend_on_the_order_of_requests(order: list[int], level: int, sequence: str) -> None:
+def test_prompts_do_not_depend_on_the_order_of_requests(
+    order: list[int], level: int, sequence: str
+) -> None:
     task = make(sequence=sequence)
     asked = {trial: task.stimulus(situation(trial, level=level)) for trial in order}
-    assert [asked[trial].name for trial in range(1, 21)] == prompts(make(sequence=sequence), level=level)
+    assert [asked[trial].name for trial in range(1, 21)] == prompts(
+        make(sequence=sequence), level=level
+    )
 
 
 def test_random_prompts_differ_between_attempts_and_seeds() -> None:
     task = make()
-    sequences = {tuple(prompts(task, attempt=a, level=6, seed=s)) for a, s in product(range(1, 5), range(4))}
+    sequences = {
+        tuple(prompts(task, attempt=a, level=6, seed=s)) for a, s in product(range(1, 5), range(4))
+    }
     assert len(sequences) == 16
 
 
@@ -106,12 +121,20 @@ def test_custom_levels_are_used_as_given() -> None:
 @pytest.mark.parametrize(
     ("parameters", "name", "part"),
     [
-        ({"levels": ["aa"]}, "levels", "'aa' names no key, a key twice, or one that cannot be typed"),
+        (
+            {"levels": ["aa"]},
+            "levels",
+            "'aa' names no key, a key twice, or one that cannot be typed",
+        ),
         ({"levels": ["a\t"]}, "levels", "cannot be typed"),
         ({"levels": ["ab", ""]}, "levels", "'' names no key"),
         ({"levels": ["ab"], "start_level": 2}, "start_level", "only 1 levels"),
         ({"choice_set": "arrow keys", "start_level": 4}, "start_level", "only 3 levels"),
-        ({"choice_set": "arrow keys", "start_level": 5, "min_level": 5}, "start_level", "no level 5"),
+        (
+            {"choice_set": "arrow keys", "start_level": 5, "min_level": 5},
+            "start_level",
+            "no level 5",
+        ),
         ({"threshold": 99}, "threshold", "100 to 60000"),
         ({"prompts_per_attempt": 0}, "prompts_per_attempt", "1 to 200"),
         ({"layout": "dvorak"}, "layout", "qwerty, azerty, qwertz, not dvorak"),
@@ -154,7 +177,9 @@ def test_case_matters_if_shift_is_required(level: int, trial: int, layout: str) 
 )  # fmt: skip
 def test_the_hint_says_if_shift_is_needed(layout: str, key: str, hint: str) -> None:
     task = make(layout=layout)
-    found = {s.name: s.hint for s in (task.stimulus(situation(trial, level=20)) for trial in range(3000))}
+    found = {
+        s.name: s.hint for s in (task.stimulus(situation(trial, level=20)) for trial in range(3000))
+    }
     assert found[key] == hint
 
 
@@ -163,18 +188,26 @@ def test_the_hint_says_if_shift_is_needed(layout: str, key: str, hint: str) -> N
     [
         ({}, "1 second", ", with at least 16 of 20 right"),
         ({"threshold": 850}, "0.85 seconds", ", with at least 16 of 20 right"),
-        ({"min_accuracy": 0.7, "prompts_per_attempt": 10}, "1 second", ", with at least 7 of 10 right"),
+        (
+            {"min_accuracy": 0.7, "prompts_per_attempt": 10},
+            "1 second",
+            ", with at least 7 of 10 right",
+        ),
         ({"min_accuracy": 0.81}, "1 second", ", with at least 17 of 20 right"),
         ({"min_accuracy": 0, "threshold": 2000}, "2 seconds", ""),
     ],
 )
-def test_the_goal_is_described_in_words(parameters: dict[str, object], seconds: str, right: str) -> None:
+def test_the_goal_is_described_in_words(
+    parameters: dict[str, object], seconds: str, right: str
+) -> None:
     expected = f"Your goal: press the right key in less than {seconds} on average{right}."
     assert make(**parameters).goal(1) == expected
 
 
 @given(st.integers(1, 200), st.integers(0, 100))
-def test_the_goal_asks_for_exactly_the_accuracy_that_success_needs(count: int, percent: int) -> None:
+def test_the_goal_asks_for_exactly_the_accuracy_that_success_needs(
+    count: int, percent: int
+) -> None:
     accuracy = percent / 100
     goal = make(prompts_per_attempt=count, min_accuracy=accuracy).goal(1)
     needed = next(right for right in range(count + 1) if right / count >= accuracy)
@@ -212,7 +245,11 @@ def test_the_score_is_the_mean_reaction_time_and_the_accuracy(
     results: list[Result],
 ) -> None:
     score = make().score(results)
-    good = [r.value for r in results if r.correct and r.value is not None and "anticipation" not in r.flags]
+    good = [
+        r.value
+        for r in results
+        if r.correct and r.value is not None and "anticipation" not in r.flags
+    ]
     right = sum(1 for r in results if r.correct)
     assert score.metric == (pytest.approx(sum(good) / len(good)) if good else None)
     assert (score.correct, score.trials) == (right, len(results))
@@ -229,21 +266,32 @@ def test_a_slip_is_never_the_right_key(expected: str, seed: int) -> None:
 
 
 def test_the_default_parameters_are_those_of_the_thesis() -> None:
-    defaults = {field.name: field.default for field in fields(Catalogue().task("keyboard").Parameters)}
-    assert {name: defaults[name] for name in ("prompts_per_attempt", "attempts", "threshold", "neutral_band")} == {
+    defaults = {
+        field.name: field.default for field in fields(Catalogue().task("keyboard").Parameters)
+    }
+    assert {
+        name: defaults[name]
+        for name in ("prompts_per_attempt", "attempts", "threshold", "neutral_band")
+    } == {
         "prompts_per_attempt": 20,
         "attempts": 20,
         "threshold": 1000.0,
         "neutral_band": 10.0,
     }
-    assert (defaults["consecutive_successes"], defaults["consecutive_failures"], defaults["min_accuracy"]) == (
+    assert (
+        defaults["consecutive_successes"],
+        defaults["consecutive_failures"],
+        defaults["min_accuracy"],
+    ) == (
         1,
         1,
         0.8,
     )
 
 
-@pytest.mark.parametrize("field", fields(Catalogue().task("keyboard").Parameters), ids=lambda field: field.name)
+@pytest.mark.parametrize(
+    "field", fields(Catalogue().task("keyboard").Parameters), ids=lambda field: field.name
+)
 def test_every_parameter_has_a_description(field: Any) -> None:
     assert field.title
     assert field.help.endswith(".")

@@ -70,5 +70,7 @@ class PairsReachingDriver(PairsDriver):
 
     def sensor(self, seat: str, state: m.SensorState, detail: str = "") -> None:
         """Publish a change of a seat's sensor."""
-        changed = m.SensorChanged(seat=seat, state=state, at=self.clock.now(), detail=detail, rate_hz=100.0)
+        changed = m.SensorChanged(
+            seat=seat, state=state, at=self.clock.now(), detail=detail, rate_hz=100.0
+        )
         self.session.bus.publish(SENSOR, changed)

@@ -32,9 +32,13 @@ def new_session(pairs: type[Task], calm: Theme) -> NewSession:
     return open_session
 
 
-def test_together_an_anticipation_is_no_response_however_close_to_the_other(new_session: NewSession) -> None:
+def test_together_an_anticipation_is_no_response_however_close_to_the_other(
+    new_session: NewSession,
+) -> None:
     rows = new_session("cooperative", window_ms=300).both(a_ms=80, b_ms=200)
-    assert [(rows[seat].correct, rows[seat].details["together"]) for seat in "AB"] == [(False, False)] * 2
+    assert [(rows[seat].correct, rows[seat].details["together"]) for seat in "AB"] == [
+        (False, False)
+    ] * 2
     assert ["anticipation" in rows[seat].timing.flags for seat in "AB"] == [True, False]
 
 
@@ -43,17 +47,25 @@ def test_together_both_miss_if_nobody_responds(new_session: NewSession) -> None:
     driver.to_prompt()
     driver.wait(600)
     rows = driver.by_seat(driver.all(TRIAL))
-    assert [(rows[seat].response, rows[seat].correct, rows[seat].value) for seat in "AB"] == [(None, False, None)] * 2
+    assert [(rows[seat].response, rows[seat].correct, rows[seat].value) for seat in "AB"] == [
+        (None, False, None)
+    ] * 2
 
 
 def test_a_correct_key_counts_with_caps_lock_on(new_session: NewSession) -> None:
     driver = new_session("race")
     left, right = driver.keys
     rows = driver.by_seat(driver.press_after((300, left.upper()), (400, right)))
-    assert (rows["A"].correct, rows["A"].details["won"], rows["A"].response) == (True, True, left.upper())
+    assert (rows["A"].correct, rows["A"].details["won"], rows["A"].response) == (
+        True,
+        True,
+        left.upper(),
+    )
 
 
-def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(new_session: NewSession) -> None:
+def test_the_time_since_the_last_key_is_stored_per_seat_in_milliseconds(
+    new_session: NewSession,
+) -> None:
     driver = new_session("race")
     first = driver.both(300, 350)
     second = driver.both(310, 400)
@@ -73,7 +85,9 @@ def test_each_row_of_a_race_has_the_delay_of_its_seats_key(new_session: NewSessi
     assert [rows[seat].timing.handler_delay_ms for seat in "AB"] == pytest.approx([100, 50])
 
 
-def test_a_slow_response_without_result_is_excluded_from_the_cueing_effect(pairs: type[Task]) -> None:
+def test_a_slow_response_without_result_is_excluded_from_the_cueing_effect(
+    pairs: type[Task],
+) -> None:
     task = pairs(build(pairs.Parameters, {"policy": "joint attention"}))
     results = [
         Result(correct=True, value=300.0, details={"congruent": True}),
@@ -89,7 +103,8 @@ def test_the_order_of_sides_differs_between_attempts(pairs: type[Task]) -> None:
 
     def sides(attempt: int) -> list[str]:
         at = [
-            Situation(attempt, trial, 1, RandomStreams(3, attempt, trial), RandomStreams(3)) for trial in range(1, 21)
+            Situation(attempt, trial, 1, RandomStreams(3, attempt, trial), RandomStreams(3))
+            for trial in range(1, 21)
         ]
         return [task.stimulus(situation).seat for situation in at]
 
@@ -98,7 +113,9 @@ def test_the_order_of_sides_differs_between_attempts(pairs: type[Task]) -> None:
 
 
 def test_a_key_before_the_cue_delays_the_cue_which_is_given_once(new_session: NewSession) -> None:
-    driver = new_session("joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600)
+    driver = new_session(
+        "joint attention", cue_lead_ms=400, foreperiod_min_ms=1500, foreperiod_max_ms=1600
+    )
     driver.press_after((300, "".join(driver.keys)))
     known = len(driver.all(CUE))
     driver.until(lambda: driver.waiting.what == "foreperiod")

@@ -22,7 +22,9 @@ def make(**parameters: object) -> Task:
     [("qwerty", "12345qwertasdfgzxcvb", "67890yuiophjkl;nm,./"), ("azerty", "azertqsdfgwxcvb", "yuiophjklmn,;:!"),
      ("qwertz", "12345qwertasdfgyxcvb", "67890zuiophjklönm,.-")],
 )  # fmt: skip
-def test_the_left_half_of_the_keyboard_belongs_to_a_and_the_right_half_to_b(layout: str, left: str, right: str) -> None:
+def test_the_left_half_of_the_keyboard_belongs_to_a_and_the_right_half_to_b(
+    layout: str, left: str, right: str
+) -> None:
     task = make(layout=layout)
     assert {task.seat_of(key) for key in left + left.upper()} == {"A"}
     assert {task.seat_of(key) for key in right + right.upper()} == {"B"}
@@ -35,7 +37,11 @@ def test_keys_in_neither_half_belong_to_nobody(key: str) -> None:
 
 @pytest.mark.parametrize("layout", LAYOUTS.ROWS)
 def test_both_halves_have_equally_many_letters_at_mirrored_places(layout: str) -> None:
-    places = {key: (row, column) for row, keys in enumerate(LAYOUTS.ROWS[layout]) for column, key in enumerate(keys)}
+    places = {
+        key: (row, column)
+        for row, keys in enumerate(LAYOUTS.ROWS[layout])
+        for column, key in enumerate(keys)
+    }
     owners = LAYOUTS.owners(layout)
     levels = LAYOUTS.levels(layout)
     assert [len(pairs) for pairs in levels] == [2, 3, 4, 6, 8, 11]

@@ -6,7 +6,17 @@ from typing import Any
 import pytest
 
 from sar_tui.loop.task import Task
-from sar_tui.loop.topics import ATTEMPT_ENDED, CUE, FEEDBACK, LEVEL, PERCEIVED, PROMPT, PROPOSED, TRIAL, WAITING
+from sar_tui.loop.topics import (
+    ATTEMPT_ENDED,
+    CUE,
+    FEEDBACK,
+    LEVEL,
+    PERCEIVED,
+    PROMPT,
+    PROPOSED,
+    TRIAL,
+    WAITING,
+)
 from sar_tui.model.theme import Theme
 from sar_tui.plugins import Catalogue
 from tests.tasks.pairs.pairs_driver import SHORT, PairsDriver
@@ -34,10 +44,15 @@ def ended(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
 
 def feedback_of(driver: PairsDriver, attempt: int = 1) -> dict[str, Any]:
     """Return the proposed feedback on an attempt, by seat."""
-    return {one.seat: one for one in driver.all(PROPOSED) if one.kind == "feedback" and one.attempt == attempt}
+    return {
+        one.seat: one
+        for one in driver.all(PROPOSED)
+        if one.kind == "feedback" and one.attempt == attempt
+    }
 
 
-# --- alternate ---------------------------------------------------------------------------------------------------
+# --- alternate
+# ---------------------------------------------------------------------------------------------------
 
 
 def test_in_turn_seats_alternate_and_so_does_the_first_seat(new_session: NewSession) -> None:
@@ -52,7 +67,9 @@ def test_in_turn_seats_alternate_and_so_does_the_first_seat(new_session: NewSess
     assert [(row.attempt, row.seat) for row in driver.all(TRIAL)] == [
         (1, "A"), (1, "B"), (1, "A"), (2, "B"), (2, "A"), (2, "B"),
     ]  # fmt: skip
-    assert all(row.correct and row.reaction_time_ms == pytest.approx(300) for row in driver.all(TRIAL))
+    assert all(
+        row.correct and row.reaction_time_ms == pytest.approx(300) for row in driver.all(TRIAL)
+    )
     assert [prompt.seat for prompt in driver.all(PROMPT)] == [row.seat for row in driver.all(TRIAL)]
 
 
@@ -94,10 +111,16 @@ def test_in_turn_wrong_keys_and_misses_are_stored(new_session: NewSession) -> No
     assert (row.seat, row.correct, row.details["right"]) == ("A", False, False)
     driver.to_prompt()
     driver.wait(1100)
-    assert (driver.last(TRIAL).seat, driver.last(TRIAL).response, driver.last(TRIAL).correct) == ("B", None, False)
+    assert (driver.last(TRIAL).seat, driver.last(TRIAL).response, driver.last(TRIAL).correct) == (
+        "B",
+        None,
+        False,
+    )
 
 
-def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(new_session: NewSession) -> None:
+def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(
+    new_session: NewSession,
+) -> None:
     driver = new_session("alternate", prompts_per_attempt=4)
     driver.start()
     for _ in range(4):
@@ -105,11 +128,22 @@ def test_in_turn_each_seat_has_its_score_and_feedback_and_the_level_is_shared(ne
         driver.press_after((400, left) if left else (1300, right))
     driver.wait(1000)
     results = ended(driver)
-    assert (results["A"].outcome, results["A"].feedback, round(results["A"].metric)) == ("success", "positive", 400)
-    assert (results["B"].outcome, results["B"].feedback, round(results["B"].metric)) == ("failure", "negative", 1300)
+    assert (results["A"].outcome, results["A"].feedback, round(results["A"].metric)) == (
+        "success",
+        "positive",
+        400,
+    )
+    assert (results["B"].outcome, results["B"].feedback, round(results["B"].metric)) == (
+        "failure",
+        "negative",
+        1300,
+    )
     assert (results["A"].trials, results["B"].trials) == (2, 2)
     assert driver.all(LEVEL) == []
-    assert [(one.seat, one.valence) for one in driver.all(FEEDBACK)] == [("A", "positive"), ("B", "negative")]
+    assert [(one.seat, one.valence) for one in driver.all(FEEDBACK)] == [
+        ("A", "positive"),
+        ("B", "negative"),
+    ]
 
 
 def test_the_level_rises_if_both_reach_the_goal(new_session: NewSession) -> None:
@@ -123,10 +157,13 @@ def test_the_level_rises_if_both_reach_the_goal(new_session: NewSession) -> None
     assert driver.waiting.level == 2
 
 
-# --- race ----------------------------------------------------------------------------------------------------------
+# --- race
+# ----------------------------------------------------------------------------------------------------------
 
 
-def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(new_session: NewSession) -> None:
+def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(
+    new_session: NewSession,
+) -> None:
     driver = new_session("race")
     driver.start()
     rows = driver.both(a_ms=500, b_ms=400)
@@ -134,7 +171,10 @@ def test_in_a_race_the_fastest_correct_response_wins_and_both_are_stored(new_ses
         "A": (True, False),
         "B": (True, True),
     }
-    assert {seat: round(row.reaction_time_ms or 0) for seat, row in rows.items()} == {"A": 500, "B": 400}
+    assert {seat: round(row.reaction_time_ms or 0) for seat, row in rows.items()} == {
+        "A": 500,
+        "B": 400,
+    }
 
 
 def test_in_a_race_a_slow_correct_key_wins_over_a_fast_wrong_one(new_session: NewSession) -> None:
@@ -150,7 +190,9 @@ def test_in_a_race_a_second_key_corrects_nothing(new_session: NewSession) -> Non
     driver = new_session("race")
     driver.start()
     left, right = driver.keys
-    rows = driver.by_seat(driver.press_after((300, "x" if left != "x" else "z"), (350, left), (900, right)))
+    rows = driver.by_seat(
+        driver.press_after((300, "x" if left != "x" else "z"), (350, left), (900, right))
+    )
     assert (rows["A"].response, rows["A"].correct) != (left, True)
     assert rows["B"].details["won"] is True
 
@@ -171,7 +213,11 @@ def test_in_a_race_the_other_seat_wins_after_a_miss(new_session: NewSession) -> 
     assert driver.press_after((300, left)) == []
     driver.wait(1000)
     rows = driver.by_seat(driver.all(TRIAL))
-    assert (rows["A"].correct, rows["A"].details["won"], round(rows["A"].reaction_time_ms or 0)) == (True, True, 300)
+    assert (
+        rows["A"].correct,
+        rows["A"].details["won"],
+        round(rows["A"].reaction_time_ms or 0),
+    ) == (True, True, 300)
     assert (rows["B"].response, rows["B"].correct, rows["B"].details["won"]) == (None, False, False)
 
 
@@ -242,10 +288,13 @@ def test_a_skipped_prompt_of_a_race_has_no_winner(new_session: NewSession) -> No
     assert [ended(driver)[seat].qualities["won"] for seat in "AB"] == [1, 0]
 
 
-# --- cooperative ---------------------------------------------------------------------------------------------------
+# --- cooperative
+# ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("b_ms", "together"), [(650, True), (700, True), (701, False), (100, True), (90, False)])
+@pytest.mark.parametrize(
+    ("b_ms", "together"), [(650, True), (700, True), (701, False), (100, True), (90, False)]
+)
 def test_together_is_correct_only_if_both_are_correct_within_the_window(
     new_session: NewSession, b_ms: int, together: bool
 ) -> None:
@@ -255,7 +304,9 @@ def test_together_is_correct_only_if_both_are_correct_within_the_window(
     assert {row.correct for row in rows.values()} == {together}
     assert {row.details["together"] for row in rows.values()} == {together}
     assert {row.details["right"] for row in rows.values()} == {True}
-    assert [row.details["between_ms"] for row in rows.values()] == pytest.approx([abs(b_ms - 400)] * 2)
+    assert [row.details["between_ms"] for row in rows.values()] == pytest.approx(
+        [abs(b_ms - 400)] * 2
+    )
     values = [row.value for row in rows.values()]
     assert values == (pytest.approx([max(400, b_ms)] * 2) if together else [None, None])
 
@@ -276,9 +327,9 @@ def test_together_both_have_one_result_and_one_outcome(new_session: NewSession) 
     driver.both(600, 400)
     driver.wait(1000)
     results = ended(driver)
-    assert {(round(one.metric), one.accuracy, one.outcome, one.feedback) for one in results.values()} == {
-        (550, 1.0, "success", "positive")
-    }
+    assert {
+        (round(one.metric), one.accuracy, one.outcome, one.feedback) for one in results.values()
+    } == {(550, 1.0, "success", "positive")}
     assert {one.valence for one in feedback_of(driver).values()} == {"positive"}
 
 
@@ -289,14 +340,20 @@ def test_together_one_response_alone_is_not_correct(new_session: NewSession) -> 
     driver.press_after((300, left))
     driver.wait(800)
     rows = driver.by_seat(driver.all(TRIAL))
-    assert [(rows[seat].correct, rows[seat].details["between_ms"]) for seat in "AB"] == [(False, None), (False, None)]
+    assert [(rows[seat].correct, rows[seat].details["between_ms"]) for seat in "AB"] == [
+        (False, None),
+        (False, None),
+    ]
     assert rows["A"].details["right"] is True
 
 
-# --- joint attention -------------------------------------------------------------------------------------------------
+# --- joint attention
+# -------------------------------------------------------------------------------------------------
 
 
-def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(new_session: NewSession) -> None:
+def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(
+    new_session: NewSession,
+) -> None:
     driver = new_session("joint attention", cue_lead_ms=300)
     driver.start()
     left, right = driver.keys
@@ -311,9 +368,12 @@ def test_the_agent_looks_to_a_side_before_the_prompt_and_the_lead_is_measured(ne
 
 
 @pytest.mark.parametrize(
-    ("cue_by", "gaze", "gesture"), [("gaze", True, False), ("gesture", False, True), ("both", True, True)]
+    ("cue_by", "gaze", "gesture"),
+    [("gaze", True, False), ("gesture", False, True), ("both", True, True)],
 )
-def test_the_cue_is_gaze_gesture_or_both(new_session: NewSession, cue_by: str, gaze: bool, gesture: bool) -> None:
+def test_the_cue_is_gaze_gesture_or_both(
+    new_session: NewSession, cue_by: str, gaze: bool, gesture: bool
+) -> None:
     driver = new_session("joint attention", cue_by=cue_by)
     driver.start()
     cue = driver.last(CUE)
@@ -328,7 +388,9 @@ def test_only_the_cue_announces_the_side_of_the_prompt(new_session: NewSession) 
     assert driver.last(PROMPT).seat in ("A", "B")
 
 
-def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(new_session: NewSession) -> None:
+def test_in_joint_attention_only_keys_on_the_side_of_the_prompt_count(
+    new_session: NewSession,
+) -> None:
     driver = new_session("joint attention")
     driver.start()
     left, right = driver.keys
@@ -352,7 +414,9 @@ def test_the_share_of_congruent_trials_is_as_set_and_sides_are_balanced(
     assert [row.seat for row in driver.all(TRIAL)].count("A") == 5
 
 
-def test_a_key_after_the_cue_restarts_the_foreperiod_with_a_new_cue(new_session: NewSession) -> None:
+def test_a_key_after_the_cue_restarts_the_foreperiod_with_a_new_cue(
+    new_session: NewSession,
+) -> None:
     driver = new_session("joint attention")
     driver.enter()
     driver.press("enter")
@@ -382,18 +446,24 @@ def test_a_lead_longer_than_the_shortest_foreperiod_is_refused(pairs: type[Task]
     from sar_tui.rules.declaration import ParameterError
     from sar_tui.rules.parameters import build
 
-    with pytest.raises(ParameterError, match=r"Cue lead \(900 ms\) is longer than the shortest wait \(500 ms\)"):
+    with pytest.raises(
+        ParameterError, match=r"Cue lead \(900 ms\) is longer than the shortest wait \(500 ms\)"
+    ):
         build(pairs.Parameters, {"policy": "joint attention", "cue_lead_ms": 900})
 
 
-# --- perception ------------------------------------------------------------------------------------------------------
+# --- perception
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_presses_repeats_and_gaps_are_counted_per_seat(new_session: NewSession) -> None:
     driver = new_session("race")
     for at, key in ((0, "f"), (10, "j"), (30, "f"), (45, "j"), (50, "space"), (200, "f")):
         driver.press(key, at=driver.clock.now() + at * 1_000_000)
-    seen = [(one.seat, one.key, one.repeat, one.gap and one.gap // 1_000_000) for one in driver.all(PERCEIVED)]
+    seen = [
+        (one.seat, one.key, one.repeat, one.gap and one.gap // 1_000_000)
+        for one in driver.all(PERCEIVED)
+    ]
     assert seen == [
         ("A", "f", False, None),
         ("B", "j", False, None),

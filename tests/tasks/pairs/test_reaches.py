@@ -27,7 +27,8 @@ def near(ms: float) -> Any:
     return pytest.approx(ms, abs=NEAR)
 
 
-# --- the four policies -------------------------------------------------------------------------------------------
+# --- the four policies
+# -------------------------------------------------------------------------------------------
 
 
 def test_in_turn_the_onset_of_the_reach_is_the_response() -> None:
@@ -40,13 +41,18 @@ def test_in_turn_the_onset_of_the_reach_is_the_response() -> None:
     assert left.onset is not None
     assert (left.response_at - left.onset) / 1e6 == pytest.approx(left.reaction_time_ms)
     assert left.details["reach_time_ms"] == near(1000)
-    assert (left.details["movement_end_ns"] - left.response_at) / 1e6 == pytest.approx(left.details["reach_time_ms"])
+    assert (left.details["movement_end_ns"] - left.response_at) / 1e6 == pytest.approx(
+        left.details["reach_time_ms"]
+    )
     assert left.response_at < left.details["turn_ns"] < left.details["movement_end_ns"]
     assert set(left.details) <= set(KIND.Details.__struct_fields__)
     (right,) = driver.reach(("B", 700)).values()
     assert (right.seat, right.correct, right.reaction_time_ms) == ("B", True, near(700))
     assert right.timing.flags == ()
-    assert {one.seat: one.metric for one in driver.all(ATTEMPT_ENDED)} == {"A": near(400), "B": near(700)}
+    assert {one.seat: one.metric for one in driver.all(ATTEMPT_ENDED)} == {
+        "A": near(400),
+        "B": near(700),
+    }
 
 
 def test_in_turn_a_reach_of_the_other_seat_is_only_flagged() -> None:
@@ -66,7 +72,11 @@ def test_in_a_race_the_first_onset_wins_even_if_the_other_returns_first() -> Non
     assert (rows["A"].details["won"], rows["B"].details["won"]) == (False, True)
     assert (rows["A"].reaction_time_ms, rows["B"].reaction_time_ms) == (near(700), near(500))
     rows = driver.reach(("A", 400, TWITCH), ("B", 600))
-    assert (rows["A"].correct, rows["A"].details["won"], rows["B"].details["won"]) == (False, False, True)
+    assert (rows["A"].correct, rows["A"].details["won"], rows["B"].details["won"]) == (
+        False,
+        False,
+        True,
+    )
     by_seat = {one.seat: (one.won, one.valence) for one in driver.all(FEEDBACK)}
     assert by_seat == {"A": (0, "negative"), "B": (2, "positive")}
 
@@ -80,7 +90,9 @@ def test_together_both_onsets_must_be_within_the_window() -> None:
         assert row.details["between_ms"] == pytest.approx(100, abs=NEAR)
     assert rows["A"].reaction_time_ms == near(500)
     rows = driver.reach(("A", 500), ("B", 800))
-    assert [(row.correct, row.value, row.details["right"]) for row in rows.values()] == [(False, None, True)] * 2
+    assert [(row.correct, row.value, row.details["right"]) for row in rows.values()] == [
+        (False, None, True)
+    ] * 2
 
 
 def test_in_joint_attention_the_prompted_seat_reaches_and_the_cue_is_stored() -> None:
@@ -95,7 +107,8 @@ def test_in_joint_attention_the_prompted_seat_reaches_and_the_cue_is_stored() ->
     assert row.details["cue_lead_ms"] == pytest.approx(404)
 
 
-# --- what is no response ---------------------------------------------------------------------------------------
+# --- what is no response
+# ---------------------------------------------------------------------------------------
 
 
 def test_an_anticipating_reach_is_stored_and_never_wins() -> None:
@@ -111,7 +124,12 @@ def test_a_missing_reach_is_a_miss_with_an_instruction() -> None:
     driver = PairsReachingDriver("alternate", prompts_per_attempt=2, attempts=1)
     driver.start_session()
     (row,) = driver.reach().values()
-    assert (row.seat, row.response, row.correct, row.timing.flags) == ("A", None, False, ("no_reach",))
+    assert (row.seat, row.response, row.correct, row.timing.flags) == (
+        "A",
+        None,
+        False,
+        ("no_reach",),
+    )
     driver.reach(("B", 500))
     by_seat = {one.seat: one.remark for one in driver.all(FEEDBACK)}
     assert by_seat["A"].startswith("I saw no whole reach.")
@@ -136,14 +154,19 @@ def test_a_reach_that_a_sensor_missed_is_repeated_by_both() -> None:
         hand.move(onset + 500_000_000, SLOW)
         sink = hand._sink
         lost = (onset + 900_000_000, onset + 1_300_000_000) if seat == "B" else (0, 0)
-        hand._sink = lambda sample, sink=sink, lost=lost: None if lost[0] < sample.host_ns < lost[1] else sink(sample)
+        hand._sink = lambda sample, sink=sink, lost=lost: (
+            None if lost[0] < sample.host_ns < lost[1] else sink(sample)
+        )
     driver.wait(5000)
     assert [voided.reason for voided in driver.all(VOIDED)] == ["gap"]
     rows = driver.reach(("A", 500), ("B", 600))
-    assert [(row.trial, row.correct, row.timing.presentation) for row in rows.values()] == [(1, True, 2)] * 2
+    assert [(row.trial, row.correct, row.timing.presentation) for row in rows.values()] == [
+        (1, True, 2)
+    ] * 2
 
 
-# --- the sensors -----------------------------------------------------------------------------------------------
+# --- the sensors
+# -----------------------------------------------------------------------------------------------
 
 
 def test_a_detached_sensor_pauses_the_session_and_its_seat_is_named() -> None:
@@ -151,11 +174,20 @@ def test_a_detached_sensor_pauses_the_session_and_its_seat_is_named() -> None:
     driver.start_session()
     driver.sensor("B", "detached", "Unplugged.")
     by_seat = driver.last(WAITING)
-    assert (by_seat.what, by_seat.stage, by_seat.seat, by_seat.detail) == ("sensor", "paused", "B", "Unplugged.")
+    assert (by_seat.what, by_seat.stage, by_seat.seat, by_seat.detail) == (
+        "sensor",
+        "paused",
+        "B",
+        "Unplugged.",
+    )
     driver.sensor("A", "stalled")
     assert (driver.last(WAITING).what, driver.last(WAITING).seat) == ("sensor", ""), "of both"
     driver.sensor("B", "attached")
-    assert (driver.last(WAITING).what, driver.last(WAITING).seat, driver.last(WAITING).detail) == ("sensor", "A", "")
+    assert (driver.last(WAITING).what, driver.last(WAITING).seat, driver.last(WAITING).detail) == (
+        "sensor",
+        "A",
+        "",
+    )
     driver.sensor("A", "flowing")
     (row,) = driver.reach(("A", 400)).values()
     assert (row.seat, row.trial, row.correct, row.timing.presentation) == ("A", 1, True, 2)
@@ -168,7 +200,8 @@ def test_a_session_of_keys_has_no_sensor() -> None:
     assert [node.name for node in hands.nodes()] == ["reach_perception", "reach_perception_b"]
 
 
-# --- prompts, levels, words ------------------------------------------------------------------------------------
+# --- prompts, levels, words
+# ------------------------------------------------------------------------------------
 
 
 def test_go_is_shown_in_the_half_of_the_prompted_seat() -> None:
@@ -177,12 +210,22 @@ def test_go_is_shown_in_the_half_of_the_prompted_seat() -> None:
     driver.reach(("A", 400))
     driver.to_prompt()
     shown = [(prompt.halves, prompt.text, prompt.choices) for prompt in driver.all(PROMPT)]
-    assert shown == [(("GO", ""), "Left: reach out and back", 1), (("", "GO"), "Right: reach out and back", 1)]
+    assert shown == [
+        (("GO", ""), "Left: reach out and back", 1),
+        (("", "GO"), "Right: reach out and back", 1),
+    ]
 
 
 def test_each_level_has_an_earlier_goal() -> None:
     task = make(respond_with="reaches", threshold=800)
-    assert [task.target(level).threshold for level in range(1, task.levels + 1)] == [800, 720, 640, 560, 480, 400]
+    assert [task.target(level).threshold for level in range(1, task.levels + 1)] == [
+        800,
+        720,
+        640,
+        560,
+        480,
+        400,
+    ]
     assert {make(threshold=800).target(level).threshold for level in range(1, 7)} == {800}
 
 
@@ -190,9 +233,18 @@ def test_each_level_has_an_earlier_goal() -> None:
     ("parameters", "goal"),
     [
         ({}, "The goal of each: the right letter in less than 1 second on average."),
-        ({"threshold": 850}, "The goal of each: the right letter in less than 0.85 seconds on average."),
-        ({"language": "es"}, "La meta de cada persona: la letra correcta en menos de 1 segundo de media."),
-        ({"respond_with": "reaches"}, "The goal of each: to set off in less than 1 second on average."),
+        (
+            {"threshold": 850},
+            "The goal of each: the right letter in less than 0.85 seconds on average.",
+        ),
+        (
+            {"language": "es"},
+            "La meta de cada persona: la letra correcta en menos de 1 segundo de media.",
+        ),
+        (
+            {"respond_with": "reaches"},
+            "The goal of each: to set off in less than 1 second on average.",
+        ),
         (
             {"respond_with": "reaches", "policy": "race", "threshold": 500},
             "Be the first to set off.\nThe goal of each: less than 0.5 seconds on average.",

@@ -69,10 +69,13 @@ class ReachingDriver(LoopDriver):
         yield Imu(self.feed)
         yield from extra
 
-    # --- actions --------------------------------------------------------------------------------------------
+    # --- actions
+    # --------------------------------------------------------------------------------------------
 
     def start_session(self, rest_ms: float = 3000) -> None:
-        """Continue from the instructions until the first reach can be started, with the hand at rest."""
+        """Continue from the instructions until the first reach can be started, with the hand at
+        rest.
+        """
         self.wait(100)
         self.enter()
         self.begin()
@@ -116,9 +119,12 @@ class ReachingDriver(LoopDriver):
         """Continue until a condition holds, as a sensor always has something due."""
         until = self.clock.now() + round(ms * MS)
         while not is_so():
-            assert self.clock.step(until), f"{ms:g} ms have passed; the session waits for {self.waiting}"
+            assert self.clock.step(until), (
+                f"{ms:g} ms have passed; the session waits for {self.waiting}"
+            )
 
-    # --- results ----------------------------------------------------------------------------------------------
+    # --- results
+    # ----------------------------------------------------------------------------------------------
 
     @property
     def percept(self) -> ReachPerceived:
@@ -127,12 +133,18 @@ class ReachingDriver(LoopDriver):
     @property
     def samples(self) -> Samples:
         """All samples that the sensor has published."""
-        blocks = [unpack(record.message.samples) for record in self.records if isinstance(record.message, ImuBlock)]
+        blocks = [
+            unpack(record.message.samples)
+            for record in self.records
+            if isinstance(record.message, ImuBlock)
+        ]
         return np.concatenate(blocks)
 
 
 def arm_that_holds(kind: str, hold_s: float, seed: int = 1) -> tuple[SimulatedArm, ReachShape]:
-    """Return the arm of ``--imu simulated:kind=KIND``, with a hold at the marker, and the shape to ask it for."""
+    """Return the arm of ``--imu simulated:kind=KIND``, with a hold at the marker, and the shape to
+    ask it for.
+    """
     arm = SimulatedArm(kind, PROFILES["steady"], seed=seed)
     out, back = arm._person.out, arm._person.back
     later = hold_s - (min(stroke.begin_s for stroke in back) - end_of(out))
@@ -144,9 +156,14 @@ def arm_that_holds(kind: str, hold_s: float, seed: int = 1) -> tuple[SimulatedAr
 def analysed_again(samples: Samples, details: Any) -> Finding:
     """Return a reach, analysed again in the window and by the parameters that its details name."""
     window = Window(
-        from_ns=details["window_from_ns"], started_ns=details["window_started_ns"], to_ns=details["window_to_ns"]
+        from_ns=details["window_from_ns"],
+        started_ns=details["window_started_ns"],
+        to_ns=details["window_to_ns"],
     )
-    asked = {"hand": details["hand"], details["detector"]: msgspec.json.decode(details["detector_parameters"])}
+    asked = {
+        "hand": details["hand"],
+        details["detector"]: msgspec.json.decode(details["detector_parameters"]),
+    }
     return analyse(samples, window, msgspec.convert(asked, AnalysisParameters))
 
 
@@ -155,7 +172,9 @@ def ms(stamp: int) -> float:
 
 
 def merged(records: Iterable[Record], *topics: Topic[ImuBlock]) -> list[Record]:
-    """Return the records with blocks of a sensor joined that have no other message between them, as in the database."""
+    """Return the records with blocks of a sensor joined that have no other message between them, as
+    in the database.
+    """
     found: list[Record] = []
     last: dict[Topic[ImuBlock], int] = {}
     for record in records:
@@ -164,7 +183,9 @@ def merged(records: Iterable[Record], *topics: Topic[ImuBlock]) -> list[Record]:
             assert isinstance(record.message, ImuBlock)
             joined = found[index].message
             assert isinstance(joined, ImuBlock)
-            found[index] = record._replace(message=ImuBlock(samples=joined.samples + record.message.samples))
+            found[index] = record._replace(
+                message=ImuBlock(samples=joined.samples + record.message.samples)
+            )
             continue
         if record.topic in (topics or (IMU,)):
             last[record.topic] = len(found)
@@ -172,4 +193,13 @@ def merged(records: Iterable[Record], *topics: Topic[ImuBlock]) -> list[Record]:
     return found
 
 
-__all__ = ["FLICK", "REACH_OUT", "SECOND", "ReachingDriver", "analysed_again", "arm_that_holds", "merged", "ms"]
+__all__ = [
+    "FLICK",
+    "REACH_OUT",
+    "SECOND",
+    "ReachingDriver",
+    "analysed_again",
+    "arm_that_holds",
+    "merged",
+    "ms",
+]

@@ -25,12 +25,32 @@ def make(**parameters: object) -> Task:
         ({"marker_distances_cm": [0.5, 20]}, "marker_distances_cm", "1 to 200 cm"),
         ({"marker_distances_cm": [20, 201]}, "marker_distances_cm", "1 to 200 cm"),
         ({"marker_distances_cm": [20, float("nan")]}, "marker_distances_cm", "1 to 200 cm"),
-        ({"marker_distances_cm": [20, 15]}, "marker_distances_cm", "from the nearest marker to the farthest"),
-        ({"marker_distances_cm": [15, 15]}, "marker_distances_cm", "from the nearest marker to the farthest"),
+        (
+            {"marker_distances_cm": [20, 15]},
+            "marker_distances_cm",
+            "from the nearest marker to the farthest",
+        ),
+        (
+            {"marker_distances_cm": [15, 15]},
+            "marker_distances_cm",
+            "from the nearest marker to the farthest",
+        ),
         ({"goal_times_ms": [900]}, "goal_times_ms", "6 markers, and 1 goals"),
-        ({"marker_distances_cm": [15, 20], "goal_times_ms": [900, 99]}, "goal_times_ms", "between 100 and 60000 ms"),
-        ({"marker_distances_cm": [15], "goal_times_ms": [60_001]}, "goal_times_ms", "between 100 and 60000 ms"),
-        ({"marker_distances_cm": [15, 20], "start_level": 3}, "start_level", "2 markers, so there is no level 3"),
+        (
+            {"marker_distances_cm": [15, 20], "goal_times_ms": [900, 99]},
+            "goal_times_ms",
+            "between 100 and 60000 ms",
+        ),
+        (
+            {"marker_distances_cm": [15], "goal_times_ms": [60_001]},
+            "goal_times_ms",
+            "between 100 and 60000 ms",
+        ),
+        (
+            {"marker_distances_cm": [15, 20], "start_level": 3},
+            "start_level",
+            "2 markers, so there is no level 3",
+        ),
         (
             {"marker_distances_cm": [15, 20], "min_level": 3, "start_level": 3},
             "min_level",
@@ -67,7 +87,9 @@ def test_valid_settings_are_accepted(parameters: dict[str, object]) -> None:
     assert make(**parameters).levels >= 1
 
 
-@pytest.mark.parametrize("field", fields(Catalogue().task("reaching").Parameters), ids=lambda field: field.name)
+@pytest.mark.parametrize(
+    "field", fields(Catalogue().task("reaching").Parameters), ids=lambda field: field.name
+)
 def test_every_parameter_has_a_description(field: Any) -> None:
     assert field.title
     assert field.help.endswith(".")
@@ -79,7 +101,8 @@ def test_each_marker_is_a_level() -> None:
     assert make(marker_distances_cm=[10, 20, 30]).levels == 3
 
 
-# --- a goal for each marker ------------------------------------------------------------------------------------------
+# --- a goal for each marker
+# ------------------------------------------------------------------------------------------
 
 
 def test_the_set_goal_is_that_of_the_nearest_marker_and_others_are_longer() -> None:
@@ -93,7 +116,10 @@ def test_a_marker_at_four_times_the_distance_has_twice_the_time() -> None:
     assert task.target(2).threshold == 2 * task.target(1).threshold
 
 
-@given(st.lists(st.floats(1, 200), min_size=2, max_size=8, unique=True).map(sorted), st.floats(300, 5000))
+@given(
+    st.lists(st.floats(1, 200), min_size=2, max_size=8, unique=True).map(sorted),
+    st.floats(300, 5000),
+)
 def test_a_farther_marker_never_has_less_time(markers: list[float], threshold: float) -> None:
     task = make(marker_distances_cm=markers, threshold=threshold)
     goals = [task.target(level).threshold for level in range(1, task.levels + 1)]
@@ -112,6 +138,8 @@ def test_the_neutral_band_is_a_share_of_each_goal() -> None:
     assert make(neutral_band=0).target(3).neutral_band == 0
 
 
-@pytest.mark.parametrize(("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")])
+@pytest.mark.parametrize(
+    ("earlier", "name"), [("robust", "single-axis"), ("thesis", "fixed-threshold")]
+)
 def test_the_earlier_name_of_a_detector_is_accepted(earlier: str, name: str) -> None:
     assert make(detector=earlier).parameters.detector == name

@@ -17,7 +17,14 @@ from sar_tui.motion.shapes import ReachShape
 from sar_tui.motion.simulated_arm import SimulatedArm
 from sar_tui.plugins import Catalogue
 from tests.examples import first
-from tests.tasks.reaching.reaching_driver import FLICK, REACH_OUT, ReachingDriver, analysed_again, arm_that_holds, ms
+from tests.tasks.reaching.reaching_driver import (
+    FLICK,
+    REACH_OUT,
+    ReachingDriver,
+    analysed_again,
+    arm_that_holds,
+    ms,
+)
 
 pytestmark = pytest.mark.usefixtures("fewer_blocks")
 
@@ -35,8 +42,10 @@ def usual_blocks(fewer_blocks: None, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 WITHIN_MS = 30
-"""Largest difference between the time of a simulated reach of one second, from stillness to stillness, and its result:
-the hand is slower than 1 % of its peak in the first and last 13 ms of each way."""
+"""Largest difference between the time of a simulated reach of one second, from stillness to
+stillness, and its result: the hand is slower than 1 % of its peak in the first and last 13 ms of
+each way.
+"""
 
 
 def started(**settings: Any) -> ReachingDriver:
@@ -55,15 +64,20 @@ def muted(driver: ReachingDriver, milliseconds: float) -> None:
     driver.hand._sink = sink
 
 
-# --- a hand that goes again ----------------------------------------------------------------------------------------
+# --- a hand that goes again
+# ----------------------------------------------------------------------------------------
 
 HOLDS_S = (0.3, 0.8, 1.5, 2.5, 4.0)
 
 
-def six_reaches(hold_s: float, *, own_rest_ms: float | None = None, **settings: Any) -> ReachingDriver:
-    """A session of six reaches with a hold at the marker, each started as soon as the one before is a row.
+def six_reaches(
+    hold_s: float, *, own_rest_ms: float | None = None, **settings: Any
+) -> ReachingDriver:
+    """A session of six reaches with a hold at the marker, each started as soon as the one before is
+    a row.
 
-    ``own_rest_ms``: a reach of one's own before each, nobody asked for it, with so much rest after it.
+    ``own_rest_ms``: a reach of one's own before each, nobody asked for it, with so much rest after
+    it.
     """
     arm, shape = arm_that_holds("point-and-hold", hold_s)
     driver = ReachingDriver(sensor=arm, attempts=1, reaches_per_attempt=6, **settings)
@@ -87,11 +101,16 @@ def found(driver: ReachingDriver) -> list[bool]:
     arm = driver.hand.hand
     assert isinstance(arm, SimulatedArm)
     duration_s = end_of(arm._person.back)
-    return [trial.correct and trial.value == pytest.approx(1000 * duration_s, rel=0.15) for trial in driver.all(TRIAL)]
+    return [
+        trial.correct and trial.value == pytest.approx(1000 * duration_s, rel=0.15)
+        for trial in driver.all(TRIAL)
+    ]
 
 
 @pytest.mark.parametrize("hold_s", HOLDS_S)
-def test_six_of_six_reaches_are_found_of_a_person_who_holds_at_the_marker_and_goes_again(hold_s: float) -> None:
+def test_six_of_six_reaches_are_found_of_a_person_who_holds_at_the_marker_and_goes_again(
+    hold_s: float,
+) -> None:
     driver = six_reaches(hold_s)
     assert found(driver) == [True] * 6
     reaches = driver.all(TRIAL)
@@ -104,7 +123,8 @@ def test_a_movement_of_ones_own_before_the_start_key_is_no_part_of_the_reach(hol
     assert found(six_reaches(hold_s, own_rest_ms=400)) == [True] * 6
 
 
-# --- a reach between two presses -----------------------------------------------------------------------------------
+# --- a reach between two presses
+# -----------------------------------------------------------------------------------
 
 
 def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
@@ -119,7 +139,11 @@ def test_a_reach_is_one_row_timed_by_the_hand_not_by_the_keys() -> None:
     assert ms(trial.onset - onset) == pytest.approx(0, abs=15)
     assert ms(trial.response_at - onset) == pytest.approx(1000, abs=15)
     assert trial.value == pytest.approx(1000, abs=WITHIN_MS)
-    assert trial.value == trial.details["reach_time_ms"] == pytest.approx(ms(trial.response_at - trial.onset), abs=0.01)
+    assert (
+        trial.value
+        == trial.details["reach_time_ms"]
+        == pytest.approx(ms(trial.response_at - trial.onset), abs=0.01)
+    )
     assert trial.details["closed"] == "key"
     assert (driver.percept.at, driver.percept.end) == (trial.response_at, trial.response_at)
     assert trial.response_at < pressed
@@ -160,7 +184,10 @@ def test_a_hand_that_keeps_moving_after_the_second_press_repeats_the_trial() -> 
     driver.to_start()
     assert 4000 <= ms(driver.clock.now() - pressed) <= 4020
     assert driver.all(TRIAL) == []
-    assert (driver.last(VOIDED).reason, "still moving" in driver.waiting.notice) == ("unfinished", True)
+    assert (driver.last(VOIDED).reason, "still moving" in driver.waiting.notice) == (
+        "unfinished",
+        True,
+    )
 
 
 @pytest.mark.parametrize("between_ms", first(1, [90, 300, 600]))
@@ -196,7 +223,9 @@ def test_successive_reaches_have_separate_windows() -> None:
         assert trial.trial == number
         values.append(trial.value)
         driver.wait(500)
-    assert values == [pytest.approx(shape.duration_s * 1000, rel=0.06) for shape in (REACH_OUT, SLOW, FAST)]
+    assert values == [
+        pytest.approx(shape.duration_s * 1000, rel=0.06) for shape in (REACH_OUT, SLOW, FAST)
+    ]
     assert driver.last(ATTEMPT_ENDED).metric == pytest.approx(float(np.mean(values)))
     assert [trial.details["reaches"] for trial in driver.all(TRIAL)] == [1, 1, 1]
 
@@ -210,7 +239,9 @@ def test_both_detectors_are_stored_and_the_selected_one_scores() -> None:
         assert details["detector"] == stored
         assert trial.value == details["reach_time_ms"] == details[f"{stored}_reach_time_ms"]
         assert details["robust_reach_time_ms"] != details["thesis_reach_time_ms"]
-        assert details["thesis_reach_time_ms"] == pytest.approx(930, abs=15), "the time above 0.1 rad/s"
+        assert details["thesis_reach_time_ms"] == pytest.approx(930, abs=15), (
+            "the time above 0.1 rad/s"
+        )
         parameters = msgspec.json.decode(str(details["detector_parameters"]))
         assert ("threshold_rad_s" in parameters) == (name == "fixed-threshold")
 
@@ -237,7 +268,8 @@ def test_the_same_samples_and_window_give_the_same_details() -> None:
     )
 
 
-# --- presses that are missing, doubled or early --------------------------------------------------------------------
+# --- presses that are missing, doubled or early
+# --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("still_ms", first(1, [1500, 2500, 6000]))
@@ -331,7 +363,8 @@ def test_another_key_does_not_end_a_reach(key: str) -> None:
     assert driver.all(REACH) == []
 
 
-# --- movements that are none, or begin elsewhere ---------------------------------------------------------------------
+# --- movements that are none, or begin elsewhere
+# ---------------------------------------------------------------------
 
 
 def test_a_flick_of_the_wrist_is_no_reach() -> None:
@@ -342,7 +375,9 @@ def test_a_flick_of_the_wrist_is_no_reach() -> None:
     trial = driver.to_row()
     assert (trial.correct, trial.response, trial.timing.flags) == (False, None, ("no_reach",))
     assert trial.details["robust_reach_time_ms"] is None
-    assert trial.details["thesis_reach_time_ms"] == pytest.approx(300, abs=30), "for the thesis any motion is one"
+    assert trial.details["thesis_reach_time_ms"] == pytest.approx(300, abs=30), (
+        "for the thesis any motion is one"
+    )
 
 
 def test_a_flick_does_not_end_the_wait_for_a_reach() -> None:
@@ -370,8 +405,12 @@ def test_the_larger_of_two_reaches_is_used_and_flagged() -> None:
     assert trial.value == pytest.approx(1000, abs=WITHIN_MS)
 
 
-@pytest.mark.parametrize(("before_ms", "is_it"), [(50, True), (300, True), (450, True), (560, False), (900, False)])
-def test_a_reach_may_begin_up_to_half_a_second_before_the_press(before_ms: float, is_it: bool) -> None:
+@pytest.mark.parametrize(
+    ("before_ms", "is_it"), [(50, True), (300, True), (450, True), (560, False), (900, False)]
+)
+def test_a_reach_may_begin_up_to_half_a_second_before_the_press(
+    before_ms: float, is_it: bool
+) -> None:
     driver = ReachingDriver()
     driver.start_session()
     driver.move(2000)
@@ -399,7 +438,8 @@ def test_a_reach_that_ended_before_the_press_is_ignored() -> None:
     assert (trial.correct, trial.details["reaches"]) == (False, 0)
 
 
-# --- a signal to go --------------------------------------------------------------------------------------------------
+# --- a signal to go
+# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("reaction_ms", first(1, [180, 320]))
@@ -430,12 +470,18 @@ def test_movement_before_the_signal_is_an_anticipation() -> None:
     assert trial.timing.flags == ("anticipation",)
 
 
-# --- hands and sensors -----------------------------------------------------------------------------------------------
+# --- hands and sensors
+# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("hand", "shape", "flagged"),
-    [("right", REACH_OUT, False), ("left", MIRRORED, False), ("left", REACH_OUT, True), ("right", MIRRORED, True)],
+    [
+        ("right", REACH_OUT, False),
+        ("left", MIRRORED, False),
+        ("left", REACH_OUT, True),
+        ("right", MIRRORED, True),
+    ],
 )
 def test_the_left_hand_turns_the_other_way(hand: str, shape: ReachShape, flagged: bool) -> None:
     driver = ReachingDriver(hand=hand)
@@ -449,7 +495,8 @@ def test_the_left_hand_turns_the_other_way(hand: str, shape: ReachShape, flagged
 
 
 @pytest.mark.parametrize(
-    "name", first(3, ["clean", "noisy", "biased", "drifting", "tremor", "tilted", "lossy", "patient"])
+    "name",
+    first(3, ["clean", "noisy", "biased", "drifting", "tremor", "tilted", "lossy", "patient"]),
 )
 def test_a_reach_is_found_and_timed_with_every_sensor(name: str) -> None:
     driver = ReachingDriver(sensor=name)
@@ -466,7 +513,11 @@ def test_a_reach_beyond_the_range_is_timed_without_peaks() -> None:
     assert trial.correct
     assert "saturated" in trial.timing.flags
     details = trial.details
-    assert (details["peak_extension_rad_s"], details["peak_return_rad_s"], details["time_to_peak_ms"]) == (
+    assert (
+        details["peak_extension_rad_s"],
+        details["peak_return_rad_s"],
+        details["time_to_peak_ms"],
+    ) == (
         None,
         None,
         None,
@@ -511,7 +562,9 @@ def test_a_gap_at_rest_does_not_affect_the_reach() -> None:
 def test_a_reach_without_samples_is_repeated() -> None:
     driver = ReachingDriver()
     driver.start_session()
-    driver.session.bus.publish(SENSOR, SensorChanged(state="attached", at=driver.clock.now(), rate_hz=250.0))
+    driver.session.bus.publish(
+        SENSOR, SensorChanged(state="attached", at=driver.clock.now(), rate_hz=250.0)
+    )
     sink = driver.hand._sink
     driver.hand._sink = lambda sample: sink(sample) if sample.device_ms % 400 < 4 else None
     driver.start()
@@ -551,7 +604,8 @@ def test_a_sensor_detached_during_a_reach_voids_it_and_old_samples_are_dropped()
     assert int(trial.details["window_from_ns"] or 0) >= attached
 
 
-# --- whatever the blocks that samples come in -------------------------------------------------------------------------
+# --- whatever the blocks that samples come in
+# -------------------------------------------------------------------------
 
 
 def one_reach(monkeypatch: pytest.MonkeyPatch, drain_ms: float, press: bool) -> tuple[Any, Samples]:
@@ -577,4 +631,6 @@ def test_the_size_of_blocks_does_not_change_a_reach(
     assert other.details["closed"] == usual.details["closed"]
     assert other.value == pytest.approx(usual.value, abs=3)
     assert ms(other.onset - usual.onset) == pytest.approx(0, abs=3)
-    assert abs(other.details["window_to_ns"] - usual.details["window_to_ns"]) <= max(drain_ms, 10) * MS
+    assert (
+        abs(other.details["window_to_ns"] - usual.details["window_to_ns"]) <= max(drain_ms, 10) * MS
+    )

@@ -49,11 +49,14 @@ def percept(**facts: Any) -> ReachPerceived:
 
 
 def judged(task: Task, what: Any, level: int = 1) -> Result | Again | None:
-    trial = Trial(situation(level), task.stimulus(situation(level)), onset=5 * SECOND, started=5 * SECOND)
+    trial = Trial(
+        situation(level), task.stimulus(situation(level)), onset=5 * SECOND, started=5 * SECOND
+    )
     return task.perceived(trial, what)
 
 
-# --- words ---------------------------------------------------------------------------------------------------
+# --- words
+# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
@@ -65,7 +68,15 @@ def test_texts_for_participants_contain_no_jargon(settings: dict[str, object]) -
 
 def test_the_instructions_name_every_step_in_its_order() -> None:
     words = make().instructions()
-    steps = ["Rest your hand", "press Space", "Reach out", "touch the marker", "come back", "press Space again", "rest"]
+    steps = [
+        "Rest your hand",
+        "press Space",
+        "Reach out",
+        "touch the marker",
+        "come back",
+        "press Space again",
+        "rest",
+    ]
     places = [words.index(step) for step in steps]
     assert places == sorted(places)
     assert "Escape" in words
@@ -83,7 +94,9 @@ def test_waiting_for_a_signal_is_mentioned_only_if_there_is_one() -> None:
 
 def test_every_level_is_described_by_its_marker_and_goal() -> None:
     task = make()
-    for level, (far, seconds) in enumerate([("15 cm", "1.20"), ("20 cm", "1.39"), ("25 cm", "1.55")], 1):
+    for level, (far, seconds) in enumerate(
+        [("15 cm", "1.20"), ("20 cm", "1.39"), ("25 cm", "1.55")], 1
+    ):
         assert f"marker {level} ({far})" in task.goal(level)
         assert f"less than {seconds} seconds" in task.goal(level)
         assert f"marker {level} ({far})" in task.start(level)
@@ -108,12 +121,16 @@ def test_the_goal_is_shown_in_seconds_and_stored_in_milliseconds() -> None:
     assert task.metric.label == "reach time (ms)"
 
 
-# --- judging -------------------------------------------------------------------------------------------------
+# --- judging
+# -------------------------------------------------------------------------------------------------
 
 
 def test_a_reach_is_timed_from_onset_to_end() -> None:
     seen = percept(
-        onset=6 * SECOND, turn=6 * SECOND + 1, end=7 * SECOND, details={"reach_time_ms": 1000.0, "hand": "right"}
+        onset=6 * SECOND,
+        turn=6 * SECOND + 1,
+        end=7 * SECOND,
+        details={"reach_time_ms": 1000.0, "hand": "right"},
     )
     result = judged(make(), seen, level=2)
     assert isinstance(result, Result)
@@ -129,15 +146,24 @@ def test_a_reach_is_timed_from_onset_to_end() -> None:
 
 
 def test_without_a_reach_there_is_no_response_and_a_notice() -> None:
-    result = judged(make(), percept(closed="timeout", details={"samples": 500}, flags=("saturated",)))
+    result = judged(
+        make(), percept(closed="timeout", details={"samples": 500}, flags=("saturated",))
+    )
     assert isinstance(result, Result)
-    assert (result.correct, result.response, result.response_at, result.value) == (False, None, None, None)
+    assert (result.correct, result.response, result.response_at, result.value) == (
+        False,
+        None,
+        None,
+        None,
+    )
     assert result.flags == ("saturated", "no_reach")
     assert (result.details["samples"], result.details["closed"]) == (500, "timeout")
 
 
 @pytest.mark.parametrize("reason", ["samples", "gap", "rate"])
-def test_a_reach_that_the_sensor_missed_is_repeated_and_the_notice_blames_the_sensor(reason: str) -> None:
+def test_a_reach_that_the_sensor_missed_is_repeated_and_the_notice_blames_the_sensor(
+    reason: str,
+) -> None:
     again = judged(make(), percept(invalid=reason, onset=6 * SECOND, end=7 * SECOND))
     assert isinstance(again, Again)
     assert again.reason == reason
@@ -163,10 +189,14 @@ def test_a_therapist_can_report_faults_that_the_sensor_cannot_detect() -> None:
     assert len({mark.key for mark in make().marks}) == 3
 
 
-# --- rehearsing ------------------------------------------------------------------------------------------------
+# --- rehearsing
+# ------------------------------------------------------------------------------------------------
 
 PERFORMANCES = st.builds(
-    Performance, reaction_ms=st.floats(120, 2000), pace=st.floats(0.5, 3), unsteadiness=st.floats(0, 1)
+    Performance,
+    reaction_ms=st.floats(120, 2000),
+    pace=st.floats(0.5, 3),
+    unsteadiness=st.floats(0, 1),
 )
 
 
@@ -175,7 +205,9 @@ def test_a_simulated_reach_is_completed_before_the_key_is_pressed(
     performance: Performance, level: int, seed: int
 ) -> None:
     task = make()
-    (at, shape), (press, key) = task.rehearse(task.stimulus(situation(level)), performance, RandomStreams(seed))
+    (at, shape), (press, key) = task.rehearse(
+        task.stimulus(situation(level)), performance, RandomStreams(seed)
+    )
     assert isinstance(shape, ReachShape)
     assert at == pytest.approx(performance.reaction_ms)
     assert key == "space"
@@ -185,7 +217,9 @@ def test_a_simulated_reach_is_completed_before_the_key_is_pressed(
 
 def test_a_simulated_slip_is_a_forgotten_key() -> None:
     task = make()
-    acts = task.rehearse(task.stimulus(situation()), Performance(300.0, slips=True), RandomStreams(1))
+    acts = task.rehearse(
+        task.stimulus(situation()), Performance(300.0, slips=True), RandomStreams(1)
+    )
     assert [type(act) for _, act in acts] == [ReachShape]
 
 
@@ -193,7 +227,9 @@ def test_a_simulated_reach_to_a_farther_marker_takes_longer_at_any_pace() -> Non
     task = make()
 
     def takes(level: int, pace: float = 1.0) -> float:
-        shape = task.rehearse(task.stimulus(situation(level)), Performance(300.0, pace=pace), RandomStreams(1))[0][1]
+        shape = task.rehearse(
+            task.stimulus(situation(level)), Performance(300.0, pace=pace), RandomStreams(1)
+        )[0][1]
         return float(shape.duration_s)
 
     times = [takes(level) for level in range(1, 7)]
@@ -222,4 +258,8 @@ def test_the_sensor_of_the_task_is_declared() -> None:
 
 def test_the_default_is_the_thesis_session() -> None:
     parameters = Catalogue().task("reaching").Parameters()
-    assert (parameters.attempts, parameters.thesis_threshold_rad_s, parameters.thesis_still_ms) == (20, 0.1, 800)
+    assert (parameters.attempts, parameters.thesis_threshold_rad_s, parameters.thesis_still_ms) == (
+        20,
+        0.1,
+        800,
+    )

@@ -43,7 +43,9 @@ class TrunkDriver(ReachingDriver):
         self.trunk = Losable(SimulatedHand(PROFILES["steady"], 100.0, seed=5), self.clock)
         yield TrunkImu(ImuFeed(self.trunk, self.clock.now, part="trunk"))
 
-    def lean(self, degrees: float, unplugged_after_ms: float | None = None, *, forgets: bool = False) -> TrialEnded:
+    def lean(
+        self, degrees: float, unplugged_after_ms: float | None = None, *, forgets: bool = False
+    ) -> TrialEnded:
         """Reach, and lean forward by some degrees with it; press the second key, or forget it."""
         peak = 1.875 * math.radians(degrees) / REACH_OUT.out_s
         self.start()
@@ -67,12 +69,15 @@ def driver(request: pytest.FixtureRequest) -> TrunkDriver:
 
 
 @pytest.mark.parametrize("degrees", [2.0, 15.0, 30.0])
-def test_the_lean_of_the_trunk_is_stored_with_the_reach(driver: TrunkDriver, degrees: float) -> None:
+def test_the_lean_of_the_trunk_is_stored_with_the_reach(
+    driver: TrunkDriver, degrees: float
+) -> None:
     driver.start_session()
     stored = driver.lean(degrees).details
     assert stored["trunk_excursion_deg"] == pytest.approx(degrees, abs=0.5)
     assert stored["compensation_share"] == pytest.approx(
-        stored["trunk_excursion_deg"] / (stored["trunk_excursion_deg"] + stored["excursion_deg"]), abs=1e-3
+        stored["trunk_excursion_deg"] / (stored["trunk_excursion_deg"] + stored["excursion_deg"]),
+        abs=1e-3,
     )
 
 
@@ -83,7 +88,9 @@ def test_a_reach_without_a_trunk_sensor_has_no_fields_of_it() -> None:
 
 
 @pytest.mark.parametrize("after_ms", [100, 700])
-def test_a_reach_counts_when_the_trunk_sensor_is_lost_in_it(driver: TrunkDriver, after_ms: float) -> None:
+def test_a_reach_counts_when_the_trunk_sensor_is_lost_in_it(
+    driver: TrunkDriver, after_ms: float
+) -> None:
     driver.start_session()
     whole = driver.lean(10.0)
     driver.begin()
@@ -106,7 +113,9 @@ def test_a_session_does_not_wait_for_a_trunk_sensor() -> None:
 
 
 @pytest.mark.parametrize("driver", [{"trunk_limit_deg": 12}], indirect=True)
-def test_a_reach_beyond_the_limit_is_flagged_and_corrected_in_a_sentence(driver: TrunkDriver) -> None:
+def test_a_reach_beyond_the_limit_is_flagged_and_corrected_in_a_sentence(
+    driver: TrunkDriver,
+) -> None:
     driver.start_session()
     row = driver.lean(20.0)
     assert row.correct
@@ -125,7 +134,9 @@ def test_without_a_limit_no_reach_is_flagged(driver: TrunkDriver) -> None:
     assert "trunk_compensation" not in driver.lean(30.0).timing.flags
 
 
-def test_a_session_with_a_trunk_sensor_can_be_resumed_however_its_samples_are_divided(driver: TrunkDriver) -> None:
+def test_a_session_with_a_trunk_sensor_can_be_resumed_however_its_samples_are_divided(
+    driver: TrunkDriver,
+) -> None:
     driver.start_session()
     driver.lean(15.0, forgets=True)  # its samples are one block
     records = merged(driver.records, IMU, TRUNK_IMU)

@@ -14,24 +14,34 @@ KEYS = ("fj", "dfj", "dfjk", "sdfjk", "sdfjkl")
 
 
 class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
-    """Parameters of the task. Each is a field on the settings form, and `--set NAME=VALUE` on the command line.
+    """Parameters of the task. Each is a field on the settings form, and `--set NAME=VALUE` on the
+    command line.
 
-    The common ones of `TaskParameters` are inherited; redeclare one to change its default or bounds. ``meta`` takes a
-    title, a unit, a sentence of help, and inclusive bounds.
+    The common ones of `TaskParameters` are inherited; redeclare one to change its default or
+    bounds. ``meta`` takes a title, a unit, a sentence of help, and inclusive bounds.
     """
 
     prompts_per_attempt: Annotated[
         int, meta("Prompts per attempt", help="Number of keys in an attempt.", ge=1, le=100)
     ] = 10
     threshold: Annotated[
-        float, meta("Goal", "ms", "The mean reaction time of an attempt must be below this.", ge=100, le=10_000)
+        float,
+        meta(
+            "Goal",
+            "ms",
+            "The mean reaction time of an attempt must be below this.",
+            ge=100,
+            le=10_000,
+        ),
     ] = 800.0
 
 
 class ExampleDetails(Details, frozen=True):
     """Details stored with each trial in ``trials.details``, besides the common columns."""
 
-    choices: Annotated[int, msgspec.Meta(description="Number of keys that the prompt was drawn from.")]
+    choices: Annotated[
+        int, msgspec.Meta(description="Number of keys that the prompt was drawn from.")
+    ]
 
 
 class ExampleTask(Task):
@@ -43,7 +53,9 @@ class ExampleTask(Task):
     name = "example"  # the folder has the same name
     title = "Choice reaction"
     summary = "Press the key that appears, as fast as you can."
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     Parameters = ExampleParameters
     Details = ExampleDetails
     parameters: ExampleParameters
@@ -58,10 +70,15 @@ class ExampleTask(Task):
 
     def instructions(self) -> str:
         """Shown before the first attempt."""
-        return "A key appears on the screen. Press it as fast as you can.\nTo pause at any time, press Escape."
+        return (
+            "A key appears on the screen. Press it as fast as you can.\nTo pause at any time, "
+            "press Escape."
+        )
 
     def stimulus(self, situation: Situation) -> Stimulus:
-        """Return the prompt. It depends on the situation alone: draw random values from ``situation.streams``."""
+        """Return the prompt. It depends on the situation alone: draw random values from
+        ``situation.streams``.
+        """
         keys = KEYS[situation.level - 1]
         key = situation.streams.choice(keys, "key")
         return Stimulus(
@@ -77,6 +94,7 @@ class ExampleTask(Task):
             correct=percept.key == trial.stimulus.expected,
             response=percept.key,
             response_at=percept.at,
-            value=trial.latency_ms(percept.at),  # the metric of an attempt is the mean of its right trials' values
+            # the metric of an attempt is the mean of its right trials' values
+            value=trial.latency_ms(percept.at),
             details={"choices": trial.stimulus.choices},
         )

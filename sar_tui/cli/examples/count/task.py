@@ -8,7 +8,16 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.model.messages import KeyPerceived
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
@@ -17,17 +26,20 @@ SEQUENCES = ("f", "fj", "dfj", "dfjk", "sdfjkl")
 
 
 class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
-    """Parameters of the task. Each is a field on the settings form, and `--set NAME=VALUE` on the command line.
+    """Parameters of the task. Each is a field on the settings form, and `--set NAME=VALUE` on the
+    command line.
 
-    The common ones of `TaskParameters` are inherited; redeclare one to change its default or bounds. ``meta`` takes a
-    title, a unit, a sentence of help, and inclusive bounds.
+    The common ones of `TaskParameters` are inherited; redeclare one to change its default or
+    bounds. ``meta`` takes a title, a unit, a sentence of help, and inclusive bounds.
     """
 
     prompts_per_attempt: Annotated[
-        int, meta("Turns per attempt", help="Number of turns of tapping in an attempt.", ge=1, le=20)
+        int,
+        meta("Turns per attempt", help="Number of turns of tapping in an attempt.", ge=1, le=20),
     ] = 3
     threshold: Annotated[
-        float, meta("Goal", "taps/s", "The mean rate of an attempt must be above this.", ge=0.1, le=20)
+        float,
+        meta("Goal", "taps/s", "The mean rate of an attempt must be above this.", ge=0.1, le=20),
     ] = 3.0
     neutral_band: Annotated[
         float,
@@ -43,7 +55,13 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
         int, meta("Tapping time", "ms", "Duration of a turn of tapping.", ge=1000, le=60_000)
     ] = 5000
     wrong_share: Annotated[
-        float, meta("Wrong taps allowed", help="The share of wrong taps a turn may have, 0 to 1.", ge=0, le=1)
+        float,
+        meta(
+            "Wrong taps allowed",
+            help="The share of wrong taps a turn may have, 0 to 1.",
+            ge=0,
+            le=1,
+        ),
     ] = 0.2
 
 
@@ -51,7 +69,9 @@ class ExampleDetails(Details, frozen=True):
     """Details stored with each trial in ``trials.details``, besides the common columns."""
 
     taps: Annotated[int, msgspec.Meta(description="Number of taps, right or wrong.")]
-    wrong: Annotated[int, msgspec.Meta(description="Number of taps that were not the next key of the sequence.")]
+    wrong: Annotated[
+        int, msgspec.Meta(description="Number of taps that were not the next key of the sequence.")
+    ]
 
 
 class ExampleTask(Task):
@@ -63,7 +83,14 @@ class ExampleTask(Task):
     name = "example"  # the folder has the same name
     title = "Finger tapping"
     summary = "Tap the keys in turn, as often as you can."
-    metric = Metric("tapping_rate", unit="taps/s", better="higher", improved="faster", worsened="slower", decimals=1)
+    metric = Metric(
+        "tapping_rate",
+        unit="taps/s",
+        better="higher",
+        improved="faster",
+        worsened="slower",
+        decimals=1,
+    )
     Parameters = ExampleParameters
     Details = ExampleDetails
     parameters: ExampleParameters
@@ -81,13 +108,16 @@ class ExampleTask(Task):
         seconds = self.parameters.response_timeout_ms / 1000
         return (
             "Some keys appear on the screen.\n"
-            "Tap them in turn, from left to right and then again from the left, as often as you can.\n\n"
+            "Tap them in turn, from left to right and then again from the left, as often as you "
+            "can.\n\n"
             f"After {seconds:g} seconds they disappear, and you may rest.\n"
             "To pause at any time, press Escape."
         )
 
     def stimulus(self, situation: Situation) -> Stimulus:
-        """Return the prompt. It depends on the situation alone: draw random values from ``situation.streams``."""
+        """Return the prompt. It depends on the situation alone: draw random values from
+        ``situation.streams``.
+        """
         keys = SEQUENCES[situation.level - 1]
         return Stimulus(
             name=keys,
@@ -99,7 +129,9 @@ class ExampleTask(Task):
         )
 
     def perceived(self, trial: Trial, percept: Any) -> Result | None:
-        """Judge a key press while the prompt is shown. None: keep waiting; the press is added to ``trial.percepts``."""
+        """Judge a key press while the prompt is shown. None: keep waiting; the press is added to
+        ``trial.percepts``.
+        """
         return None
 
     def timed_out(self, trial: Trial) -> Result:
@@ -122,7 +154,9 @@ class ExampleTask(Task):
             details={"taps": len(taps), "wrong": wrong},
         )
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Return the key presses of a simulated participant: (ms after onset, key)."""
         pace = performance.reaction_ms / 2
         duration = self.parameters.response_timeout_ms
@@ -130,5 +164,7 @@ class ExampleTask(Task):
         times = [first + pace * tap for tap in range(int((duration - first) / pace))]
         keys = [stimulus.name[tap % len(stimulus.name)] for tap in range(len(times))]
         if performance.slips:
-            keys = ["x" if streams.uniform("wrong", tap) < 0.5 else key for tap, key in enumerate(keys)]
+            keys = [
+                "x" if streams.uniform("wrong", tap) < 0.5 else key for tap, key in enumerate(keys)
+            ]
         return list(zip(times, keys, strict=True))

@@ -8,7 +8,16 @@ import msgspec
 from sar_tui.loop.task import Task
 from sar_tui.model.measure import Measure
 from sar_tui.model.random_streams import RandomStreams
-from sar_tui.model.trial_types import Act, Details, Metric, Performance, Result, Situation, Stimulus, Trial
+from sar_tui.model.trial_types import (
+    Act,
+    Details,
+    Metric,
+    Performance,
+    Result,
+    Situation,
+    Stimulus,
+    Trial,
+)
 from sar_tui.rules.declaration import meta
 from sar_tui.rules.parameters import TaskParameters
 
@@ -26,7 +35,14 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
         float, meta("Share without a response", help="Of all prompts, 0.1 to 0.5.", ge=0.1, le=0.5)
     ] = 0.25
     threshold: Annotated[
-        float, meta("Goal", "ms", "The mean reaction time of an attempt must be below this.", ge=100, le=10_000)
+        float,
+        meta(
+            "Goal",
+            "ms",
+            "The mean reaction time of an attempt must be below this.",
+            ge=100,
+            le=10_000,
+        ),
     ] = 550.0
 
 
@@ -37,12 +53,16 @@ class ExampleDetails(Details, frozen=True):
 
 
 class ExampleTask(Task):
-    """The metric is the mean reaction time to circles. A key at a square is wrong, and so is none at a circle."""
+    """The metric is the mean reaction time to circles. A key at a square is wrong, and so is none
+    at a circle.
+    """
 
     name = "example"  # the folder has the same name
     title = "Go or wait"
     summary = "Press the space bar for a circle, and nothing for a square."
-    metric = Metric("reaction_time", unit="ms", better="lower", improved="faster", worsened="slower")
+    metric = Metric(
+        "reaction_time", unit="ms", better="lower", improved="faster", worsened="slower"
+    )
     measured = (Measure("commissions", "keys at a square", decimals=1),)
     Parameters = ExampleParameters
     Details = ExampleDetails
@@ -57,7 +77,10 @@ class ExampleTask(Task):
         return self.parameters.prompts_per_attempt
 
     def instructions(self) -> str:
-        return "Press the space bar when a circle appears, as fast as you can.\nPress nothing for a square."
+        return (
+            "Press the space bar when a circle appears, as fast as you can.\nPress nothing for "
+            "a square."
+        )
 
     def stimulus(self, situation: Situation) -> Stimulus:
         go = situation.streams.uniform("go") >= self.parameters.no_go_share
@@ -87,9 +110,15 @@ class ExampleTask(Task):
         return Result(correct=not go, details={"go": go})
 
     def measures(self, results: Sequence[Result]) -> dict[str, float]:
-        return {"commissions": sum(not result.details["go"] and not result.correct for result in results)}
+        return {
+            "commissions": sum(
+                not result.details["go"] and not result.correct for result in results
+            )
+        }
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Respond to circles; in a slip, to a square as well, and not to a circle."""
         if stimulus.data["go"] == performance.slips:
             return []

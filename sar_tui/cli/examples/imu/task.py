@@ -31,23 +31,41 @@ class ExampleParameters(TaskParameters, frozen=True, kw_only=True):
     """Parameters of the task; see those of `TaskParameters`, which are inherited."""
 
     imu: Annotated[
-        str, meta("Motion sensor", help="phidget, phidget://host:port, simulated, or recorded:FILE.", min_length=1)
+        str,
+        meta(
+            "Motion sensor",
+            help="phidget, phidget://host:port, simulated, or recorded:FILE.",
+            min_length=1,
+        ),
     ] = "phidget"
-    prompts_per_attempt: Annotated[int, meta("Reaches", help="Number of reaches in an attempt.", ge=1, le=50)] = 3
+    prompts_per_attempt: Annotated[
+        int, meta("Reaches", help="Number of reaches in an attempt.", ge=1, le=50)
+    ] = 3
     threshold: Annotated[
-        float, meta("Goal", "ms", "At level 1, the mean time of a reach must be below this.", ge=100, le=10_000)
+        float,
+        meta(
+            "Goal",
+            "ms",
+            "At level 1, the mean time of a reach must be below this.",
+            ge=100,
+            le=10_000,
+        ),
     ] = 1500.0
 
 
 class ExampleDetails(Details, frozen=True):
     """Details stored with each trial; other fields of `ReachPerceived.details` can be added."""
 
-    reach_time_ms: Annotated[float | None, msgspec.Meta(description="From movement onset to the end of the reach.")]
+    reach_time_ms: Annotated[
+        float | None, msgspec.Meta(description="From movement onset to the end of the reach.")
+    ]
     sparc: Annotated[float | None, msgspec.Meta(description="Smoothness of the reach (SPARC).")]
 
 
 class ExampleTask(Task):
-    """One trial is one reach. The metric is the time from movement onset to the end of the movement back."""
+    """One trial is one reach. The metric is the time from movement onset to the end of the movement
+    back.
+    """
 
     name = "example"  # the folder has the same name
     title = "Reaching out"
@@ -67,7 +85,9 @@ class ExampleTask(Task):
         return self.parameters.prompts_per_attempt
 
     def nodes(self) -> tuple[Node, ...]:
-        """Return the node that finds reaches in the samples: the only place where a task may keep state."""
+        """Return the node that finds reaches in the samples: the only place where a task may keep
+        state.
+        """
         from sar_tui.motion.analysis import AnalysisParameters  # loads numpy
         from sar_tui.perception.reach import ReachPerception
 
@@ -77,7 +97,10 @@ class ExampleTask(Task):
         return Target(self.parameters.threshold * GOALS[level - 1], self.parameters.neutral_band)
 
     def instructions(self) -> str:
-        return "Rest your hand on the table.\nWhen the dot appears, reach out and back as fast as you can."
+        return (
+            "Rest your hand on the table.\nWhen the dot appears, reach out and back as fast as "
+            "you can."
+        )
 
     def stimulus(self, situation: Situation) -> Stimulus:
         return Stimulus(name="reach", expected="", text="Reach out and back", glyph="●")
@@ -87,8 +110,13 @@ class ExampleTask(Task):
         if not isinstance(percept, ReachPerceived):
             return None
         if percept.invalid:
-            return Again(percept.invalid, self.tr("The sensor missed a part of that. Please reach again."))
-        kept = {"reach_time_ms": percept.details.get("reach_time_ms"), "sparc": percept.details.get("sparc")}
+            return Again(
+                percept.invalid, self.tr("The sensor missed a part of that. Please reach again.")
+            )
+        kept = {
+            "reach_time_ms": percept.details.get("reach_time_ms"),
+            "sparc": percept.details.get("sparc"),
+        }
         if percept.onset is None or percept.end is None:
             return Result(correct=False, details=kept, flags=percept.flags)
         return Result(
@@ -101,12 +129,19 @@ class ExampleTask(Task):
             flags=percept.flags,
         )
 
-    def rehearse(self, stimulus: Stimulus, performance: Performance, streams: RandomStreams) -> list[Act]:
+    def rehearse(
+        self, stimulus: Stimulus, performance: Performance, streams: RandomStreams
+    ) -> list[Act]:
         """Return a simulated reach, 1.1 s in a healthy adult. A slip is only a twitch."""
         from sar_tui.motion.shapes import ReachShape
 
         if performance.slips:
-            return [(performance.reaction_ms, ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0))]
+            return [
+                (
+                    performance.reaction_ms,
+                    ReachShape(out_s=0.15, back_s=0.15, peak_out=3.0, peak_back=-3.0),
+                )
+            ]
         out, back = 0.56 * performance.pace, 0.51 * performance.pace
         shape = ReachShape(
             out_s=out,

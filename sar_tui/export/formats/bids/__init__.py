@@ -1,1 +1,3 @@
-"""BIDS, the Brain Imaging Data Structure: behaviour, events, and motion of each session, a file for each idea."""
+"""BIDS, the Brain Imaging Data Structure: behaviour, events, and motion of each session, a file for
+each idea.
+"""

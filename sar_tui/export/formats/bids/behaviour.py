@@ -12,14 +12,16 @@ from sar_tui.export.formats.bids.tsv import described, line, write_json
 _IN_THE_PATH = ("session", "participant", "task", "seat", "run")
 RESPONSE_TIME = Column(
     "response_time",
-    "Time from the onset to the response; in the reaching task: from the go signal to movement onset. n/a for a miss.",
+    "Time from the onset to the response; in the reaching task: from the go signal to movement "
+    "onset. n/a for a miss.",
     "number",
     "s",
 )
 
 
 def write_behaviour(study: Study, session: Session, folder: Path) -> set[int]:
-    """Write the trials of a session, and return the runs. A run without a trial has a file with its header line.
+    """Write the trials of a session, and return the runs. A run without a trial has a file with its
+    header line.
 
     Args:
         folder: of the session.
@@ -35,7 +37,9 @@ def write_behaviour(study: Study, session: Session, folder: Path) -> set[int]:
         def file_of(number: int) -> TextIO:
             path = folder / session.path("beh", "beh.tsv", number)
             path.parent.mkdir(parents=True, exist_ok=True)
-            file = files[number] = open_files.enter_context(path.open("w", encoding="utf-8", newline=""))
+            file = files[number] = open_files.enter_context(
+                path.open("w", encoding="utf-8", newline="")
+            )
             file.write(head)
             return file
 
@@ -65,7 +69,9 @@ def in_seconds(milliseconds: float | None) -> float | None:
 
 
 def _columns(study: Study, task: str) -> list[Column]:
-    """Return the columns of trials that a task has, without those that the names of files and folders tell."""
+    """Return the columns of trials that a task has, without those that the names of files and
+    folders tell.
+    """
     return [
         column
         for column in study.columns("trials")

@@ -41,8 +41,11 @@ the licence in `dataset_description.json`, before you publish.
 """
 
 
-def write_dataset(study: Study, left_out: Iterable[str], notices: Iterable[str], folder: Path) -> None:
-    """Write the description, the participants, the README, and the names of the files that BIDS does not know.
+def write_dataset(
+    study: Study, left_out: Iterable[str], notices: Iterable[str], folder: Path
+) -> None:
+    """Write the description, the participants, the README, and the names of the files that BIDS
+    does not know.
 
     Args:
         left_out: sentences on what is not in the data set.
@@ -59,7 +62,8 @@ def write_dataset(study: Study, left_out: Iterable[str], notices: Iterable[str],
                 {
                     "Name": "sar-tui",
                     "Version": __version__,
-                    "Description": "Sessions were recorded by sar-tui, and exported from its database.",
+                    "Description": "Sessions were recorded by sar-tui, and exported from its "
+                    "database.",
                 }
             ],
         },
@@ -70,9 +74,15 @@ def write_dataset(study: Study, left_out: Iterable[str], notices: Iterable[str],
         for code in study.owners("participants")
         for row in study.values("participants", code)
     ]
-    write_rows(folder / "participants.tsv", ("participant_id", *(column.name for column in columns)), rows)
+    write_rows(
+        folder / "participants.tsv", ("participant_id", *(column.name for column in columns)), rows
+    )
     write_json(folder / "participants.json", described(columns))
-    said = [_README.format(name=name, version=__version__, bids=VERSION, modes=_modes(study), source=SOURCE)]
+    said = [
+        _README.format(
+            name=name, version=__version__, bids=VERSION, modes=_modes(study), source=SOURCE
+        )
+    ]
     for title, told in (("Not described", notices), ("Left out", left_out)):
         if sentences := [f"- {sentence}\n" for sentence in dict.fromkeys(told)]:
             said.append("".join([f"## {title}\n\n", *sentences]))

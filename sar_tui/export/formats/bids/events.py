@@ -1,4 +1,6 @@
-"""``_events.tsv``: trials, attempts, questions, the agent's actions, notes, and faults of sensors, by their onsets."""
+"""``_events.tsv``: trials, attempts, questions, the agent's actions, notes, and faults of sensors,
+by their onsets.
+"""
 
 from collections.abc import Iterator, Mapping
 from heapq import merge
@@ -14,9 +16,11 @@ _TYPES = {
     "attempt": "An attempt, from its first to its last moment.",
     "trial": "A trial: the onset is that of its prompt; in the reaching task, of the movement.",
     "action": "An action of the agent, from its first output to the end of its last one.",
-    "step": "A question, or another step between attempts, from its first moment to its answer or end.",
+    "step": "A question, or another step between attempts, from its first moment to its answer or "
+    "end.",
     "note": "A note, or an event mark.",
-    "sensor": "A fault of a motion sensor; a gap lasts from the last sample before it to the first after it.",
+    "sensor": "A fault of a motion sensor; a gap lasts from the last sample before it to the "
+    "first after it.",
 }
 _TRIAL_TYPE = Column("trial_type", "What the event is.", "string", levels=tuple(_TYPES))
 _COPIED = {
@@ -27,11 +31,15 @@ _COPIED = {
     "notes": ("written_by", "label", "text"),
     "sensor_faults": ("state", "samples"),
 }
-"""The columns that tell about events, by the table that describes them. A column of typed texts may not leave."""
+"""The columns that tell about events, by the table that describes them. A column of typed texts may
+not leave.
+"""
 
 
 class Event(NamedTuple):
-    """An event: its onset on the steady clock of its run, its duration, and the columns that tell about it."""
+    """An event: its onset on the steady clock of its run, its duration, and the columns that tell
+    about it.
+    """
 
     onset_ns: int
     duration_ns: int | None
@@ -40,7 +48,9 @@ class Event(NamedTuple):
 
 
 class Window(NamedTuple):
-    """The time that a file of events covers: from its zero; ``last_ns`` is None if there is no end."""
+    """The time that a file of events covers: from its zero; ``last_ns`` is None if there is no
+    end.
+    """
 
     zero_ns: int | None
     last_ns: int | None = None
@@ -50,8 +60,8 @@ def write_events(study: Study, session: Session, run: int, window: Window, path:
     """Write the events of a run.
 
     Args:
-        window: the time that onsets count from, None: from the first event. If it has an end, as that of a recording of
-            motion, only the events inside of it are written.
+        window: the time that onsets count from, None: from the first event. If it has an end, as
+            that of a recording of motion, only the events inside of it are written.
     """
     told = [column.name for column in _columns(study)]
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -59,7 +69,9 @@ def write_events(study: Study, session: Session, run: int, window: Window, path:
     write_rows(path, head, _rows(study, session, run, window, told))
 
 
-def _rows(study: Study, session: Session, run: int, window: Window, told: list[str]) -> Iterator[list[Any]]:
+def _rows(
+    study: Study, session: Session, run: int, window: Window, told: list[str]
+) -> Iterator[list[Any]]:
     zero, last = window
     unplaced: list[Row] = []
     for event in _events(study, session, run, unplaced):
@@ -68,15 +80,30 @@ def _rows(study: Study, session: Session, run: int, window: Window, told: list[s
         if last is None or zero <= event.onset_ns <= last:
             lasted = None if event.duration_ns is None else seconds(event.duration_ns)
             response_time = in_seconds(event.told.get("reaction_time_ms"))
-            yield [seconds(event.onset_ns - zero), lasted, event.kind, response_time, *map(event.told.get, told)]
+            yield [
+                seconds(event.onset_ns - zero),
+                lasted,
+                event.kind,
+                response_time,
+                *map(event.told.get, told),
+            ]
     if last is None:
         for trial in unplaced:
-            yield [None, None, "trial", in_seconds(trial["reaction_time_ms"]), *map(trial.get, told)]
+            yield [
+                None,
+                None,
+                "trial",
+                in_seconds(trial["reaction_time_ms"]),
+                *map(trial.get, told),
+            ]
 
 
 def describe_events(study: Study, task: str, facts: dict[str, Any], folder: Path) -> None:
     """Write what the columns of events mean, for all files of a task."""
-    columns = {"trial_type": description(_TRIAL_TYPE, _TYPES), **described((RESPONSE_TIME, *_columns(study)))}
+    columns = {
+        "trial_type": description(_TRIAL_TYPE, _TYPES),
+        **described((RESPONSE_TIME, *_columns(study))),
+    }
     write_json(folder / f"task-{study.tasks[task]}_events.json", {**facts, **columns})
 
 
@@ -101,7 +128,8 @@ def _columns(study: Study) -> list[Column]:
 
 
 def _events(study: Study, session: Session, run: int, unplaced: list[Row]) -> Iterator[Event]:
-    """Yield the events of a run by onset. Trials come from the database one by one, as they are many.
+    """Yield the events of a run by onset. Trials come from the database one by one, as they are
+    many.
 
     Args:
         unplaced: gets the trials without an onset.
@@ -121,7 +149,12 @@ def _events(study: Study, session: Session, run: int, unplaced: list[Row]) -> It
             if trial["onset_ns"] is None:
                 unplaced.append(trial)
             else:
-                yield Event(trial["onset_ns"], _between(trial["onset_ns"], trial["response_ns"]), "trial", trial)
+                yield Event(
+                    trial["onset_ns"],
+                    _between(trial["onset_ns"], trial["response_ns"]),
+                    "trial",
+                    trial,
+                )
 
     return merge(sorted(few, key=_onset), trials(), key=_onset)
 
@@ -133,21 +166,29 @@ def _onset(event: Event) -> int:
 def _attempts(study: Study, session: Session, run: int) -> Iterator[Event]:
     for row in study.rows("attempts", session.id):
         if row["seat"] == session.seat and row["run"] == run and row["started_ns"] is not None:
-            told = {name: row[name] for name in ("attempt", "practice", "level", *_COPIED["attempts"])}
-            yield Event(row["started_ns"], _between(row["started_ns"], row["ended_ns"]), "attempt", told)
+            told = {
+                name: row[name] for name in ("attempt", "practice", "level", *_COPIED["attempts"])
+            }
+            yield Event(
+                row["started_ns"], _between(row["started_ns"], row["ended_ns"]), "attempt", told
+            )
 
 
 def _actions(study: Study, session: Session, run: int) -> Iterator[Event]:
     for row in study.rows("actions", session.id):
         if row["run"] == run and row["started_ns"] is not None:
-            yield Event(row["started_ns"], _between(row["started_ns"], row["ended_ns"]), "action", row)
+            yield Event(
+                row["started_ns"], _between(row["started_ns"], row["ended_ns"]), "action", row
+            )
 
 
 def _steps(study: Study, session: Session, run: int) -> Iterator[Event]:
     for row in study.rows("answers", session.id):
         if row["seat"] == session.seat and row["run"] == run and row["shown_ns"] is not None:
             told = {name: row.get(name) for name in ("attempt", *_COPIED["answers"])}
-            yield Event(row["shown_ns"], _between(row["shown_ns"], row["answered_ns"]), "step", told)
+            yield Event(
+                row["shown_ns"], _between(row["shown_ns"], row["answered_ns"]), "step", told
+            )
 
 
 def _notes(study: Study, session: Session, run: int) -> Iterator[Event]:
@@ -165,5 +206,7 @@ def _faults(study: Study, session: Session, run: int) -> Iterator[Event]:
 
 
 def _between(onset_ns: int, end_ns: int | None) -> int | None:
-    """Return a duration; None if the end is not known, or is before the onset: the response came early."""
+    """Return a duration; None if the end is not known, or is before the onset: the response came
+    early.
+    """
     return None if end_ns is None or end_ns < onset_ns else end_ns - onset_ns

@@ -27,7 +27,9 @@ class BidsFormat:
     title = "a BIDS data set, with events, motion and questionnaires"
 
     def write(self, contents: Contents, folder: Path, progress: Callable[[], None]) -> None:
-        """Write the data set. Raises ExportError if BIDS cannot tell two participants or tasks apart."""
+        """Write the data set. Raises ExportError if BIDS cannot tell two participants or tasks
+        apart.
+        """
         study = Study(contents)
         sessions = defaultdict(list)
         for session in study.sessions:
@@ -66,7 +68,13 @@ def _write_session(study: Study, session: Session, facts: dict[str, Any], folder
     for number in sorted(write_behaviour(study, session, folder)):
         run = session.runs.get(number, Run(number))
         recordings.append((session.path("beh", "beh.tsv", number), run.time_of_day(run.clock_ns)))
-        write_events(study, session, number, Window(run.clock_ns), folder / session.path("beh", "events.tsv", number))
+        write_events(
+            study,
+            session,
+            number,
+            Window(run.clock_ns),
+            folder / session.path("beh", "events.tsv", number),
+        )
         write_json(folder / session.path("beh", "events.json", number), shown_by)
     motion = list(write_motion(study, session, facts, folder))
     for each in motion:

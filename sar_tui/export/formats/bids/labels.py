@@ -21,19 +21,22 @@ def labels(kind: str, prefix: str, names: Iterable[str], advice: str) -> dict[st
         advice: what to do about names that cannot be told apart.
 
     Raises:
-        ExportError: two names would have the same label, or labels that differ only in capital letters, or one has no
-            letter and no digit.
+        ExportError: two names would have the same label, or labels that differ only in capital
+            letters, or one has no letter and no digit.
     """
     found: dict[str, str] = {}
     names_by_label: dict[str, str] = {}
     for name in names:
         found[name] = made = label(name)
         if not made:
-            raise ExportError(f"{kind}: “{name}” has no letter or digit that BIDS takes. {advice}", bad_input=True)
+            raise ExportError(
+                f"{kind}: “{name}” has no letter or digit that BIDS takes. {advice}", bad_input=True
+            )
         other = names_by_label.setdefault(made.casefold(), name)
         if other != name:
             raise ExportError(
-                f"{kind} {other} and {name} would both be {prefix}-{made} in BIDS, which takes only letters and "
+                f"{kind} {other} and {name} would both be {prefix}-{made} in BIDS, which takes "
+                "only letters and "
                 f"digits. {advice}",
                 bad_input=True,
             )

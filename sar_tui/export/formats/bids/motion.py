@@ -14,7 +14,8 @@ _NO_FIELD = [None, None, None]
 GAP_STEPS = 1.5
 """A step between samples of more than this many intervals of the nominal rate is a gap."""
 _MISSING_VALUES = (
-    "n/a. Where samples are missing, there is one row of n/a, whose latency is that of the first missing sample."
+    "n/a. Where samples are missing, there is one row of n/a, whose latency is that "
+    "of the first missing sample."
 )
 _TYPES = {"acceleration": "ACCEL", "rate": "GYRO", "field": "MAGN"}
 _UNITS = {"acceleration": "m/s^2", "rate": "rad/s", "field": "gauss"}
@@ -34,7 +35,13 @@ _CHANNELS = (
         for axis in "xyz"
     ),
     ("device_clock", None, "MISC", "ms", "The sensor's own clock."),
-    ("arrival", None, "MISC", "s", "When the sample arrived at the host, since the first sample was measured."),
+    (
+        "arrival",
+        None,
+        "MISC",
+        "s",
+        "When the sample arrived at the host, since the first sample was measured.",
+    ),
 )
 _PLACES = {"hand": ("hand", "back of the hand"), "trunk": ("trunk", "sternum")}
 """Tracked point and placement of a sensor, by the part of the body."""
@@ -43,7 +50,8 @@ _FRAME = {
         "Description": "The axes of a channel are those of this frame.",
         "Levels": {
             "sensor": {
-                "Description": "The axes printed on the sensor. As sar-tui asks for it to be worn: y along the "
+                "Description": "The axes printed on the sensor. As sar-tui asks for it to be "
+                "worn: y along the "
                 "fingers, z out of the back of the hand; on the trunk, in any way.",
             }
         },
@@ -70,14 +78,21 @@ class Recording(msgspec.Struct, kw_only=True):
     has_field: bool = False
 
 
-def write_motion(study: Study, session: Session, facts: dict[str, Any], folder: Path) -> Iterator[Recording]:
-    """Write the samples of the subject's sensors, and yield each recording. A sensor without a sample has no file.
+def write_motion(
+    study: Study, session: Session, facts: dict[str, Any], folder: Path
+) -> Iterator[Recording]:
+    """Write the samples of the subject's sensors, and yield each recording. A sensor without a
+    sample has no file.
 
     Args:
         facts: about the task.
         folder: of the session.
     """
-    streams = {row["stream"]: row for row in study.rows("imu_streams", session.id) if row["seat"] == session.seat}
+    streams = {
+        row["stream"]: row
+        for row in study.rows("imu_streams", session.id)
+        if row["seat"] == session.seat
+    }
     if not streams:
         return
     for number, samples in groupby(study.values("imu", session.id), key=lambda row: row[1]):
@@ -90,7 +105,9 @@ def write_motion(study: Study, session: Session, facts: dict[str, Any], folder: 
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         _write_samples(recording, stream["rate_hz"] or 0.0, samples, folder / path)
         _write_channels(
-            recording, stream["part"], folder / session.path("motion", "channels.tsv", run, tracksys=tracksys)
+            recording,
+            stream["part"],
+            folder / session.path("motion", "channels.tsv", run, tracksys=tracksys),
         )
         about = {**facts, **_about(recording, stream)}
         write_json(folder / session.path("motion", "motion.json", run, tracksys=tracksys), about)
@@ -102,7 +119,9 @@ def describe_motion(study: Study, task: str, folder: Path) -> None:
     write_json(folder / f"task-{study.tasks[task]}_channels.json", _FRAME)
 
 
-def _write_samples(recording: Recording, rate_hz: float, samples: Iterator[tuple[Any, ...]], path: Path) -> None:
+def _write_samples(
+    recording: Recording, rate_hz: float, samples: Iterator[tuple[Any, ...]], path: Path
+) -> None:
     interval = 1e9 / rate_hz if rate_hz > 0 else 0.0
     step = GAP_STEPS * interval or float("inf")
     missing = [None] * (len(_CHANNELS) - 1)

@@ -1,6 +1,8 @@
-"""``phenotype/``: scores of instruments, and answers about pain and tiredness, a row for each person who has one.
+"""``phenotype/``: scores of instruments, and answers about pain and tiredness, a row for each
+person who has one.
 
-A person has one row in such a file, so that what was measured several times has several columns: score_1, score_2, ….
+A person has one row in such a file, so that what was measured several times has several columns:
+score_1, score_2, ….
 """
 
 from collections.abc import Iterable, Mapping
@@ -67,11 +69,18 @@ def _write(study: Study, name: str, tool: Tool, folder: Path) -> None:
         for time in times
         for column, told in tool.columns.items()
     }
-    write_json(folder / f"{name}.json", {"MeasurementToolMetadata": {"Description": tool.description}, **described})
+    write_json(
+        folder / f"{name}.json",
+        {"MeasurementToolMetadata": {"Description": tool.description}, **described},
+    )
 
 
 def _numbered(occasions: Iterable[Row]) -> Row:
-    return {f"{name}_{time}": value for time, row in enumerate(occasions, 1) for name, value in row.items()}
+    return {
+        f"{name}_{time}": value
+        for time, row in enumerate(occasions, 1)
+        for name, value in row.items()
+    }
 
 
 def _instruments(study: Study) -> dict[str, Tool]:
@@ -83,7 +92,11 @@ def _instruments(study: Study) -> dict[str, Tool]:
     found: dict[str, Tool] = {}
     for name, persons in sorted(last.items()):
         occasions = {
-            code: [{"date": day, "score": row["score"]} for day, row in sorted(days.items()) if not row["removed"]]
+            code: [
+                {"date": day, "score": row["score"]}
+                for day, row in sorted(days.items())
+                if not row["removed"]
+            ]
             for code, days in persons.items()
         }
         if kept := {code: scores for code, scores in occasions.items() if scores}:
@@ -125,7 +138,8 @@ def _wellbeing(study: Study) -> Tool:
         if f"{question}_{moment}" in asked
     }
     return Tool(
-        "Questions about pain and tiredness with numeric rating scales, asked by sar-tui in its sessions.",
+        "Questions about pain and tiredness with numeric rating scales, asked by sar-tui in its "
+        "sessions.",
         {"session": {"Description": "The session; n/a: it never began."}, **columns},
         {code: list(sessions.values()) for code, sessions in occasions.items()},
     )

@@ -12,7 +12,9 @@ _ACQ_TIME = "acq_time"
 
 def write_sessions(study: Study, folder: Path) -> None:
     """Write the sessions of each subject, and what their columns mean."""
-    columns = {column.name: column for column in study.columns("sessions") if column.name not in _ELSEWHERE}
+    columns = {
+        column.name: column for column in study.columns("sessions") if column.name not in _ELSEWHERE
+    }
     sessions: dict[str, list[Session]] = {}
     for session in study.sessions:
         sessions.setdefault(session.subject, []).append(session)
@@ -38,7 +40,9 @@ def write_sessions(study: Study, folder: Path) -> None:
     write_json(folder / "sessions.json", {**added, **described(columns.values())})
 
 
-def write_scans(session: Session, recordings: Iterable[tuple[str, str | None]], folder: Path) -> None:
+def write_scans(
+    session: Session, recordings: Iterable[tuple[str, str | None]], folder: Path
+) -> None:
     """Write the recordings of a session, each with the time of day of its zero.
 
     Args:

@@ -18,7 +18,8 @@ class Run(msgspec.Struct, frozen=True):
     """A run of the program on a session.
 
     Attributes:
-        clock_ns: the steady clock of the run at its start, from which times are counted; None if it is not recorded.
+        clock_ns: the steady clock of the run at its start, from which times are counted; None if it
+            is not recorded.
         utc: the time of day at that moment.
     """
 
@@ -31,7 +32,9 @@ class Run(msgspec.Struct, frozen=True):
         if self.utc is None or self.clock_ns is None or at_ns is None:
             return None
         try:
-            then = datetime.fromisoformat(self.utc) + timedelta(microseconds=(at_ns - self.clock_ns) // 1000)
+            then = datetime.fromisoformat(self.utc) + timedelta(
+                microseconds=(at_ns - self.clock_ns) // 1000
+            )
         except (ValueError, OverflowError):
             return None
         return then.isoformat()
@@ -89,13 +92,19 @@ class Study:
     def __init__(self, contents: Contents) -> None:
         self._contents = contents
         self._tables = {table.name: table for table in contents.tables}
-        found = [row for session in self.owners("sessions") for row in self.rows("sessions", session)]
+        found = [
+            row for session in self.owners("sessions") for row in self.rows("sessions", session)
+        ]
         self.subjects = labels("Participants", "sub", self.owners("participants"), _RECODE)
         self.tasks = labels("Tasks", "task", dict.fromkeys(row["task"] for row in found), _APART)
         sessions = labels("Sessions", "ses", self.owners("sessions"), _APART)
         self.sessions: list[Session] = []
         for row in found:
-            codes = {seat: row[name] for seat, name in (("A", "participant"), ("B", "partner")) if row[name]}
+            codes = {
+                seat: row[name]
+                for seat, name in (("A", "participant"), ("B", "partner"))
+                if row[name]
+            }
             for seat, code in codes.items():
                 others = [self.subjects[other] for place, other in codes.items() if place != seat]
                 self.sessions.append(
@@ -130,5 +139,8 @@ class Study:
         return (dict(zip(names, values, strict=True)) for values in self.values(table, owner))
 
     def _runs(self, session: str) -> dict[int, Run]:
-        found = {row["run"]: Run(row["run"], row["clock_ns"], row["clock_utc"]) for row in self.rows("runs", session)}
+        found = {
+            row["run"]: Run(row["run"], row["clock_ns"], row["clock_utc"])
+            for row in self.rows("runs", session)
+        }
         return found or {1: Run(1)}

@@ -17,8 +17,9 @@ _BOOLEANS = {"true": "Yes.", "false": "No."}
 def text(of: str) -> str:
     """Return a text as it is written.
 
-    Tabs, line ends and backslashes are written as in JSON, and a quote at its beginning, which other programs would
-    take for the beginning of a quoted text. Formulas and other control characters are written as in CSV.
+    Tabs, line ends and backslashes are written as in JSON, and a quote at its beginning, which
+    other programs would take for the beginning of a quoted text. Formulas and other control
+    characters are written as in CSV.
     """
     if of.isalnum():
         return of
@@ -67,17 +68,23 @@ def described(columns: Iterable[Column]) -> dict[str, Any]:
 def description(column: Column, levels: Mapping[str, str] | None = None) -> dict[str, Any]:
     """Return what a JSON sidecar says of a column.
 
-    BIDS takes a column with units for one of numbers: the unit of a text, such as several stamps with spaces between
-    them, is part of the description.
+    BIDS takes a column with units for one of numbers: the unit of a text, such as several stamps
+    with spaces between them, is part of the description.
 
     Args:
         levels: the meaning of each level, where the name of a level does not say enough.
     """
     if levels is None:
-        levels = _BOOLEANS if column.type == "boolean" else {text(level): level for level in column.levels}
+        levels = (
+            _BOOLEANS
+            if column.type == "boolean"
+            else {text(level): level for level in column.levels}
+        )
     is_number = column.type in ("integer", "number")
     return {
-        "Description": column.meaning if is_number or not column.unit else f"{column.meaning} Unit: {column.unit}.",
+        "Description": column.meaning
+        if is_number or not column.unit
+        else f"{column.meaning} Unit: {column.unit}.",
         **({"Units": column.unit} if is_number and column.unit else {}),
         **({"Levels": levels} if levels else {}),
     }
