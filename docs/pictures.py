@@ -102,12 +102,11 @@ async def _draw_home(data: Path, catalogue: Catalogue) -> None:
         if felt := _FELT.get(seed):
             wellbeing.save(database, code, *felt, session=session)  # type: ignore[arg-type]
     database.close()
-    for name, size in (("home", (80, 24)), ("home-large", (160, 50))):
-        app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
-        app.today = _TODAY.date
-        async with app.run_test(size=size) as pilot:
-            await _settle(pilot, clock)
-            _save(app, name)
+    app = SarTui(data, catalogue, clock=(clock := VirtualClock(SECOND)))
+    app.today = _TODAY.date
+    async with app.run_test(size=(80, 24)) as pilot:
+        await _settle(pilot, clock)
+        _save(app, "home")
 
 
 async def _draw_agent(data: Path, catalogue: Catalogue) -> None:
